@@ -1,0 +1,71 @@
+"""Every deliberate error: what is wrong, in the user's own names, and what to do about it.
+
+Each class is one kind of thing that a user can fix. Its exit code is what the
+command line ends with; `ValueError` and friends stay what they are, a
+programmer's mistake.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+
+
+class RigtriError(Exception):
+    """Anything rigtri refuses to do; its text is written for the user."""
+
+    exit_code = 1
+
+
+class UsageError(RigtriError):
+    """Options that contradict each other or that make no sense together."""
+
+    exit_code = 2
+
+
+class FileError(RigtriError):
+    """A file that cannot be read or written, or that breaks its format's rules."""
+
+    exit_code = 3
+
+
+class NameNotFoundError(RigtriError):
+    """A joint, node, clip or skin that the file does not have."""
+
+    exit_code = 4
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        close = get_close_matches(name, list(dict.fromkeys(known)), n=3)
+        hint = f" Did you mean {_quoted(close)}?" if close else ""
+        super().__init__(
+            f"No {kind} is named '{name}'.{hint} List what is there with: rigtri inspect FILE"
+        )
+
+
+class AmbiguousNameError(RigtriError):
+    """A name that several nodes share."""
+
+    exit_code = 4
+
+    def __init__(self, kind: str, name: str, addresses: Sequence[str]) -> None:
+        super().__init__(
+            f"{len(addresses)} {kind}s are named '{name}': {_quoted(addresses[:6])}. "
+            "Say which one by its index or path, e.g. "
+            f"'{addresses[0]}'."
+        )
+
+
+class GeometryError(RigtriError):
+    """Positions or matrices that do not define what was asked for."""
+
+    exit_code = 5
+
+
+class DeviationError(RigtriError):
+    """The result would look different from the source; nothing was written."""
+
+    exit_code = 6
+
+
+def _quoted(words: Iterable[str]) -> str:
+    return ", ".join(f"'{word}'" for word in words)

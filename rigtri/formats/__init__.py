@@ -1,0 +1,88 @@
+"""File formats. Each stands beside the operations; both know only the `Rig`.
+
+The law of every format: an unchanged rig gives back the same bytes; in a
+changed file every value, prim, property, image and buffer byte that the change
+does not name is still there and equal, in the same order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from rigtri.errors import FileError
+from rigtri.report import Warning
+from rigtri.rig import Mesh, Rig
+
+GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
+USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to read and write. Each field says which format it is for; the other ignores it.
+
+    lenient: repair what the format forbids where the meaning is clear (glTF).
+    allow_external_paths: read what a file refers to outside its own folder (both).
+    root: the node whose hierarchy is the rig where there is no skin (both).
+    relink: point a moved .gltf at its old resources instead of copying them (glTF).
+    override: write bare opinions over the source (USD): "", "layer" or "stage".
+    bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
+    """
+
+    lenient: bool = False
+    allow_external_paths: bool = False
+    root: str | None = None
+    relink: bool = False
+    override: str = ""
+    bake_xform: bool = False
+
+
+@dataclass(frozen=True)
+class Companion:
+    """A file that must lie beside the output: new bytes, or a copy of a file of the source.
+
+    name: where, relative to the output's folder, with forward slashes.
+    """
+
+    name: str
+    content: bytes | Path
+
+
+class Document(Protocol):
+    """A file that was read, together with everything in it that rigtri does not know."""
+
+    @property
+    def rig(self) -> Rig: ...
+
+    @property
+    def warnings(self) -> Sequence[Warning]:
+        """What the reader noticed and could live with."""
+
+    def meshes(self) -> Sequence[Mesh]:
+        """All that is drawn, for measuring; read when asked for."""
+
+    def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
+        """Write the file as ``rig`` wants it to ``part``, which will be renamed to ``target``.
+
+        ``part`` lies in the folder of ``target``. What differs from the rig that was
+        read is changed, all else is copied. Returns the files that must lie beside it.
+        """
+
+
+def read(path: Path, options: Options | None = None) -> Document:
+    """Read a rig file; its suffix says the format. Raises FileError for anything unreadable."""
+    options = options or Options()
+    suffix = path.suffix.lower()
+    if suffix in GLTF_SUFFIXES:
+        from rigtri.formats.gltf.document import GltfDocument
+
+        return GltfDocument.read(path, options)
+    if suffix in USD_SUFFIXES:
+        from rigtri.formats.usd.document import UsdDocument
+
+        return UsdDocument.read(path, options)
+    known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
+    raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")

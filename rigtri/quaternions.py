@@ -1,0 +1,164 @@
+"""Rotations as unit quaternions xyzw, shape (..., 4); one and many are the same call.
+
+Hamilton's product: ``multiply(a, b)`` turns by ``b`` first, then by ``a``.
+glTF stores xyzw; ``Gf.Quat`` shows w first and keeps the same numbers.
+
+Source: glTF 2.0, appendix C (slerp); K. Shoemake, "Animating rotation with
+quaternion curves", SIGGRAPH 1985; S. W. Shepperd, "Quaternion from rotation
+matrix", J. Guidance and Control 1 (1978).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rigtri.trigonometry import Floats, arc_tangent, sin_cos
+from rigtri.vectors import as_vectors, cross, dot, length, normalise
+
+IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+def as_quaternions(q: ArrayLike) -> Floats:
+    """Anything array-like as float64, shape (..., 4); ValueError for another last axis."""
+    array = np.asarray(q, dtype=np.float64)
+    if array.shape[-1:] != (4,):
+        raise ValueError(f"quaternions have four numbers, these have shape {array.shape}")
+    return array
+
+
+def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
+    """Products a·b, (..., 4): the turn ``b`` followed by the turn ``a``.
+
+    Bilinear and norm-preserving, so values that are not quite unit, and cubic
+    tangents, go through it unharmed.
+    """
+    a, b = as_quaternions(a), as_quaternions(b)
+    ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
+    bx, by, bz, bw = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
+    return np.stack(
+        [
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q: ArrayLike) -> Floats:
+    """The opposite turns, (..., 4), for unit quaternions."""
+    return as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0])
+
+
+def norm(q: ArrayLike) -> Floats:
+    """Lengths of quaternions, (..., 4) → (...); 1 for a rotation."""
+    q = as_quaternions(q)
+    return np.sqrt(
+        q[..., 0] * q[..., 0] + q[..., 1] * q[..., 1] + q[..., 2] * q[..., 2] + q[..., 3] * q[..., 3]
+    )
+
+
+def unit(q: ArrayLike) -> Floats:
+    """Quaternions of length 1, (..., 4); NaN for a zero quaternion."""
+    q = as_quaternions(q)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return q / norm(q)[..., np.newaxis]
+
+
+def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
+    """Vectors ``v``, (..., 3), turned by unit quaternions ``q``, (..., 4)."""
+    q, v = as_quaternions(q), as_vectors(v)
+    axis = q[..., :3]
+    twice = 2.0 * cross(axis, v)
+    return v + q[..., 3:] * twice + cross(axis, twice)
+
+
+def to_axes(q: ArrayLike) -> Floats:
+    """The X, Y and Z axes after the turn, as rows, (..., 4) → (..., 3, 3)."""
+    q = as_quaternions(q)
+    return rotate(q[..., np.newaxis, :], np.eye(3))
+
+
+def from_axes(axes: ArrayLike) -> Floats:
+    """The turn that takes X, Y, Z onto the rows of a right-handed orthonormal frame.
+
+    axes: shape (..., 3, 3), rows are unit vectors. Returns unit quaternions
+    (..., 4) with w ≥ 0. A left-handed or skewed frame is a programmer's mistake
+    and gives a meaningless turn.
+
+    Source: Shepperd 1978: the largest of the four squares is never below 1/4.
+    """
+    m = np.asarray(axes, dtype=np.float64)
+    xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
+    yz, zx, xy = m[..., 1, 2] - m[..., 2, 1], m[..., 2, 0] - m[..., 0, 2], m[..., 0, 1] - m[..., 1, 0]
+    ys, zs, xs = m[..., 1, 2] + m[..., 2, 1], m[..., 2, 0] + m[..., 0, 2], m[..., 0, 1] + m[..., 1, 0]
+    squares = np.stack(
+        [1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz, 1 + xx + yy + zz], axis=-1
+    )
+    candidates = np.stack(
+        [
+            np.stack([squares[..., 0], xs, zs, yz], axis=-1),
+            np.stack([xs, squares[..., 1], ys, zx], axis=-1),
+            np.stack([zs, ys, squares[..., 2], xy], axis=-1),
+            np.stack([yz, zx, xy, squares[..., 3]], axis=-1),
+        ],
+        axis=-2,
+    )
+    best = np.argmax(squares, axis=-1)[..., np.newaxis, np.newaxis]
+    q = unit(np.take_along_axis(candidates, best, axis=-2)[..., 0, :])
+    return np.where(q[..., 3:] < 0, -q, q)
+
+
+def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
+    """Turns by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0."""
+    sine, cosine = sin_cos(np.asarray(angle, dtype=np.float64) / 2.0)
+    xyz = normalise(axis) * sine[..., np.newaxis]
+    return np.concatenate([xyz, np.broadcast_to(cosine[..., np.newaxis], (*xyz.shape[:-1], 1))], -1)
+
+
+def between(a: ArrayLike, b: ArrayLike) -> Floats:
+    """The shortest turns that take direction ``a`` to direction ``b``, (..., 3) → (..., 4).
+
+    Opposite directions have no shortest turn; they get a half turn about an
+    axis perpendicular to ``a``.
+    """
+    a, b = normalise(a), normalise(b)
+    a, b = np.broadcast_arrays(a, b)
+    halfway = a + b
+    opposite = dot(halfway, halfway) < 1e-24  # 1e-12 rad from opposite: the cross product is noise
+    # The unit axis least parallel to a: crossing with it never degenerates.
+    aside = cross(a, np.eye(3)[np.argmin(np.abs(a), axis=-1)])
+    half = normalise(np.where(opposite[..., np.newaxis], aside, halfway))
+    turn = np.concatenate([cross(a, half), dot(a, half)[..., np.newaxis]], axis=-1)
+    flip = np.concatenate([half, np.zeros((*half.shape[:-1], 1))], axis=-1)
+    return np.where(opposite[..., np.newaxis], flip, turn)
+
+
+def turn_angle(q: ArrayLike) -> Floats:
+    """How far unit quaternions turn, (..., 4) → (...), in radians, 0 to π."""
+    q = as_quaternions(q)
+    return 2.0 * arc_tangent(length(q[..., :3]), np.abs(q[..., 3]))
+
+
+def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
+    """Turns on the shorter arc from ``a`` to ``b``, (..., 4); ``share``, (...), from 0 to 1.
+
+    The result is unit where ``a`` and ``b`` are.
+
+    Source: glTF 2.0, appendix C.4.
+    """
+    a, b = as_quaternions(a), as_quaternions(b)
+    share = np.asarray(share, dtype=np.float64)
+    cosine = (a * b)[..., 0] + (a * b)[..., 1] + (a * b)[..., 2] + (a * b)[..., 3]
+    b = np.where(cosine[..., np.newaxis] < 0, -b, b)
+    total = 2.0 * arc_tangent(norm(b - a), norm(a + b))
+    sine, _ = sin_cos(total)
+    from_a, _ = sin_cos((1.0 - share) * total)
+    from_b, _ = sin_cos(share * total)
+    close = sine < 1e-12  # the same turn twice: a straight line is exact to the last bit
+    scale = 1.0 / np.where(close, 1.0, sine)
+    weight_a = np.where(close, 1.0 - share, from_a * scale)
+    weight_b = np.where(close, share, from_b * scale)
+    return a * weight_a[..., np.newaxis] + b * weight_b[..., np.newaxis]

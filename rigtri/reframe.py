@@ -1,0 +1,241 @@
+"""New joint frames, and everything bound to them follows. The only place where frames change.
+
+The change of frame C of a joint is a rotation seen in the joint's own old
+frame: a unit quaternion per node, identity where nothing turns. With row
+matrices and p the parent::
+
+    world' = C·world          local' = C·local·Cp⁻¹
+    inverse_bind' = inverse_bind·C⁻¹
+
+and the same for every key of every clip: the map is linear and constant in
+time, so LINEAR, STEP and CUBICSPLINE stay exact with the same key times;
+nothing is baked or resampled.
+
+Source: docs/exactness.md; UsdSkel and glTF 2.0 §3.7.3 (skins), appendix C.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rigtri.matrices import turn_after, turn_before
+from rigtri.quaternions import IDENTITY, conjugate, multiply, rotate, to_axes
+from rigtri.rig import Booleans, Integers, Rig, Track
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+# Scale components that differ by less are one number that was rounded to float32 or half.
+SAME_SCALE = 1e-6
+# A turn this near to a signed permutation of the axes is one.
+SAME_AXIS = 1e-9
+
+
+def turned(turn: Floats) -> Booleans:
+    """Which quaternions, (n, 4), turn at all: exactly the identity means no."""
+    return np.asarray((turn != IDENTITY).any(axis=-1))
+
+
+def reframe(rig: Rig, turn: Floats) -> Rig:
+    """Turn the frame of each node by ``turn``, (n, 4), in its own old frame.
+
+    Nothing that can be seen moves. A node that itself shows a mesh, camera or
+    light hands it to a new child ``<name>_payload`` that keeps the old axes.
+    ValueError where a node's scale does not allow the turn: ask `scale_allows` first.
+    """
+    own = turned(turn)
+    if not own.any():
+        return rig
+    scales = _Scales.of(rig)
+    refused = np.flatnonzero(own & ~_allowed(scales, turn))
+    if len(refused):
+        raise ValueError(f"{[rig.title(node) for node in refused]} would shear: non-uniform scale")
+    above = np.where((rig.parents >= 0)[:, np.newaxis], turn[rig.parents], IDENTITY)
+    fold = scales.fold(own & ~_permutes(to_axes(turn)))
+    rig = _turn_rest(rig, turn, above, fold, scales)
+    rig = _turn_skins(rig, turn)
+    rig = _turn_clips(rig, turn, above, fold, scales)
+    rig = _turn_bound(rig, turn)
+    return _hand_over_payload(rig, turn)
+
+
+def scale_allows(rig: Rig, turn: Floats) -> Booleans:
+    """Which nodes can take their turn in place, (n,): C·S·C⁻¹ stays diagonal at rest and every key.
+
+    So it does for a uniform |S|, for a signed permutation of the axes, and for
+    two equal components with a turn about the third.
+
+    Source: formats of the constraint: glTF 2.0 §3.5.3 forbids sheared nodes.
+    """
+    return _allowed(_Scales.of(rig), turn)
+
+
+@dataclass(frozen=True, eq=False)
+class _Scales:
+    """Every scale that nodes have, at rest and at keys (tangents are scales too): rows (k, 3)."""
+
+    rows: Floats
+    owner: Integers
+    sign: Floats  # (n, 3), of the rest scale
+    uneven: Booleans  # (n,), |S| is not uniform somewhere
+
+    @staticmethod
+    def of(rig: Rig) -> _Scales:
+        linear = rig.matrix[:, :3, :3]
+        rest = np.where(rig.has_matrix[:, np.newaxis], length(linear), rig.scale)
+        tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "scale"]
+        keys = [t.values.reshape(-1, 3) for t in tracks]
+        owner = np.repeat([t.node for t in tracks], [len(k) for k in keys]).astype(np.int64)
+        rows = np.concatenate([rest, *keys])
+        owner = np.concatenate([np.arange(len(rig)), owner])
+        sign = np.where(rest < 0, -1.0, 1.0)
+        size = rows * sign[owner]
+        uneven = np.zeros(len(rig), dtype=bool)
+        spread = size.max(axis=1) - size.min(axis=1)
+        uneven[owner[spread > SAME_SCALE * np.abs(size).max(axis=1)]] = True
+        return _Scales(rows, owner, sign, uneven)
+
+    def fold(self, where: Booleans) -> Floats:
+        """Half turns (n, 4) that a uniform scale of mixed signs stands for: S = ±|S|·half turn."""
+        parity = self.sign.prod(axis=1, keepdims=True)
+        half = np.concatenate([(self.sign * parity > 0).astype(float), np.zeros((len(parity), 1))], 1)
+        mixed = where & (self.sign != self.sign[:, :1]).any(axis=1) & ~self.uneven
+        return np.where(mixed[:, np.newaxis], half, IDENTITY)
+
+
+def _allowed(scales: _Scales, turn: Floats) -> Booleans:
+    allowed = np.ones(len(turn), dtype=bool)
+    for node in np.flatnonzero(turned(turn) & scales.uneven).tolist():
+        rows = scales.rows[scales.owner == node]
+        allowed[node] = _stays_diagonal(to_axes(turn[node]), rows)
+    return allowed
+
+
+def _stays_diagonal(axes: Floats, rows: Floats) -> bool:
+    """Whether C·S·C⁻¹ has nothing off its diagonal for any scale, (k, 3), up to rounding."""
+    limit = SAME_SCALE * np.abs(rows).max(axis=1)
+    products = axes[[0, 1, 2]] * axes[[1, 2, 0]]
+    off = sum(products[:, k] * rows[:, k, np.newaxis] for k in range(3))
+    return bool((np.abs(off) <= limit[:, np.newaxis]).all())
+
+
+def _permutes(axes: Floats) -> Booleans:
+    """Which frames, (..., 3, 3), are signed permutations of the axes, (...)."""
+    return np.asarray((np.abs(axes - np.rint(axes)) < SAME_AXIS).all(axis=(-1, -2)))
+
+
+def _turned_scale(scale: Floats, node: Integers | int, turn: Floats, fold: Floats, scales: _Scales) -> Floats:
+    """Scales, (..., 3), of nodes after their turns: permuted, unsigned, or untouched to the bit."""
+    squares = to_axes(turn[node]) ** 2
+    mixed = np.asarray(sum(squares[..., :, k] * scale[..., k, np.newaxis] for k in range(3)))
+    folded = turned(fold[node])[..., np.newaxis]
+    parity = scales.sign[node].prod(axis=-1, keepdims=True)
+    unsigned = scale * scales.sign[node] * parity
+    moves = turned(turn[node])[..., np.newaxis] & (
+        scales.uneven[node][..., np.newaxis] | (scales.sign[node] != scales.sign[node][..., :1]).any(-1, keepdims=True)
+    )
+    return np.where(folded, unsigned, np.where(moves, mixed, scale))
+
+
+def _turn_rest(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: _Scales) -> Rig:
+    own, parents = turned(turn)[:, np.newaxis], turned(above)[:, np.newaxis]
+    translation = np.where(parents, rotate(conjugate(above), rig.translation), rig.translation)
+    rotation = np.where(own | parents, _sandwich(above, rig.rotation, fold, turn), rig.rotation)
+    moved = turn_after(turn_before(turn, rig.matrix), conjugate(above))
+    return replace(
+        rig,
+        translation=translation,
+        rotation=rotation,
+        scale=_turned_scale(rig.scale, np.arange(len(rig)), turn, fold, scales),
+        matrix=np.where((own | parents)[:, :, np.newaxis], moved, rig.matrix),
+    )
+
+
+def _sandwich(above: Floats, q: Floats, fold: Floats, turn: Floats) -> Floats:
+    """Cp⁻¹·q·fold·C as quaternions; exact for values of any norm and for tangents."""
+    return multiply(multiply(conjugate(above), q), multiply(fold, turn))
+
+
+def _turn_skins(rig: Rig, turn: Floats) -> Rig:
+    own = turned(turn)
+    skins = []
+    for skin in rig.skins:
+        mine = own[skin.joints]
+        if mine.any():
+            moved = turn_after(skin.inverse_bind, conjugate(turn[skin.joints]))
+            keep = mine[:, np.newaxis, np.newaxis]
+            skin = replace(skin, inverse_bind=np.where(keep, moved, skin.inverse_bind))
+        skins.append(skin)
+    return replace(rig, skins=tuple(skins))
+
+
+def _turn_clips(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: _Scales) -> Rig:
+    """Turn the keys of all clips; tracks of one kind go through the arithmetic together."""
+    own, parents = turned(turn), turned(above)
+    tracks = [track for clip in rig.clips for track in clip.tracks]
+    changed: dict[int, Track] = {}
+    for path, moves in (("translation", parents), ("rotation", own | parents), ("scale", own)):
+        mine = [k for k, t in enumerate(tracks) if t.path == path and moves[t.node]]
+        if not mine:
+            continue
+        width = 4 if path == "rotation" else 3
+        flat = [tracks[k].values.reshape(-1, width) for k in mine]
+        node = np.repeat([tracks[k].node for k in mine], [len(rows) for rows in flat])
+        rows = np.concatenate(flat)
+        if path == "translation":
+            rows = rotate(conjugate(above[node]), rows)
+        elif path == "rotation":
+            rows = _sandwich(above[node], rows, fold[node], turn[node])
+        else:
+            rows = _turned_scale(rows, node, turn, fold, scales)
+        for k, part in zip(mine, np.split(rows, np.cumsum([len(r) for r in flat])[:-1]), strict=True):
+            values = part.reshape(tracks[k].values.shape)
+            if path != "scale" or not np.array_equal(values, tracks[k].values):
+                changed[k] = replace(tracks[k], values=values)
+    if not changed:
+        return rig
+    after = iter(changed.get(k, track) for k, track in enumerate(tracks))
+    clips = tuple(replace(clip, tracks=tuple(next(after) for _ in clip.tracks)) for clip in rig.clips)
+    return replace(rig, clips=clips)
+
+
+def _turn_bound(rig: Rig, turn: Floats) -> Rig:
+    own = turned(turn)
+    return replace(
+        rig,
+        bound=tuple(
+            replace(b, vector=rotate(conjugate(turn[b.node]), b.vector)) if own[b.node] else b
+            for b in rig.bound
+        ),
+    )
+
+
+def _hand_over_payload(rig: Rig, turn: Floats) -> Rig:
+    """Give what a turned node shows to a new child that stands as the node stood."""
+    carriers = np.flatnonzero(turned(turn) & (rig.payload[: len(turn)] >= 0)).tolist()
+    if not carriers:
+        return rig
+    shown = rig.payload[carriers]
+    payload = rig.payload.copy()
+    payload[carriers] = -1
+    names = [f"{rig.names[node] or 'node'}_payload" for node in carriers]
+    moved = replace(rig, payload=payload).with_nodes(
+        names, carriers, np.zeros((len(carriers), 3)), conjugate(turn[carriers]), shown.tolist()
+    )
+    return _redirect_weights(moved, dict(zip(carriers, range(len(rig), len(moved)), strict=True)))
+
+
+def _redirect_weights(rig: Rig, to: dict[int, int]) -> Rig:
+    """Let morph tracks drive the node that shows the mesh now."""
+    clips = tuple(
+        replace(
+            clip,
+            tracks=tuple(
+                replace(t, node=to[t.node]) if t.path == "weights" and t.node in to else t
+                for t in clip.tracks
+            ),
+        )
+        for clip in rig.clips
+    )
+    return replace(rig, clips=clips)

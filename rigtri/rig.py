@@ -1,0 +1,294 @@
+"""A rig: joints and everything bound to them, as immutable arrays. It knows no file.
+
+Nodes come parents first, so that one pass from front to back visits every
+parent before its children and a cycle is impossible. ``n`` is the number of
+nodes; matrices are row-vector matrices (`rigtri.matrices`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.matrices import compose
+from rigtri.trigonometry import Floats
+
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+Path = Literal["translation", "rotation", "scale", "weights"]
+Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """One property of one node over the time of a clip.
+
+    times: shape (k,), increasing. values: (k, c), for CUBICSPLINE (k, 3, c):
+    in-tangent, value, out-tangent. Tracks of a clip that share their times
+    share the array, which is what makes sampling them together cheap.
+    """
+
+    node: int
+    path: Path
+    interpolation: Interpolation
+    times: Floats
+    values: Floats
+    key: Hashable = None
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """An animation. What no track drives keeps its rest value during the clip."""
+
+    name: str
+    tracks: tuple[Track, ...]
+    key: Hashable = None
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Joints and the matrices that take bind-pose points into each joint's space.
+
+    joints: node indices, (m,). inverse_bind: (m, 4, 4). ``stored`` is False when
+    the file has no matrices and these are the identity its format prescribes.
+    ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
+    so it is asked only when needed.
+    """
+
+    name: str
+    joints: Integers
+    inverse_bind: Floats
+    stored: bool = True
+    weigh: Callable[[], Booleans] | None = None
+    key: Hashable = None
+
+    @cached_property
+    def weighted(self) -> Booleans:
+        """Which joints move any point, (m,); all of them when nobody can tell."""
+        return np.ones(len(self.joints), dtype=bool) if self.weigh is None else self.weigh()
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """A point or direction that a format keeps in the frame of a node, e.g. a collider's offset."""
+
+    node: int
+    vector: Floats
+    key: Hashable = None
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Points that skins or nodes move; read only to measure, never written.
+
+    points: (v, 3). joints, weights: (v, k), indices into the skin's joints; empty
+    (v, 0) for a rigid mesh, whose points are in the space of ``node``. bind: the
+    matrix that takes points into the space of the skin's bind pose. morphs:
+    (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``.
+    """
+
+    name: str
+    node: int
+    points: Floats
+    skin: int | None = None
+    joints: Integers = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
+    weights: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    bind: Floats = field(default_factory=lambda: np.eye(4))
+    morphs: Floats = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
+    dual_quaternion: bool = False
+
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """Nodes, their rest pose as stored, and all that is bound to them.
+
+    names: "" where a node has none. parents: (n,), −1 for a root, each smaller
+    than its own index. translation (n, 3), rotation xyzw (n, 4), scale (n, 3):
+    the rest pose as stored, signs and unnormalised quaternions included; a node
+    with ``has_matrix`` keeps its rest in ``matrix`` (n, 4, 4) instead.
+    payload: (n,), the node whose mesh, camera or light a node shows, −1 for none.
+    keys: what only the format understands; None for a node that is new.
+    fixed: nodes whose axes mean something in themselves, with the reason.
+    humanoid: VRM bone names. notes: what rigtri has stored on a node.
+    facing: the direction the character looks in, where the format prescribes one.
+    """
+
+    names: tuple[str, ...]
+    parents: Integers
+    translation: Floats
+    rotation: Floats
+    scale: Floats
+    matrix: Floats
+    has_matrix: Booleans
+    payload: Integers
+    keys: tuple[Hashable, ...]
+    labels: tuple[str, ...]
+    skins: tuple[Skin, ...] = ()
+    clips: tuple[Clip, ...] = ()
+    bound: tuple[Bound, ...] = ()
+    fixed: Mapping[int, str] = field(default_factory=dict)
+    humanoid: Mapping[str, int] = field(default_factory=dict)
+    notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
+    facing: tuple[float, float, float] | None = None
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @cached_property
+    def local(self) -> Floats:
+        """Rest matrices seen from the parents, (n, 4, 4)."""
+        composed = compose(self.translation, self.rotation, self.scale)
+        return np.where(self.has_matrix[:, np.newaxis, np.newaxis], self.matrix, composed)
+
+    @cached_property
+    def levels(self) -> tuple[Integers, ...]:
+        """Node indices by depth, roots first: each level's parents lie in the level before."""
+        depth = np.zeros(len(self), dtype=np.int64)
+        for node, parent in enumerate(self.parents.tolist()):
+            depth[node] = depth[parent] + 1 if parent >= 0 else 0
+        order = np.argsort(depth, kind="stable")
+        cuts = np.flatnonzero(np.diff(depth[order])) + 1
+        return tuple(np.split(order, cuts)) if len(self) else ()
+
+    @cached_property
+    def children(self) -> tuple[tuple[int, ...], ...]:
+        """The children of every node, in the file's order."""
+        lists: list[list[int]] = [[] for _ in range(len(self))]
+        for node, parent in enumerate(self.parents.tolist()):
+            if parent >= 0:
+                lists[parent].append(node)
+        return tuple(map(tuple, lists))
+
+    @cached_property
+    def is_joint(self) -> Booleans:
+        """Which nodes are joints of a skin, (n,)."""
+        mask = np.zeros(len(self), dtype=bool)
+        for skin in self.skins:
+            mask[skin.joints] = True
+        return mask
+
+    def below(self, node: int) -> list[int]:
+        """A node and everything under it, parents first."""
+        inside = {node}
+        inside.update(k for k in range(node + 1, len(self)) if self._joins(k, inside))
+        return sorted(inside)
+
+    def _joins(self, node: int, inside: set[int]) -> bool:
+        if int(self.parents[node]) in inside:
+            inside.add(node)
+            return True
+        return False
+
+    def path(self, node: int) -> str:
+        """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one."""
+        parts = []
+        while node >= 0:
+            parts.append(self.names[node] or self.labels[node])
+            node = int(self.parents[node])
+        return "/" + "/".join(reversed(parts))
+
+    def title(self, node: int) -> str:
+        """What to call a node in a message: its name, with its label where several share it."""
+        name = self.names[node]
+        if not name:
+            return self.labels[node]
+        return f"{name} ({self.labels[node]})" if len(self._by_name[name]) > 1 else name
+
+    @cached_property
+    def _by_name(self) -> dict[str, list[int]]:
+        found: dict[str, list[int]] = {}
+        for node, name in enumerate(self.names):
+            found.setdefault(name, []).append(node)
+        return found
+
+    @cached_property
+    def _by_address(self) -> dict[str, list[int]]:
+        found: dict[str, list[int]] = {}
+        for node, label in enumerate(self.labels):
+            found.setdefault(label, []).append(node)
+            if self.path(node) != label:
+                found.setdefault(self.path(node), []).append(node)
+        for bone, node in self.humanoid.items():
+            found.setdefault(f"vrm:{bone}", []).append(node)
+        return found
+
+    def find(self, name: str, kind: str = "joint") -> int:
+        """The one node called ``name``: its name, its label (``#3``), its path, or ``vrm:head``.
+
+        Raises NameNotFoundError, or AmbiguousNameError where several share the name.
+        """
+        found = self._by_name.get(name, []) if name else []
+        if len(found) > 1:
+            # A joint wins over a mesh node of the same name; nothing else is guessed.
+            joints = [node for node in found if self.is_joint[node]]
+            found = joints if len(joints) == 1 else found
+        found = found or self._by_address.get(name, [])
+        if not found:
+            raise NameNotFoundError(kind, name, [*self._by_name, *self._by_address])
+        if len(found) > 1:
+            raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
+        return found[0]
+
+    def match(self, pattern: str, among: Iterable[int] | None = None) -> list[int]:
+        """All nodes that a glob such as ``*_L`` matches by name, label or path.
+
+        An exact name wins over a pattern, so names with ``*`` or ``[`` in them can
+        be given as they are. Raises NameNotFoundError when nothing matches.
+        """
+        exact = self._by_name.get(pattern) or self._by_address.get(pattern)
+        nodes = range(len(self)) if among is None else among
+        if exact:
+            return sorted(exact)
+        found = [
+            node
+            for node in nodes
+            if any(
+                fnmatchcase(text, pattern)
+                for text in (self.names[node], self.labels[node], self.path(node))
+                if text
+            )
+        ]
+        if not found:
+            raise NameNotFoundError("joint", pattern, [*self._by_name, *self._by_address])
+        return found
+
+    def clip(self, name: str) -> Clip:
+        """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""
+        for number, clip in enumerate(self.clips):
+            if name in (clip.name, f"#{number}"):
+                return clip
+        raise NameNotFoundError("clip", name, [clip.name for clip in self.clips])
+
+    def with_nodes(
+        self,
+        names: Sequence[str],
+        parents: Sequence[int],
+        translation: Floats,
+        rotation: Floats,
+        payload: Sequence[int] | None = None,
+    ) -> Rig:
+        """This rig with new nodes (scale 1) appended; their keys are None."""
+        count = len(names)
+        return replace(
+            self,
+            names=(*self.names, *names),
+            parents=np.append(self.parents, np.asarray(parents, dtype=np.int64)),
+            translation=np.concatenate([self.translation, translation]),
+            rotation=np.concatenate([self.rotation, rotation]),
+            scale=np.concatenate([self.scale, np.ones((count, 3))]),
+            matrix=np.concatenate([self.matrix, np.broadcast_to(np.eye(4), (count, 4, 4))]),
+            has_matrix=np.append(self.has_matrix, np.zeros(count, dtype=bool)),
+            payload=np.append(self.payload, [-1] * count if payload is None else payload),
+            keys=(*self.keys, *[None] * count),
+            labels=(*self.labels, *(f"+{name}" for name in names)),
+        )
