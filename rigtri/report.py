@@ -7,7 +7,7 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Warning:
+class Notice:
     """One thing the user should know.
 
     code: a stable word for machines. geometry: a choice the geometry did not
@@ -26,12 +26,12 @@ class Report:
 
     joints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[dict[str, Any]] = field(default_factory=list)
-    warnings: list[Warning] = field(default_factory=list)
+    warnings: list[Notice] = field(default_factory=list)
 
     def warn(
         self, code: str, text: str, *, joint: str | None = None, geometry: bool = False
     ) -> None:
         """Note something that the user should know; the same words only once."""
-        warning = Warning(code, text, joint, geometry)
+        warning = Notice(code, text, joint, geometry)
         if warning not in self.warnings:
             self.warnings.append(warning)

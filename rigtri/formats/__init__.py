@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Protocol
 
 from rigtri.errors import FileError
-from rigtri.report import Warning
+from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
@@ -58,7 +58,7 @@ class Document(Protocol):
     def rig(self) -> Rig: ...
 
     @property
-    def warnings(self) -> Sequence[Warning]:
+    def warnings(self) -> Sequence[Notice]:
         """What the reader noticed and could live with."""
 
     def meshes(self) -> Sequence[Mesh]:
