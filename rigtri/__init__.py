@@ -1,1 +1,53 @@
-"""rigtri."""
+"""Re-orient joints and build rigs in glTF, VRM and USD files; everything else stays as it was.
+
+The names below are the library: each operation is the twin of a command. They
+are loaded when first used, so that the core needs numpy alone.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_WHERE = {
+    "read": "rigtri.formats",
+    "edit": "rigtri.pipeline",
+    "orient_joints": "rigtri.ops.orient",
+    "add_polevector": "rigtri.ops.polevector",
+    "describe": "rigtri.describe",
+    "verify": "rigtri.compare",
+    "Rig": "rigtri.rig",
+    "Report": "rigtri.report",
+    "RigtriError": "rigtri.errors",
+}
+
+__all__ = [  # noqa: PLE0604 - spelled out for type checkers and readers
+    "Report",
+    "Rig",
+    "RigtriError",
+    "add_polevector",
+    "describe",
+    "edit",
+    "orient_joints",
+    "read",
+    "verify",
+]
+
+if TYPE_CHECKING:
+    from rigtri.compare import verify
+    from rigtri.describe import describe
+    from rigtri.errors import RigtriError
+    from rigtri.formats import read
+    from rigtri.ops.orient import orient_joints
+    from rigtri.ops.polevector import add_polevector
+    from rigtri.pipeline import edit
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+
+def __getattr__(name: str) -> Any:
+    if name in _WHERE:
+        return getattr(import_module(_WHERE[name]), name)
+    raise AttributeError(f"module 'rigtri' has no attribute '{name}'")

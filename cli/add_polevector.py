@@ -1,0 +1,189 @@
+"""rigtri add-polevector"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.cli.options import (
+    edit_options,
+    output_options,
+    reading_options,
+    run_edit,
+    source_argument,
+    target_option,
+)
+from rigtri.cli.orient_joints import _told, _three
+from rigtri.errors import UsageError
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+
+@click.command("add-polevector")
+@source_argument
+@target_option
+@click.option(
+    "--limb",
+    "limbs",
+    nargs=3,
+    multiple=True,
+    metavar="ROOT MIDDLE END",
+    help="The three joints of a limb, e.g. shoulder elbow wrist. Repeatable.",
+)
+@click.option(
+    "--chain",
+    "chains",
+    nargs=2,
+    multiple=True,
+    metavar="START END",
+    help="A limb of more joints; it bends at the one farthest from the chord. Repeatable.",
+)
+@click.option("--bend-joint", metavar="NAME", help="With one --chain: the joint at which it bends.")
+@click.option(
+    "--limbs",
+    "auto",
+    type=click.Choice(["auto"]),
+    help="Find arms and legs by the VRM humanoid map or by joint names.",
+)
+@click.option(
+    "--method",
+    type=click.Choice(["perpendicular", "ratio"]),
+    default="perpendicular",
+    show_default=True,
+    help="Which point of the chord the direction starts at: nearest to the middle, or by lengths.",
+)
+@click.option(
+    "--from",
+    "origin",
+    type=click.Choice(["middle", "root", "foot"]),
+    default="middle",
+    show_default=True,
+    help="Where the distance is counted from; foot is that point of the chord.",
+)
+@click.option(
+    "--reach",
+    type=click.FloatRange(min=0, min_open=True),
+    help="Distance as a multiple of the limb's length. [0.5]",
+)
+@click.option(
+    "--distance",
+    type=click.FloatRange(min=0, min_open=True),
+    help="Distance in world units of the file.",
+)
+@click.option(
+    "--reach-of",
+    type=click.Choice(["limb", "chord"]),
+    default="limb",
+    show_default=True,
+    help="What --reach multiplies: both bones, or root to end.",
+)
+@click.option(
+    "--orientation",
+    type=click.Choice(["world", "limb", "aim"]),
+    default="world",
+    show_default=True,
+    help="The locator's axes: the world's, the limb's, or aiming at the middle joint.",
+)
+@click.option(
+    "--bend",
+    "bends",
+    multiple=True,
+    metavar="JOINT=X,Y,Z",
+    help="The direction in which the limb of that joint bends; needed where it is straight.",
+)
+@click.option(
+    "--facing",
+    callback=_three,
+    metavar="AXIS|X,Y,Z",
+    help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
+)
+@click.option("--name", help="Name of the locator. [MIDDLE_pole]")
+@click.option(
+    "--pose",
+    default="nodes",
+    show_default=True,
+    metavar="nodes|bind|CLIP@TIME",
+    help="Where positions are taken.",
+)
+@click.option(
+    "--check-clips",
+    is_flag=True,
+    help="List the times of every clip at which the limb is straight or its pole flips side.",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, **values: Any) -> None:
+    """Add a locator that says which way a limb bends.
+
+    It stands in the plane of the limb, on the side it bends to. Straight limbs ask
+    the clips, the other side and the joint names; a direction is never invented.
+    A second run finds its locator and moves it.
+
+    \b
+    Examples:
+        rigtri add-polevector hero.glb -o out.glb --limb upper_arm_L forearm_L hand_L
+        rigtri add-polevector hero.vrm -o out.vrm --limbs auto
+        rigtri add-polevector hero.glb -o out.glb --limb thigh shin foot --bend shin=0,0,1
+    """
+    from rigtri.limbs import given
+    from rigtri.ops.polevector import Options, add_polevector
+
+    if values["reach"] is not None and values["distance"] is not None:
+        raise UsageError("give --reach or --distance, not both")
+    if values["bend_joint"] is not None and len(values["chains"]) != 1:
+        raise UsageError("--bend-joint goes with exactly one --chain")
+    bends = dict(_bend(text) for text in values["bends"])
+
+    def step(rig: Rig, report: Report) -> Rig:
+        options = Options(
+            limbs=tuple(given(rig, *names) for names in values["limbs"]),
+            chains=tuple((start, end, values["bend_joint"]) for start, end in values["chains"]),
+            auto=values["auto"] == "auto",
+            method=values["method"],
+            origin=values["origin"],
+            reach=0.5 if values["reach"] is None else values["reach"],
+            distance=values["distance"],
+            reach_of=values["reach_of"],
+            orientation=values["orientation"],
+            bends=bends,
+            facing=values["facing"],
+            name=values["name"],
+            pose=values["pose"],
+            check_clips=values["check_clips"],
+        )
+        return add_polevector(rig, options=options, report=report)
+
+    run_edit("add-polevector", values, step, _told(ctx), _summary)
+
+
+def _bend(text: str) -> tuple[str, tuple[float, float, float]]:
+    from rigtri.ops.ups import vector
+
+    joint, mark, direction = text.rpartition("=")
+    if not mark or not joint:
+        raise UsageError(f"--bend {text}: give JOINT=X,Y,Z")
+    try:
+        x, y, z = (float(n) for n in vector(direction))
+    except ValueError as error:
+        raise UsageError(f"--bend {text}: {error}") from error
+    return joint, (x, y, z)
+
+
+def _summary(report: Report) -> str:
+    lines = []
+    for entry in report.limbs:
+        x, y, z = entry["position"]
+        lines.append(
+            f"{entry['polevector']} at {x:.6g} {y:.6g} {z:.6g}: {' - '.join(entry['limb'])} bends "
+            f"{entry['bend_degrees']:.4g}° (from: {entry['source']})"
+        )
+        for clip in entry.get("clips", []):
+            times = ", ".join(f"{at['time']:g} {at['what']}" for at in clip["at"][:8])
+            more = f" … {len(clip['at'])} in all" if len(clip["at"]) > 8 else ""
+            lines.append(f"  {clip['clip']}: {times}{more}")
+    return "\n".join(lines)

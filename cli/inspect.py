@@ -1,0 +1,46 @@
+"""rigtri inspect"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import click
+
+from rigtri.cli.options import (
+    output_options,
+    read_options,
+    reading_options,
+    source_argument,
+)
+
+
+@click.command("inspect")
+@source_argument
+@reading_options
+@output_options
+def command(source: str, **values: Any) -> None:
+    """Show the joints of a file: axes, lengths, bends, skins, clips, warnings.
+
+    Every joint is shown with the names by which other commands find it.
+
+    \b
+    Example:
+        rigtri inspect hero.glb
+    """
+    from rigtri.describe import as_json, describe
+    from rigtri.formats import read
+    from rigtri.pipeline import opened
+
+    with opened(source) as path:
+        document = read(path, read_options(values))
+        rig = document.rig
+        if values["as_json"]:
+            warnings = [{"code": n.code, "text": n.text} for n in document.warnings]
+            found = {"file": source} | as_json(rig) | {"warnings": warnings}
+            click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+            return
+        click.echo(describe(rig))
+        if not values["quiet"]:
+            for notice in document.warnings:
+                click.echo(f"warning: {notice.text}", err=True)

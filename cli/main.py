@@ -1,0 +1,73 @@
+"""The group of all commands, and the one place where an error becomes words and an exit code."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from typing import Any
+
+import click
+
+from rigtri import __version__
+from rigtri.errors import RigtriError
+
+# Command → its one line of help. A command's module is imported when the command runs,
+# so that `rigtri --help` does not wait for numpy.
+COMMANDS = {
+    "inspect": "Show the joints of a file: axes, lengths, bends, skins, clips, warnings.",
+    "orient-joints": "Give joints new axes; nothing that can be seen moves.",
+    "add-polevector": "Add a locator that says which way a limb bends.",
+    "verify": "Measure how far two files look apart, in every pose.",
+}
+
+
+class Program(click.Group):
+    """Loads commands when they are called and tells errors in one line."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        module = import_module(f"rigtri.cli.{name.replace('-', '_')}")
+        command = module.command
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except RigtriError as error:
+            click.echo(f"rigtri: {error}", err=True)
+            sys.exit(error.exit_code)
+        except BrokenPipeError:
+            # The reader of our output has gone; nothing is left to tell it.
+            sys.stderr.close()
+            sys.exit(1)
+        except MemoryError:
+            click.echo("rigtri: There is not enough memory for this file.", err=True)
+            sys.exit(1)
+
+
+@click.group(
+    cls=Program,
+    context_settings={"help_option_names": ["-h", "--help"], "auto_envvar_prefix": "RIGTRI"},
+)
+@click.version_option(__version__, "-V", "--version", prog_name="rigtri")
+def program() -> None:
+    """Re-orient joints and build rigs in glTF, VRM and USD files.
+
+    Everything else in the file stays as it was: every edit is measured by skinning
+    the source and the result, and refused when they differ.
+
+    \b
+    Start with:
+        rigtri inspect hero.glb
+        rigtri orient-joints hero.glb -o out.glb --aim x --up y
+        rigtri verify hero.glb out.glb
+    """

@@ -1,0 +1,239 @@
+"""Options that several commands share, and how results and messages are printed.
+
+source_argument     every command
+target_option       edits
+reading_options     edits, inspect: --lenient, --allow-external-paths, --root
+edit_options        edits: --overwrite, --dry-run, --report, --strict, --verify, --tolerance …
+output_options      every command: --json, -q, -v
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rigtri.errors import FileError, RigtriError, UsageError
+
+if TYPE_CHECKING:
+    from rigtri.formats import Options
+    from rigtri.pipeline import Outcome
+    from rigtri.report import Report
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+TOLERANCE = 1e-5
+
+source_argument = click.argument("source", metavar="IN", type=click.Path(allow_dash=True))
+target_option = click.option(
+    "-o",
+    "--output",
+    "target",
+    required=True,
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="The file to write, in the format of IN; - for standard output.",
+)
+
+
+def reading_options(command: F) -> F:
+    """What a reader may be told about a difficult file."""
+    for option in (
+        click.option(
+            "--root",
+            metavar="NODE",
+            help="Take this node and all below it as the rig, in a file without a skeleton.",
+        ),
+        click.option(
+            "--lenient",
+            is_flag=True,
+            help="Read nodes that glTF forbids where the meaning is clear (matrix beside TRS).",
+        ),
+        click.option(
+            "--allow-external-paths",
+            is_flag=True,
+            help="Read buffers outside the folder of IN. Nothing is ever fetched from a network.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def output_options(command: F) -> F:
+    """How much is said, and in which form."""
+    for option in (
+        click.option("-v", "--verbose", is_flag=True, help="Say what became of each joint."),
+        click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors."),
+        click.option("--json", "as_json", is_flag=True, help="Print the result as JSON."),
+    ):
+        command = option(command)
+    return command
+
+
+def edit_options(command: F) -> F:
+    """What every edit of a file has in common."""
+    for option in (
+        click.option(
+            "--resources",
+            type=click.Choice(["copy", "relink"]),
+            default="copy",
+            show_default=True,
+            help="A .gltf that moves to another folder takes its files along, or points back.",
+        ),
+        click.option("--override", is_flag=True, help="USD: write only a layer of opinions over IN."),
+        click.option(
+            "--override-stage",
+            is_flag=True,
+            help="USD: write such a layer with IN as its sublayer and IN's metadata.",
+        ),
+        click.option(
+            "--tolerance",
+            type=click.FloatRange(min=0, min_open=False),
+            default=TOLERANCE,
+            show_default=True,
+            help="Refuse a result farther off than this share of the bounding-box diagonal.",
+        ),
+        click.option(
+            "--verify/--no-verify",
+            default=True,
+            show_default=True,
+            help="Compare source and result in every pose before OUT appears.",
+        ),
+        click.option("--strict", is_flag=True, help="Make a warning about geometry an error (5)."),
+        click.option(
+            "--report",
+            "report_path",
+            metavar="FILE.json",
+            type=click.Path(dir_okay=False),
+            help="Write what was done, per joint and limb, with the measured deviation.",
+        ),
+        click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure."),
+        click.option("--overwrite", is_flag=True, help="Replace OUT where it exists."),
+    ):
+        command = option(command)
+    return command
+
+
+def read_options(values: dict[str, Any]) -> Options:
+    """The format options among a command's values."""
+    from rigtri.formats import Options
+
+    if values.get("override") and values.get("override_stage"):
+        raise UsageError("give --override or --override-stage, not both")
+    override = "layer" if values.get("override") else ""
+    return Options(
+        lenient=values.get("lenient", False),
+        allow_external_paths=values.get("allow_external_paths", False),
+        root=values.get("root"),
+        relink=values.get("resources") == "relink",
+        override="stage" if values.get("override_stage") else override,
+        bake_xform=values.get("bake_xform", False),
+    )
+
+
+def run_edit(
+    name: str,
+    values: dict[str, Any],
+    step: Callable[[Any, Report], Any],
+    options: dict[str, Any],
+    summary: Callable[[Report], str],
+) -> Outcome:
+    """Run an edit with a command's shared options; print and write its report."""
+    from pathlib import Path
+
+    from rigtri.pipeline import edit, report_json, write_text
+    from rigtri.report import Report
+
+    source, target, quiet = values["source"], values["target"], values["quiet"]
+    if values["as_json"] and target == "-":
+        raise UsageError("--json and -o - both want standard output; use --report FILE.json")
+    report_path = values["report_path"]
+    if report_path is not None and not values["overwrite"] and Path(report_path).exists():
+        raise UsageError(f"{report_path} exists; it is replaced only with --overwrite")
+    report = Report()
+    try:
+        outcome = edit(
+            source,
+            target,
+            step,
+            options=read_options(values),
+            report=report,
+            overwrite=values["overwrite"],
+            verify=values["verify"],
+            tolerance=values["tolerance"],
+            dry_run=values["dry_run"],
+            strict=values["strict"],
+        )
+    except RigtriError:
+        if not quiet:
+            tell_warnings(report)
+        raise
+    document = report_json(
+        name,
+        str(source),
+        str(target),
+        options,
+        outcome,
+        tolerance=values["tolerance"],
+        dry_run=values["dry_run"],
+    )
+    if report_path is not None:
+        write_text(Path(report_path), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+    if values["as_json"]:
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    if not quiet:
+        tell_warnings(report)
+        if values["verbose"]:
+            tell_joints(report)
+        click.echo(summary(report), err=True)
+        tell_verification(outcome, values)
+    return outcome
+
+
+def tell_warnings(report: Report) -> None:
+    for notice in report.warnings:
+        click.echo(f"warning: {notice.text}", err=True)
+
+
+def tell_joints(report: Report) -> None:
+    """One line per joint: what became of it and why."""
+    for entry in report.joints:
+        words = [f"  {entry['joint']}: {entry['status']}"]
+        if "degrees" in entry:
+            words.append(f"{entry['degrees']:.3f}°")
+        if "reason" in entry:
+            words.append(f"({entry['reason']})")
+        if "aims_at" in entry:
+            words.append(f"aims at {entry['aims_at']}")
+        elif "aim" in entry:
+            words.append(f"aim: {entry['aim']}")
+        if "up" in entry:
+            words.append(f"up: {entry['up']}")
+        click.echo(" ".join(words), err=True)
+
+
+def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
+    target = values["target"]
+    where = "standard output" if target == "-" else target
+    if outcome.verification is None:
+        click.echo("The result was not compared with the source (--no-verify).", err=True)
+    else:
+        click.echo(outcome.verification.summary(), err=True)
+    if values["dry_run"]:
+        click.echo("Nothing was written (--dry-run).", err=True)
+    else:
+        click.echo(f"Wrote {where}", err=True)
+
+
+def load_json(path: str) -> Any:
+    """A JSON file as Python values; FileError where it cannot be read."""
+    from pathlib import Path
+
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror}") from error
+    except (ValueError, RecursionError) as error:
+        raise FileError(f"{path} is no JSON: {error}") from error

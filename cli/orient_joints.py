@@ -1,0 +1,336 @@
+"""rigtri orient-joints"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.cli.options import (
+    edit_options,
+    load_json,
+    output_options,
+    reading_options,
+    run_edit,
+    source_argument,
+    target_option,
+)
+from rigtri.errors import RigtriError, UsageError
+from rigtri.ops.presets import PRESETS, Style
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+_BRANCHES = ("chain", "first", "average", "longest", "incoming", "keep")
+_STYLED = ("aim", "up", "up_from")
+
+
+class InOrder(click.Command):
+    """A command that knows in which order its options were given: styles follow their chain."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        values, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        waiting = {p.name: list(values[p.name]) for p in order if p.name in (*_STYLED, "chains")}
+        ctx.meta["rigtri.order"] = [
+            (p.name, waiting[p.name].pop(0)) for p in order if p.name in waiting
+        ]
+        return super().parse_args(ctx, args)
+
+
+def _three(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    """A direction: x,y,z or an axis name."""
+    if value is None:
+        return None
+    from rigtri.ops.ups import vector
+    from rigtri.triangle import axis_of
+
+    try:
+        letter, sign = axis_of(value)
+        return tuple(sign if k == letter else 0.0 for k in range(3))
+    except ValueError:
+        pass
+    try:
+        return tuple(float(x) for x in vector(value))
+    except ValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from error
+
+
+def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    try:
+        angles = tuple(float(part) for part in (value or "0,0,0").split(","))
+    except ValueError:
+        angles = ()
+    if len(angles) != 3 or not all(abs(a) <= 360 for a in angles):
+        raise click.BadParameter("give three angles in degrees, e.g. 0,0,90", ctx, param)
+    return angles
+
+
+@click.command("orient-joints", cls=InOrder)
+@source_argument
+@target_option
+@click.option(
+    "--preset",
+    type=click.Choice(list(PRESETS)),
+    help="The axes of another program: aim, up and where up comes from.",
+)
+@click.option("--aim", multiple=True, metavar="AXIS", help="Axis that aims at the child. [x]")
+@click.option("--up", multiple=True, metavar="AXIS", help="Axis that goes up. [y]")
+@click.option(
+    "--up-from",
+    multiple=True,
+    metavar="SOURCE",
+    help="plane (the hinge, +n), pole (towards the bend), world:+y, vector:x,y,z, node:NAME, "
+    "noderot:axis:NAME, parent, child, keep. [plane]",
+)
+@click.option("--joints", multiple=True, metavar="GLOB", help="Turn these joints. Repeatable.")
+@click.option(
+    "--chain",
+    "chains",
+    nargs=2,
+    multiple=True,
+    metavar="START END",
+    help="Turn this chain; --aim, --up, --up-from behind it are for it alone. Repeatable.",
+)
+@click.option("--below", multiple=True, metavar="NAME", help="Turn this joint and all below it.")
+@click.option("--skin", metavar="NAME", help="Only joints of this skin.")
+@click.option("--exclude", multiple=True, metavar="GLOB", help="Leave these joints as they are.")
+@click.option(
+    "--aim-at", multiple=True, metavar="JOINT=NODE", help="Aim one joint at any node. Repeatable."
+)
+@click.option(
+    "--limb",
+    "limbs",
+    nargs=3,
+    multiple=True,
+    metavar="ROOT MIDDLE END",
+    help="Three joints that bend as one limb and share its hinge. Repeatable.",
+)
+@click.option(
+    "--branch",
+    multiple=True,
+    metavar="RULE",
+    help="At several children: chain, first, average, longest, incoming, keep, or the NAME of "
+    "a child. [chain]",
+)
+@click.option(
+    "--end",
+    type=click.Choice(["tip", "parent", "incoming", "keep", "world"]),
+    default="tip",
+    show_default=True,
+    help="What a joint without child aims at.",
+)
+@click.option("--per-joint-plane", is_flag=True, help="Each joint its own bend plane (S-bends).")
+@click.option(
+    "--facing",
+    callback=_three,
+    metavar="AXIS|X,Y,Z",
+    help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
+)
+@click.option(
+    "--pose",
+    metavar="bind|nodes|CLIP@TIME",
+    help="Where positions are taken. [bind where one skin holds the chain, else nodes]",
+)
+@click.option("--world", is_flag=True, help="Make every frame parallel to the world.")
+@click.option(
+    "--on-nonuniform-scale",
+    type=click.Choice(["snap", "skip", "error"]),
+    default="snap",
+    show_default=True,
+    help="A joint whose scale shears under its turn: nearest exact axes, leave it, or stop.",
+)
+@click.option("--snap", is_flag=True, help="Turn only to the nearest cardinal axes.")
+@click.option(
+    "--offset",
+    callback=_degrees,
+    metavar="X,Y,Z",
+    help="Afterwards turn about the new axes, in degrees: X, then Y, then Z.",
+)
+@click.option(
+    "--mirror",
+    type=click.Choice(["behavior", "orientation", "blender"]),
+    help="Give the other side the mirrored axes of --from-side.",
+)
+@click.option(
+    "--from-side", type=click.Choice(["left", "right"]), default="left", show_default=True
+)
+@click.option(
+    "--plane",
+    type=click.Choice(["yz", "xz", "xy"]),
+    default="yz",
+    show_default=True,
+    help="The mirror.",
+)
+@click.option(
+    "--like",
+    metavar="FILE",
+    type=click.Path(),
+    help="Give each joint the axes of its namesake in FILE's bind pose.",
+)
+@click.option(
+    "--save-frames",
+    metavar="FILE.json",
+    type=click.Path(dir_okay=False),
+    help="Write the change of frame of each joint.",
+)
+@click.option(
+    "--frames",
+    metavar="FILE.json",
+    type=click.Path(),
+    help="Apply the changes of a --save-frames file.",
+)
+@click.option("--inverse", is_flag=True, help="With --frames: undo them.")
+@click.option(
+    "--bake-xform",
+    is_flag=True,
+    help="USD plain hierarchies: rewrite to translate, orient, scale instead of adding two ops.",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, **values: Any) -> None:
+    """Give joints new axes; nothing that can be seen moves.
+
+    Unnamed, the joints with weight on or below them turn; root joints, helpers, lone
+    end joints beside siblings and VRM eyes stay. The hierarchy never changes.
+
+    \b
+    Examples:
+        rigtri orient-joints hero.glb -o out.glb --aim x --up y
+        rigtri orient-joints hero.glb -o out.glb --preset blender
+        rigtri orient-joints hero.glb -o out.glb --chain thumb_01 thumb_03 --up -z
+        rigtri orient-joints back.glb -o same.glb --like hero.glb
+    """
+    from rigtri.limbs import given
+    from rigtri.ops.frames import frames_json
+    from rigtri.ops.orient import Options, orient_joints
+
+    style, chain_styles = _styles(ctx, values["preset"], values["world"])
+    rules = [word for word in values["branch"] if word in _BRANCHES]
+    _check(values)
+    frames = load_json(values["frames"]) if values["frames"] else None
+    like = _like(values["like"]) if values["like"] else None
+    saved: dict[str, Any] = {}
+
+    def step(rig: Rig, report: Report) -> Rig:
+        options = Options(
+            style=style,
+            selection=_selection(values),
+            chain_styles=chain_styles,
+            branch=rules[-1] if rules else "chain",
+            branch_to=tuple(word for word in values["branch"] if word not in _BRANCHES),
+            end=values["end"],
+            aim_at=tuple(_pair(text) for text in values["aim_at"]),
+            limbs=tuple(given(rig, *names) for names in values["limbs"]),
+            per_joint_plane=values["per_joint_plane"],
+            facing=values["facing"],
+            pose=values["pose"],
+            on_nonuniform_scale=values["on_nonuniform_scale"],
+            snap=values["snap"],
+            offset=values["offset"],
+            mirror=values["mirror"],
+            from_side=values["from_side"],
+            plane=values["plane"],
+            root=values["root"],
+            like=like,
+            frames=frames,
+            inverse=values["inverse"],
+        )
+        turned = orient_joints(rig, options=options, report=report)
+        saved["frames"] = frames_json(rig, report)
+        return turned
+
+    run_edit("orient-joints", values, step, _told(ctx), _summary)
+    if values["save_frames"] and not values["dry_run"]:
+        from rigtri.pipeline import write_text
+
+        write_text(Path(values["save_frames"]), json.dumps(saved["frames"], indent=1) + "\n")
+
+
+def _styles(
+    ctx: click.Context, preset: str | None, world: bool
+) -> tuple[Style, tuple[tuple[str, str, Style], ...]]:
+    """The style for all, and the styles of chains: what stands behind a --chain is for it."""
+    from dataclasses import replace
+
+    base = PRESETS[preset] if preset else Style()
+    base = replace(base, world=True) if world else base
+    chains: list[tuple[str, str, Style]] = []
+    for name, value in ctx.meta["rigtri.order"]:
+        if name == "chains":
+            chains.append((*value, base))
+        elif chains:
+            start, end, style = chains[-1]
+            chains[-1] = (start, end, replace(style, **{name: value}))
+        else:
+            base = replace(base, **{name: value})
+    base.checked()
+    return base, tuple((start, end, style.checked()) for start, end, style in chains)
+
+
+def _check(values: dict[str, Any]) -> None:
+    """Options that contradict each other."""
+    if values["like"] and values["frames"]:
+        raise UsageError("give --like or --frames, not both")
+    if values["inverse"] and not values["frames"]:
+        raise UsageError("--inverse goes with --frames")
+    if values["mirror"] and (values["frames"] or values["like"]):
+        raise UsageError("--mirror does not go with --like or --frames")
+    if values["save_frames"]:
+        path = Path(values["save_frames"])
+        if path.exists() and not values["overwrite"]:
+            raise UsageError(f"{path} exists; it is replaced only with --overwrite")
+
+
+def _selection(values: dict[str, Any]) -> Any:
+    from rigtri.ops.select import Selection
+
+    return Selection(
+        joints=values["joints"],
+        below=values["below"],
+        skin=values["skin"],
+        exclude=values["exclude"],
+    )
+
+
+def _pair(text: str) -> tuple[str, str]:
+    joint, mark, node = text.partition("=")
+    if not mark or not joint or not node:
+        raise UsageError(f"--aim-at {text}: give JOINT=NODE")
+    return joint, node
+
+
+def _like(path: str) -> Rig:
+    from rigtri.formats import read
+
+    if not Path(path).is_file():
+        raise UsageError(f"--like {path}: there is no such file")
+    try:
+        return read(Path(path)).rig
+    except RigtriError as error:
+        raise type(error)(f"--like: {error}") from error
+
+
+def _told(ctx: click.Context) -> dict[str, Any]:
+    """The options that the user gave, for the report."""
+    quiet = ("source", "target", "as_json", "quiet", "verbose", "report_path")
+    given = click.core.ParameterSource.DEFAULT
+    return {
+        name: value
+        for name, value in ctx.params.items()
+        if name not in quiet and ctx.get_parameter_source(name) != given
+    }
+
+
+def _summary(report: Report) -> str:
+    counts = {"turned": 0, "unchanged": 0, "kept": 0}
+    for entry in report.joints:
+        counts[entry["status"]] += 1
+    return (
+        f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, "
+        f"{counts['kept']} kept"
+    )

@@ -1,0 +1,52 @@
+"""rigtri verify"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rigtri.cli.options import TOLERANCE, output_options, read_options, reading_options
+from rigtri.errors import DeviationError
+
+
+@click.command("verify")
+@click.argument("before", metavar="BEFORE", type=click.Path(allow_dash=True))
+@click.argument("after", metavar="AFTER", type=click.Path())
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(min=0),
+    default=TOLERANCE,
+    show_default=True,
+    help="Pass up to this share of the bounding-box diagonal.",
+)
+@reading_options
+@output_options
+def command(before: str, after: str, tolerance: float, **values: Any) -> None:
+    """Measure how far two files look apart, in every pose.
+
+    Skinned points and rigid payload, at rest, in the bind pose, at every key and
+    between keys; per mesh, clip and time. Exit code 6 when they differ by more than
+    the tolerance or something is lost.
+
+    \b
+    Example:
+        rigtri verify hero.glb out.glb
+    """
+    from rigtri.compare import verify
+    from rigtri.formats import read
+    from rigtri.pipeline import opened
+
+    options = read_options(values)
+    with opened(before) as one, opened(after) as other:
+        result = verify(read(Path(one), options), read(Path(other), options))
+    passes = result.passes(tolerance)
+    if values["as_json"]:
+        document = {"before": before, "after": after, "passes": passes, "tolerance": tolerance}
+        click.echo(json.dumps(document | result.as_json(), indent=2, ensure_ascii=False))
+    elif not values["quiet"]:
+        click.echo(result.describe(verbose=values["verbose"]))
+    if not passes:
+        raise DeviationError(f"{after} looks different from {before}: {result.summary()}")

@@ -1,0 +1,221 @@
+"""Which way a limb bends: from its pose, its motion, its twin, or what its kind says.
+
+Half of all real limbs are straight at rest, and noise then looks like a bend
+plane. So every answer says where it came from, and there may be none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from rigtri.limbs import Limb
+from rigtri.matrices import inverse, transform_directions
+from rigtri.pose import key_times, locals_at, worlds
+from rigtri.rig import Clip, Rig
+from rigtri.triangle import bend_angle, bend_direction, bend_sine, hinge
+from rigtri.trigonometry import Floats, sin_cos
+from rigtri.vectors import cross, dot, length, normalise, perpendicular
+
+# A key counts as evidence of the hinge from this bend on (radians): 5 degrees.
+BENT = 0.08726646259971647
+# The mean of the unit normals of all bent keys must be at least this long to be one hinge.
+AGREEMENT = 0.9
+# Keys looked at per clip; more are thinned out evenly.
+MOST_KEYS = 2000
+# A direction nearer to the chord than this sine says nothing about the side.
+ALONG = 0.1
+
+Source = Literal["pose", "clips", "other pose", "other side", "facing", "given"]
+
+
+@dataclass(frozen=True)
+class Bend:
+    """The side a limb bends to.
+
+    direction: unit vector, (3,), perpendicular to the chord AC. hinge: unit
+    normal n, (3,): a positive turn about it flexes. sine: of the bend that told
+    it, which bounds its noise. All in the world of the pose in use.
+    """
+
+    direction: Floats
+    hinge: Floats
+    source: Source
+    sine: float
+
+
+def bend(
+    rig: Rig,
+    limb: Limb,
+    world: Floats,
+    *,
+    least_sine: float,
+    others: Sequence[Limb] = (),
+    facing: Floats | None = None,
+    given: Floats | None = None,
+    other_pose: Floats | None = None,
+) -> Bend | None:
+    """Where a limb bends to, or None when nothing tells.
+
+    world: (n, 4, 4), the pose in use. least_sine: below it the pose itself is
+    taken as straight. others: limbs of the rig, whose twin of the other side may
+    tell. facing: where the character looks (knees bend forward, elbows back).
+    given: the user's word, which goes before everything else.
+    other_pose: world matrices of the file's other pose.
+
+    Source: design notes, ladder of the up direction, steps 2 to 5.
+    """
+    if given is not None:
+        return _towards(limb, world, given, "given", 1.0)
+    own = _own(rig, limb, world, least_sine, other_pose)
+    if own is not None:
+        return own
+    twin = next(
+        (o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}), None
+    )
+    if twin is not None:
+        theirs = _own(rig, twin, world, least_sine, other_pose)
+        if theirs is not None:
+            mirrored = _mirrored(theirs.direction, world[limb.start, 3, :3], world[twin.start, 3, :3])
+            found = _towards(limb, world, mirrored, "other side", theirs.sine)
+            if found is not None:
+                return found
+    if facing is not None and limb.kind:
+        forward = facing if limb.kind == "leg" else -facing
+        return _towards(limb, world, forward, "facing", 1.0)
+    return None
+
+
+def _own(
+    rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None
+) -> Bend | None:
+    points = world[list(limb.triple), 3, :3]
+    sine = float(bend_sine(*points))
+    if sine >= least_sine:
+        return Bend(bend_direction(*points), hinge(*points), "pose", sine)
+    return _from_motion(rig, limb, world, other_pose)
+
+
+def _towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine: float) -> Bend | None:
+    """The bend towards a direction; None where it runs along the limb."""
+    a, _, c = world[list(limb.triple), 3, :3]
+    chord = normalise(c - a)
+    side = perpendicular(normalise(direction), chord)
+    if not length(side) > ALONG:
+        return None
+    return Bend(normalise(side), normalise(cross(side, chord)), source, sine)
+
+
+def _from_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) -> Bend | None:
+    """The hinge that bent keys of clips agree on, seen in the root joint's own space."""
+    normals, found = [np.zeros((0, 3))], False
+    if other_pose is not None:
+        normals.append(_bent_hinges(limb, other_pose[np.newaxis]))
+        found = len(normals[-1]) > 0
+    small, triple = ancestry(rig, limb.triple)
+    for clip in small.clips:
+        posed = worlds(small, locals_at(small, clip, thinned(key_times(clip), MOST_KEYS)))
+        normals.append(_bent_hinges(replace(limb, start=triple[0], middle=triple[1], end=triple[2]), posed))
+    everything = np.concatenate(normals)
+    if not len(everything):
+        return None
+    mean = everything.cumsum(axis=0)[-1] / len(everything)
+    if not length(mean) >= AGREEMENT:
+        return None
+    normal = normalise(transform_directions(mean, world[limb.start]))
+    a, _, c = world[list(limb.triple), 3, :3]
+    towards = _towards(limb, world, cross(c - a, normal), "clips", float(sin_cos(BENT)[0]))
+    only_other = found and len(everything) == len(normals[1])
+    return replace(towards, source="other pose") if towards and only_other else towards
+
+
+def _bent_hinges(limb: Limb, world: Floats) -> Floats:
+    """Unit normals of the poses, (f, n, 4, 4), in which the limb is bent, in its root joint's space."""
+    points = world[:, list(limb.triple), 3, :3]
+    bent = bend_angle(points[:, 0], points[:, 1], points[:, 2]) > BENT
+    points, root = points[bent], world[bent, limb.start]
+    n = transform_directions(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root))
+    n = normalise(n)
+    return n[np.isfinite(n).all(axis=1)]
+
+
+def _mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:
+    """A direction of the other side seen in the mirror: across the world axis that parts the sides."""
+    axis = int(np.argmax(np.abs(here - there)))
+    return direction * np.where(np.arange(3) == axis, -1.0, 1.0)
+
+
+def thinned(times: Floats, most: int) -> Floats:
+    """At most ``most`` of the times, evenly over their order, the first and last among them."""
+    if len(times) <= most:
+        return times
+    return times[np.unique((np.arange(most) * (len(times) - 1)) // (most - 1))]
+
+
+def ancestry(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
+    """The rig of some nodes and their ancestors alone, with their tracks; and their new indices.
+
+    What a limb needs to be posed: a fraction of the whole.
+    """
+    wanted: set[int] = set()
+    for node in nodes:
+        while node >= 0 and node not in wanted:
+            wanted.add(node)
+            node = int(rig.parents[node])
+    order = sorted(wanted)
+    new = {old: k for k, old in enumerate(order)}
+    clips = tuple(
+        Clip(
+            clip.name,
+            tuple(
+                replace(t, node=new[t.node]) for t in clip.tracks if t.node in new and t.path != "weights"
+            ),
+            clip.key,
+        )
+        for clip in rig.clips
+    )
+    small = Rig(
+        names=tuple(rig.names[n] for n in order),
+        parents=np.array([new.get(int(rig.parents[n]), -1) for n in order], dtype=np.int64),
+        translation=rig.translation[order],
+        rotation=rig.rotation[order],
+        scale=rig.scale[order],
+        matrix=rig.matrix[order],
+        has_matrix=rig.has_matrix[order],
+        payload=np.full(len(order), -1),
+        keys=tuple(rig.keys[n] for n in order),
+        labels=tuple(rig.labels[n] for n in order),
+        clips=tuple(clip for clip in clips if clip.tracks),
+    )
+    return small, [new[node] for node in nodes]
+
+
+def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple[float, str]]:
+    """The key times of a clip at which a limb is straight or has flipped its side, with the word.
+
+    ``straight``: the sine of its bend is below ``least_sine``. ``flipped``: it
+    bends to the other side than at the bent key before, seen in the root joint's space.
+    """
+    small, (a, b, c) = ancestry(rig, limb.triple)
+    mine = next((k for k in small.clips if k.key == clip.key and k.name == clip.name), None)
+    times = key_times(clip)
+    if mine is None or not len(times):
+        return []
+    world = worlds(small, locals_at(small, mine, times))
+    points = world[:, [a, b, c], 3, :3]
+    sine = bend_sine(points[:, 0], points[:, 1], points[:, 2])
+    normal = hinge(points[:, 0], points[:, 1], points[:, 2])
+    seen = transform_directions(np.nan_to_num(normal), inverse(world[:, a]))
+    found: list[tuple[float, str]] = []
+    last: Floats | None = None
+    for k, time in enumerate(times.tolist()):
+        if sine[k] < least_sine:
+            found.append((time, "straight"))
+            continue
+        if last is not None and dot(seen[k], last) < 0:
+            found.append((time, "flipped"))
+        last = seen[k]
+    return found

@@ -1,0 +1,137 @@
+"""Limbs: three joints, root, middle and end, that bend like an arm or a leg.
+
+A limb is given by name, read from a VRM humanoid map, or recognised by common
+naming schemes. Nothing is guessed from geometry here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rigtri.errors import UsageError
+from rigtri.naming import Side, limb_parts, number, part, side, without_prefix
+from rigtri.rig import Rig
+
+Kind = Literal["arm", "leg", ""]
+
+_VRM: dict[Kind, tuple[str, str, str]] = {
+    "arm": ("UpperArm", "LowerArm", "Hand"),
+    "leg": ("UpperLeg", "LowerLeg", "Foot"),
+}
+_SIDES: tuple[Side, ...] = ("left", "right")
+
+
+@dataclass(frozen=True)
+class Limb:
+    """Node indices of root, middle and end; ``evidence`` says how the limb is known."""
+
+    start: int
+    middle: int
+    end: int
+    kind: Kind = ""
+    side: Side = ""
+    evidence: Literal["given", "vrm", "names"] = "given"
+
+    @property
+    def triple(self) -> tuple[int, int, int]:
+        return self.start, self.middle, self.end
+
+
+def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
+    """The limb of three named nodes; its kind and side are read from the names where they say.
+
+    Raises UsageError when two of the names are the same node.
+    """
+    triple = (rig.find(start), rig.find(middle), rig.find(end))
+    if len(set(triple)) < 3:
+        raise UsageError(f"a limb has three different joints, not '{start}', '{middle}', '{end}'")
+    known = {limb.triple: limb for limb in recognise(rig)}
+    if triple in known:
+        return Limb(*triple, kind=known[triple].kind, side=known[triple].side)
+    kinds = {role.split("/")[0] for node in triple for role in limb_parts(rig.names[node])[:1]}
+    sides = {side(rig.names[node]) for node in triple}
+    kind: Kind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
+    return Limb(*triple, kind=kind, side=sides.pop() if len(sides) == 1 else "")
+
+
+def along(rig: Rig, start: int, end: int) -> list[int]:
+    """The nodes from ``start`` down to ``end``, both included.
+
+    Raises UsageError when ``end`` does not lie below ``start``.
+    """
+    path = [end]
+    while path[-1] != start and rig.parents[path[-1]] >= 0:
+        path.append(int(rig.parents[path[-1]]))
+    if path[-1] != start:
+        raise UsageError(
+            f"'{rig.title(end)}' does not lie below '{rig.title(start)}', so there is no chain "
+            "between them. Name the limb's three joints with --limb instead."
+        )
+    return path[::-1]
+
+
+def recognise(rig: Rig) -> list[Limb]:
+    """The arms and legs that a VRM humanoid map or joint names tell of, left before right."""
+    if rig.humanoid:
+        return _from_humanoid(rig)
+    joints = [node for node in range(len(rig)) if rig.is_joint[node] and rig.names[node]]
+    if not joints:  # a hierarchy without skin: its plain nodes may be named like limbs
+        joints = [node for node in range(len(rig)) if rig.names[node]]
+    names = dict(zip(joints, without_prefix([rig.names[node] for node in joints]), strict=True))
+    limbs = []
+    kinds: tuple[Kind, ...] = ("arm", "leg")
+    sides: tuple[Side, ...] = ("left", "right", "")
+    for kind in kinds:
+        for which in sides:
+            mine = {node: name for node, name in names.items() if side(name) == which}
+            limb = _from_words(rig, mine, kind, which) or _from_numbers(rig, mine, kind, which)
+            if limb is not None:
+                limbs.append(limb)
+    return limbs
+
+
+def _from_humanoid(rig: Rig) -> list[Limb]:
+    limbs = []
+    for kind, parts in _VRM.items():
+        for which in _SIDES:
+            nodes = [rig.humanoid.get(which + name) for name in parts]
+            if None not in nodes:
+                start, middle, end = (int(node) for node in nodes if node is not None)
+                limbs.append(Limb(start, middle, end, kind, which, "vrm"))
+    return limbs
+
+
+def _from_words(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> Limb | None:
+    """A limb whose three parts are named; the end need not lie below the middle (flat IK rigs)."""
+    roles: dict[str, list[int]] = {"start": [], "middle": [], "end": []}
+    for node, name in names.items():
+        for role in limb_parts(name):
+            of, place = role.split("/")
+            if of == kind:
+                roles[place].append(node)
+    for middle in roles["middle"]:
+        starts = [node for node in roles["start"] if node != middle and _below(rig, middle, node)]
+        ends = [node for node in roles["end"] if node != middle]
+        under = [node for node in ends if _below(rig, node, middle)]
+        ends = under or [node for node in ends if not _below(rig, middle, node)]
+        if starts and ends:
+            # 'shoulder' above 'upperarm' is a clavicle: the start nearest to the middle is meant,
+            # and of wrist and hand the one nearest to it.
+            return Limb(max(starts), middle, min(ends), kind, which, "names")
+    return None
+
+
+def _from_numbers(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> Limb | None:
+    """A limb of joints that are only numbered (``leg_joint_L_1`` …): the first three of its chain."""
+    mine = [node for node, name in names.items() if part(name) == kind]
+    if not which or sum(number(names[node]) is not None for node in mine) < 2:
+        return None
+    chain = [node for node in mine if all(_below(rig, node, above) for above in mine if above < node)]
+    return Limb(chain[0], chain[1], chain[2], kind, which, "names") if len(chain) >= 3 else None
+
+
+def _below(rig: Rig, node: int, ancestor: int) -> bool:
+    while node >= 0 and node != ancestor:
+        node = int(rig.parents[node])
+    return node == ancestor

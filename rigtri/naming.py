@@ -1,0 +1,122 @@
+"""What joint names say: the side, the part of the body, and the twin on the other side.
+
+Names are cut into words at separators, digits and capitals; words that only
+say whose convention it is (``mixamorig``, ``Bip01``, ``DEF``, ``jnt`` …) are
+dropped. What is left must be a known word as a whole, so that a control
+(``handIK.L``) is not taken for a hand.
+"""
+
+from __future__ import annotations
+
+import re
+from os.path import commonprefix
+from typing import Literal
+
+Side = Literal["left", "right", ""]
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
+_LEFT = frozenset({"l", "left", "lft", "左"})
+_RIGHT = frozenset({"r", "right", "rgt", "右"})
+_SILENT = frozenset(
+    "mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b sk skel skeleton "
+    "armature rig cc base character char root ctrl deform normal human".split()
+)
+
+# Part of a limb → the words that name it. Mixamo says Arm, ForeArm, Hand and UpLeg, Leg, Foot.
+_PARTS: dict[str, frozenset[str]] = {
+    "arm/start": frozenset("upperarm uparm armupper upperarms bicep humerus shoulderupper".split()),
+    "arm/middle": frozenset("forearm lowerarm lowarm loarm armlower elbow ひじ".split()),
+    "arm/end": frozenset("hand wrist palm 手首".split()),
+    "leg/start": frozenset("thigh upperleg upleg legupper femur 足".split()),
+    "leg/middle": frozenset("shin calf lowerleg lowleg loleg leglower knee ひざ".split()),
+    "leg/end": frozenset("foot ankle 足首".split()),
+}
+# Words that mean one part or another; the first that is not taken by a clearer word wins.
+_MAYBE: dict[str, tuple[str, ...]] = {
+    "arm": ("arm/start",),
+    "shoulder": ("arm/start",),
+    "腕": ("arm/start",),
+    "leg": ("leg/middle", "leg/start"),
+    "hip": ("leg/start",),
+}
+
+
+def words(name: str) -> list[str]:
+    """The words of a name, lower case, in order, without namespace and path.
+
+    >>> words("mixamorig:LeftForeArm"), words("DEF-upper_arm.L.001")
+    (['left', 'fore', 'arm'], ['def', 'upper', 'arm', 'l', '001'])
+    """
+    return [word.lower() for word in _WORD.findall(re.split(r"[:|/]", name)[-1])]
+
+
+def side(name: str) -> Side:
+    """Which side a name says: ``left``, ``right`` or "" for neither or both."""
+    found = set(words(_spread(name)))
+    left, right = bool(found & _LEFT), bool(found & _RIGHT)
+    return "left" if left and not right else "right" if right and not left else ""
+
+
+def part(name: str) -> str:
+    """The part that a name says: words and side tokens that carry no meaning left out.
+
+    >>> part("J_Bip_L_UpperArm"), part("thigh_twist_01_l")
+    ('upperarm', 'thightwist')
+    """
+    kept = [w for w in words(_spread(name)) if w not in _LEFT | _RIGHT | _SILENT and not w.isdigit()]
+    return "".join(kept)
+
+
+def limb_parts(name: str) -> tuple[str, ...]:
+    """What a name can be in a limb, likeliest first: ``arm/start`` … ``leg/end``; () for none."""
+    said = part(name)
+    sure = tuple(role for role, names in _PARTS.items() if said in names)
+    return sure or _MAYBE.get(said, ())
+
+
+def without_prefix(names: list[str]) -> list[str]:
+    """Names without the words that all of them begin with (``Fight_LeftArm`` → ``LeftArm``).
+
+    >>> without_prefix(["Fight_Hips", "Fight_LeftArm"])
+    ['Hips', 'LeftArm']
+    """
+    common = commonprefix(names) if len(names) > 1 else ""
+    cut = max((common.rfind(mark) for mark in "_:.- |"), default=-1) + 1
+    return [name[cut:] for name in names]
+
+
+def number(name: str) -> int | None:
+    """The last number in a name, or None.
+
+    >>> number("leg_joint_L_5")
+    5
+    """
+    digits = [int(word) for word in words(name) if word.isdigit()]
+    return digits[-1] if digits else None
+
+
+def twin(name: str) -> str:
+    """The name with its sides swapped; the name itself where it says no side.
+
+    >>> twin("hand.L"), twin("LeftArm"), twin("l_knee_jnt"), twin("左ひじ")
+    ('hand.R', 'RightArm', 'r_knee_jnt', '右ひじ')
+    """
+    swapped = _SIDE.sub(lambda found: _SWAP[found.group()], name)
+    return swapped.translate({0x5DE6: "右", 0x53F3: "左"})
+
+
+# A side stands alone between separators, or is Left/Right within a capitalised name.
+_SIDE = re.compile(
+    r"(?<![A-Za-z])(?:[lLrR]|left|right|LEFT|RIGHT|lft|rgt|Lft|Rgt)(?![A-Za-z])"
+    r"|Left(?![a-z])|Right(?![a-z])|^(?:left|right)(?=[A-Z])"
+)
+_SWAP = {
+    **{"l": "r", "L": "R", "left": "right", "Left": "Right", "LEFT": "RIGHT"},
+    **{"r": "l", "R": "L", "right": "left", "Right": "Left", "RIGHT": "LEFT"},
+    **{"lft": "rgt", "rgt": "lft", "Lft": "Rgt", "Rgt": "Lft"},
+}
+
+
+def _spread(name: str) -> str:
+    """CJK side characters are glued to the word: put a space behind them."""
+    return re.sub(r"([左右])", r"\1 ", name)

@@ -1,0 +1,234 @@
+"""Where each joint aims: at its chain child, between several children, or by the end rule."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from rigtri.limbs import Limb
+from rigtri.matrices import transform_points
+from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
+from rigtri.trigonometry import Floats
+from rigtri.vectors import angle, length, normalise
+
+# A child farther than this off the incoming bone (radians, 30°) does not continue the chain.
+CONTINUES = 0.5235987755982988
+# An average of children is no direction when it is this far off the incoming bone (60°) …
+AVERAGE_OFF = 1.0471975511965976
+# … or shorter than this share of the children's mean length.
+AVERAGE_SHORT = 0.3
+
+Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
+End = Literal["tip", "parent", "incoming", "keep", "world"]
+_EYES = ("leftEye", "rightEye")
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """What a joint aims at.
+
+    how: ``child``, ``average``, ``tip`` … the rule that decided. direction: unit
+    vector, (3,), in the joint's own space; None where the rule copies a whole frame
+    (``parent``), keeps it (``keep``) or takes the world's (``world``). node: what it
+    aims at, if one node. length: of the bone, in world units.
+    """
+
+    how: str
+    direction: Floats | None = None
+    node: int | None = None
+    length: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rules:
+    """The user's word on aims: branch and end rules, children named, targets named, limbs."""
+
+    branch: Branch = "chain"
+    branch_to: tuple[int, ...] = ()
+    end: End = "tip"
+    aim_at: Mapping[int, int] | None = None
+    limbs: Sequence[Limb] = ()
+
+
+def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
+    """The one joint below that continues the chain, or None: an end, or an open branch.
+
+    A lone child more than 30° off the incoming bone with no weight on or below it is
+    a slot or a control, not a continuation. Of several, the only one within 30°
+    continues; of several such, the only one that has joints below it.
+    """
+    candidates = _candidates(tree, ref, joint)
+    if len(candidates) == 1:
+        child = candidates[0]
+        off = _off(tree, ref, joint, child)
+        return None if off > CONTINUES and not tree.carries[child] else child
+    ahead = [k for k in candidates if _off(tree, ref, joint, k) <= CONTINUES]
+    if len(ahead) > 1:
+        ahead = [k for k in ahead if tree.below[k]]
+    return ahead[0] if len(ahead) == 1 and tree.above[joint] >= 0 else None
+
+
+def aim_of(tree: Skeleton, ref: Reference, joint: int, rules: Rules) -> Aim:
+    """Where ``joint`` aims in the pose of ``ref``."""
+    if rules.aim_at and joint in rules.aim_at:
+        return _at(ref, joint, rules.aim_at[joint], "named") or Aim("keep")
+    limb_node = _limb_child(tree, rules.limbs, joint)
+    if limb_node is not None:
+        aim = _at(ref, joint, limb_node, "child" if limb_node in tree.below[joint] else "limb")
+        if aim is not None:
+            return aim
+    named = [k for k in rules.branch_to if k in tree.below[joint]]
+    if named:
+        return _at(ref, joint, named[0], "named") or Aim("keep")
+    candidates = _candidates(tree, ref, joint)
+    if len(candidates) > 1:
+        return _branching(tree, ref, joint, candidates, rules.branch)
+    child = chain_child(tree, ref, joint)
+    if child is not None:
+        return _through_zero(tree, ref, joint, child) or _ending(tree, ref, joint, rules.end)
+    return _ending(tree, ref, joint, rules.end)
+
+
+def _candidates(tree: Skeleton, ref: Reference, joint: int) -> list[int]:
+    """Joints below that may continue a chain: no eyes, and only weighted ones where some are."""
+    eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
+    below = [k for k in tree.below[joint] if k not in eyes]
+    weighted = [k for k in below if tree.carries[k]]
+    far = [k for k in weighted or below if _distance(ref, joint, k) > ZERO_LENGTH * ref.extent]
+    return far or (weighted or below)[:1]
+
+
+def limb_path(tree: Skeleton, limb: Limb) -> list[int]:
+    """The joints of a limb from root to end; the end may hang elsewhere (flat IK rigs)."""
+    path = [limb.end]
+    for here, there in ((limb.middle, limb.end), (limb.start, limb.middle)):
+        way = []
+        node = tree.above.get(there, -1)
+        while node >= 0 and node != here:
+            way.append(node)
+            node = tree.above[node]
+        # Where the end does not hang below, nothing lies between.
+        path = [here, *(reversed(way) if node == here else ()), *path]
+    return path
+
+
+def _limb_child(tree: Skeleton, limbs: Sequence[Limb], joint: int) -> int | None:
+    """The next joint of the limb that ``joint`` is in."""
+    for limb in limbs:
+        path = limb_path(tree, limb)
+        if joint in path[:-1]:
+            return path[path.index(joint) + 1]
+    return None
+
+
+def _branching(
+    tree: Skeleton, ref: Reference, joint: int, candidates: list[int], branch: Branch
+) -> Aim:
+    if branch == "keep":
+        return Aim("keep")
+    if branch == "first":
+        return _at(ref, joint, candidates[0], "first child") or Aim("keep")
+    if branch == "longest":
+        far = max(candidates, key=lambda k: (_distance(ref, joint, k), -k))
+        return _at(ref, joint, far, "longest child") or Aim("keep")
+    if branch == "incoming":
+        return _incoming(tree, ref, joint) or Aim("keep")
+    if branch == "chain":
+        child = chain_child(tree, ref, joint)
+        if child is not None:
+            return _at(ref, joint, child, "child") or Aim("keep")
+    return _average(tree, ref, joint, candidates)
+
+
+def _average(tree: Skeleton, ref: Reference, joint: int, candidates: list[int]) -> Aim:
+    vectors = _seen_from(ref, joint, candidates)
+    mean = vectors.cumsum(axis=0)[-1] / len(vectors)
+    typical = float(length(vectors).cumsum()[-1]) / len(vectors)
+    incoming = _incoming(tree, ref, joint)
+    short = not length(mean) >= AVERAGE_SHORT * typical
+    if incoming is not None and incoming.direction is not None:
+        if short or float(angle(mean, incoming.direction)) > AVERAGE_OFF:
+            return incoming
+    elif short:
+        return Aim("keep")
+    return Aim("average", normalise(mean), None, _world_length(ref, joint, mean))
+
+
+def _ending(tree: Skeleton, ref: Reference, joint: int, end: End) -> Aim:
+    if end == "tip":
+        tip = _tip(tree, joint)
+        aim = _at(ref, joint, tip, "tip") if tip is not None else None
+        if aim is not None and aim.length > ZERO_LENGTH * ref.extent:
+            return aim
+        end = "parent"
+    if end == "incoming":
+        return _incoming(tree, ref, joint) or Aim("keep")
+    if end == "parent" and tree.above[joint] < 0:
+        return Aim("keep")
+    return Aim(end)
+
+
+def _tip(tree: Skeleton, joint: int) -> int | None:
+    """The bare leaf node that ends a joint: not a joint, nothing on it, nothing below it."""
+    rig, inside = tree.rig, set(tree.joints)
+    bare = [
+        k
+        for k in rig.children[joint]
+        if k not in inside and not rig.children[k] and rig.payload[k] < 0 and k not in rig.notes
+    ]
+    named = [k for k in bare if rig.names[k].lower().endswith(("_end", ".end", "_tip", "end"))]
+    one = named if len(named) == 1 else bare
+    return one[0] if len(one) == 1 else None
+
+
+def _incoming(tree: Skeleton, ref: Reference, joint: int) -> Aim | None:
+    """The direction in which the bone from the parent arrives."""
+    parent = tree.above[joint]
+    if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
+        return None
+    back = _seen_from(ref, joint, [parent])[0]
+    return Aim("incoming", normalise(-back), None, _distance(ref, parent, joint))
+
+
+def _through_zero(tree: Skeleton, ref: Reference, joint: int, child: int) -> Aim | None:
+    """Aim at the child, or past children at the same place at the next one that is not."""
+    node: int | None = child
+    while node is not None:
+        if _distance(ref, joint, node) > ZERO_LENGTH * ref.extent:
+            return _at(ref, joint, node, "child" if node == child else "descendant")
+        node = chain_child(tree, ref, node)
+    return None
+
+
+def _at(ref: Reference, joint: int, node: int, how: str) -> Aim | None:
+    vector = _seen_from(ref, joint, [node])[0]
+    direction = normalise(vector)
+    if not np.isfinite(direction).all():
+        return None
+    return Aim(how, direction, node, _distance(ref, joint, node))
+
+
+def _off(tree: Skeleton, ref: Reference, joint: int, child: int) -> float:
+    """The angle between the incoming bone and a child, in the world; 0 where there is none."""
+    parent = tree.above[joint]
+    if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
+        return 0.0
+    here = ref.position(joint)
+    return float(angle(here - ref.position(parent), ref.position(child) - here))
+
+
+def _distance(ref: Reference, a: int, b: int) -> float:
+    return float(length(ref.position(b) - ref.position(a)))
+
+
+def _seen_from(ref: Reference, joint: int, nodes: Sequence[int]) -> Floats:
+    """Positions of nodes in the joint's own space, (k, 3)."""
+    return transform_points(ref.world[list(nodes), 3, :3], ref.inverse[joint])
+
+
+def _world_length(ref: Reference, joint: int, vector: Floats) -> float:
+    moved = transform_points(vector, ref.world[joint])
+    return float(length(moved - ref.position(joint)))

@@ -1,0 +1,219 @@
+"""Joint frames from elsewhere: another file's axes, stored changes, the mirrored other side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from rigtri.errors import FileError, GeometryError
+from rigtri.matrices import transform_directions
+from rigtri.naming import side, twin
+from rigtri.quaternions import conjugate, from_axes, norm, rotate, to_axes, turn_angle, unit
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.trigonometry import Floats
+from rigtri.vectors import cross, length, normalise
+
+# A common rotation smaller than this (radians) is what float32 positions leave over.
+NO_ROTATION = 2e-6
+
+Mirror = Literal["behavior", "orientation", "blender"]
+
+
+def turn_onto(world_axes: Floats, ref: Reference, joint: int) -> Floats:
+    """The turn, (4,), that gives a joint these world axes (rows, any handedness fits its own).
+
+    Carried into the joint's own space and made orthonormal there, X first.
+    """
+    rows = transform_directions(world_axes, ref.inverse[joint])
+    x = normalise(rows[0])
+    z = normalise(cross(x, rows[1]))
+    return from_axes(np.stack([x, cross(z, x), z]))
+
+
+def like_turns(
+    tree: Skeleton, ref: Reference, joints: Sequence[int], like: Rig, report: Report
+) -> dict[int, Floats]:
+    """The turns that give joints the axes of their namesakes in another rig's bind pose.
+
+    One rotation common to the whole skeleton is taken out first. Joints without a
+    namesake are kept and listed. Raises GeometryError when nothing matches.
+    """
+    other = skeleton(like)
+    theirs = reference(other, None)
+    pairs = _namesakes(tree.rig, tree.joints, like, other.joints)
+    if not pairs:
+        raise GeometryError("--like: no joint of the two files has the same name")
+    common = _common_rotation(tree, ref, theirs, pairs)
+    turns: dict[int, Floats] = {}
+    missing = [tree.rig.title(joint) for joint in joints if joint not in pairs]
+    for joint in joints:
+        if joint in pairs:
+            axes = rotate(common, normalise(theirs.world[pairs[joint], :3, :3]))
+            turns[joint] = turn_onto(axes, ref, joint)
+    if missing:
+        shown = ", ".join(missing[:10]) + (" …" if len(missing) > 10 else "")
+        report.warn("like-unmatched", f"{len(missing)} joints have no namesake: kept: {shown}")
+    return turns
+
+
+def _namesakes(
+    rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]
+) -> dict[int, int]:
+    """Joint → joint of the same VRM bone, path, label-path or unique name in the other rig."""
+    by_path = {like.path(k): k for k in others}
+    by_name: dict[str, list[int]] = {}
+    for k in others:
+        by_name.setdefault(like.names[k], []).append(k)
+    bones = {node: bone for bone, node in rig.humanoid.items()}
+    found = {}
+    for joint in joints:
+        name = rig.names[joint]
+        if joint in bones and bones[joint] in like.humanoid:
+            found[joint] = like.humanoid[bones[joint]]
+        elif rig.path(joint) in by_path:
+            found[joint] = by_path[rig.path(joint)]
+        elif name and len(by_name.get(name, [])) == 1 and rig.names.count(name) == 1:
+            found[joint] = by_name[name][0]
+    return found
+
+
+def _common_rotation(
+    tree: Skeleton, ref: Reference, theirs: Reference, pairs: Mapping[int, int]
+) -> Floats:
+    """The rotation, (4,), that takes their joint positions nearest to ours, sizes apart.
+
+    Source: B. K. P. Horn, "Closed-form solution of absolute orientation using unit
+    quaternions", 1987; its largest eigenvector by Jacobi rotations.
+    """
+    mine = list(pairs)
+    ours, other = ref.world[mine, 3, :3], theirs.world[list(pairs.values()), 3, :3]
+    ours, other = ours - ours.cumsum(0)[-1] / len(ours), other - other.cumsum(0)[-1] / len(other)
+    size = float(length(ours).max()) * float(length(other).max())
+    if not size > 0:
+        return np.array([0.0, 0.0, 0.0, 1.0])
+    m = np.stack([(other[:, k : k + 1] * ours).cumsum(axis=0)[-1] for k in range(3)]) / size
+    xx, yy, zz = m[0, 0], m[1, 1], m[2, 2]
+    yz, zx, xy = m[1, 2] - m[2, 1], m[2, 0] - m[0, 2], m[0, 1] - m[1, 0]
+    yzs, zxs, xys = m[1, 2] + m[2, 1], m[2, 0] + m[0, 2], m[0, 1] + m[1, 0]
+    symmetric = np.array(
+        [
+            [xx - yy - zz, xys, zxs, yz],
+            [xys, yy - xx - zz, yzs, zx],
+            [zxs, yzs, zz - xx - yy, xy],
+            [yz, zx, xy, xx + yy + zz],
+        ]
+    )
+    values, vectors = _eigen(symmetric)
+    order = np.argsort(values)
+    # Collinear positions leave a turn about their line open: then no rotation is taken out.
+    if values[order[3]] - values[order[2]] < 1e-9 * max(abs(values[order[3]]), 1e-30):
+        return np.array([0.0, 0.0, 0.0, 1.0])
+    q = unit(vectors[:, order[3]])
+    q = -q if q[3] < 0 else q
+    return np.array([0.0, 0.0, 0.0, 1.0]) if turn_angle(q) < NO_ROTATION else q
+
+
+def _eigen(symmetric: Floats) -> tuple[Floats, Floats]:
+    """Eigenvalues and eigenvectors (columns) of a small symmetric matrix by Jacobi rotations."""
+    a, v = symmetric.copy(), np.eye(len(symmetric))
+    for _ in range(30):
+        for p in range(len(a)):
+            for q in range(p + 1, len(a)):
+                if abs(a[p, q]) <= 1e-300:
+                    continue
+                theta = (a[q, q] - a[p, p]) / (2.0 * a[p, q])
+                t = (1.0 if theta >= 0 else -1.0) / (abs(theta) + np.sqrt(theta * theta + 1.0))
+                c = 1.0 / np.sqrt(t * t + 1.0)
+                s = t * c
+                for m in (a, v):
+                    left, right = m[:, p].copy(), m[:, q].copy()
+                    m[:, p], m[:, q] = c * left - s * right, s * left + c * right
+                left, right = a[p].copy(), a[q].copy()
+                a[p], a[q] = c * left - s * right, s * left + c * right
+    return np.diag(a).copy(), v
+
+
+def mirrored_turns(
+    tree: Skeleton,
+    ref: Reference,
+    turns: Mapping[int, Floats],
+    *,
+    mirror: Mirror,
+    from_side: Literal["left", "right"],
+    plane: str,
+    report: Report,
+) -> dict[int, Floats]:
+    """The turns of one side's joints from the new frames of the other side's.
+
+    With M the reflection and R the new axes (rows): ``behavior`` −R·M (equal
+    rotations mirror the motion; the side then aims backwards), ``orientation`` R,
+    ``blender`` diag(−1, 1, 1)·R·M.
+    """
+    rig = tree.rig
+    axis = {"yz": 0, "xz": 1, "xy": 2}[plane]
+    reflect = np.where(np.arange(3) == axis, -1.0, 1.0)
+    by_name = {rig.names[joint]: joint for joint in turns}
+    result: dict[int, Floats] = {}
+    for joint in turns:
+        if side(rig.names[joint]) in ("", from_side):
+            continue
+        source = by_name.get(twin(rig.names[joint]))
+        if source is None:
+            report.warn("no-twin", f"'{rig.title(joint)}' has no twin on the {from_side} side.")
+            continue
+        axes = transform_directions(to_axes(turns[source]), ref.world[source])
+        if mirror == "behavior":
+            axes = -axes * reflect
+        elif mirror == "blender":
+            axes = np.array([[-1.0], [1.0], [1.0]]) * axes * reflect
+        result[joint] = turn_onto(axes, ref, joint)
+    return result
+
+
+def frames_json(rig: Rig, report: Report) -> dict[str, Any]:
+    """What ``--save-frames`` writes: the change of frame C of each turned joint, by name or path."""
+    by_path = {rig.path(node): node for node in range(len(rig))}
+    joints = {}
+    for entry in report.joints:
+        if "turn" in entry:
+            name = rig.names[by_path[entry["path"]]]
+            unique = name and rig.names.count(name) == 1
+            joints[name if unique else entry["path"]] = entry["turn"]
+    return {"rigtri": "frames", "v": 1, "joints": joints}
+
+
+def stored_turns(
+    rig: Rig, joints: Sequence[int], frames: object, *, inverted: bool, report: Report
+) -> dict[int, Floats]:
+    """The turns that a ``--save-frames`` file holds for joints. Raises FileError for another file."""
+    if not isinstance(frames, dict) or frames.get("rigtri") != "frames" or frames.get("v") != 1:
+        raise FileError("--frames: this is no file of --save-frames (version 1)")
+    stored = frames.get("joints")
+    if not isinstance(stored, dict):
+        raise FileError("--frames: 'joints' is missing")
+    turns, known = {}, set()
+    for joint in joints:
+        for name in (rig.names[joint], rig.path(joint)):
+            if name and name in stored:
+                known.add(name)
+                q = _checked(name, stored[name])
+                turns[joint] = conjugate(q) if inverted else q
+                break
+    lost = [name for name in stored if name not in known]
+    if lost:
+        report.warn("frames-unmatched", f"{len(lost)} stored frames fit no joint: {', '.join(lost[:10])}")
+    return turns
+
+
+def _checked(name: str, value: object) -> Floats:
+    numbers = isinstance(value, list) and len(value) == 4
+    if not numbers or not all(type(x) in (int, float) for x in value):  # type: ignore[attr-defined]
+        raise FileError(f"--frames: '{name}' holds no quaternion of four numbers")
+    q = np.asarray(value, dtype=np.float64)
+    if not abs(float(norm(q)) - 1.0) < 1e-6:
+        raise FileError(f"--frames: the quaternion of '{name}' is not a rotation (length {norm(q):.6g})")
+    return unit(q)

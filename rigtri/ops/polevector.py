@@ -1,0 +1,342 @@
+"""add-polevector: a locator that says which way a limb bends.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
+"Using Vector Math to Rig an Arm" (ratio method, at the root, 5 units away).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from rigtri.bend import Bend, bend, crossings
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.limbs import Limb, along, recognise
+from rigtri.matrices import from_frame, identity, inverse, multiply, orthonormal_axes
+from rigtri.pose import worlds
+from rigtri.quaternions import IDENTITY, from_axes
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.skeleton import Reference, Skeleton, reference
+from rigtri.triangle import bend_angle, bend_direction, frame, pole_position
+from rigtri.trigonometry import Floats
+from rigtri.vectors import distance, length, normalise, project
+
+# Below this sine (0.1°) a bend plane is float32 noise; below the second (0.6°) it is shaky.
+NO_PLANE = 1.7453283658983088e-3
+SHAKY = 1.0471784116245793e-2
+GROUP = "rigtri_controls"
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `add_polevector` can be told; the defaults are the command's.
+
+    limbs: three-joint limbs. chains: (start, end, bend joint or None) of more joints.
+    bends: by the name of a limb's root, middle or end joint, the direction it bends to.
+    """
+
+    limbs: tuple[Limb, ...] = ()
+    chains: tuple[tuple[str, str, str | None], ...] = ()
+    auto: bool = False
+    method: Literal["perpendicular", "ratio"] = "perpendicular"
+    origin: Literal["middle", "root", "foot"] = "middle"
+    reach: float = 0.5
+    distance: float | None = None
+    reach_of: Literal["limb", "chord"] = "limb"
+    orientation: Literal["world", "limb", "aim"] = "world"
+    bends: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    facing: tuple[float, float, float] | None = None
+    name: str | None = None
+    pose: str = "nodes"
+    check_clips: bool = False
+
+
+def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+    """Place a pole vector for each limb; a second run finds it by its chain and moves it.
+
+    The locators hang under the root node ``rigtri_controls``. Each limb's record goes
+    to ``report.limbs``. Raises NameNotFoundError, UsageError, and GeometryError for a
+    straight limb of which nothing tells the side.
+    """
+    report = report if report is not None else Report()
+    limbs = _limbs(rig, options)
+    if options.name is not None and len(limbs) > 1:
+        raise UsageError(f"--name fits one limb, not {len(limbs)}")
+    ref = _reference(rig, options.pose)
+    bends = _named_bends(rig, limbs, options)
+    others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
+    unsaid = []
+    for limb in limbs:
+        found = _bend(rig, limb, ref, options, others, bends.get(limb))
+        if found is None:
+            unsaid.append(limb)
+            continue
+        rig = _place(rig, limb, ref, found, options, report)
+    if unsaid:
+        raise GeometryError(_straight_message(rig, unsaid, ref))
+    return rig
+
+
+def _limbs(rig: Rig, options: Options) -> list[Limb]:
+    limbs = list(options.limbs)
+    for start, end, middle in options.chains:
+        limbs.append(_of_chain(rig, start, end, middle, options.pose))
+    if options.auto:
+        found = [limb for limb in recognise(rig) if limb.triple not in {k.triple for k in limbs}]
+        if not found and not limbs:
+            raise GeometryError(
+                "--limbs auto: no VRM humanoid map and no joint names that say arms or legs. "
+                "Name the limbs with --limb ROOT MIDDLE END; see the joints with: rigtri inspect FILE"
+            )
+        limbs.extend(found)
+    if not limbs:
+        raise UsageError("say which limbs: --limb ROOT MIDDLE END, --chain START END, or --limbs auto")
+    return limbs
+
+
+def _of_chain(rig: Rig, start: str, end: str, middle: str | None, pose: str) -> Limb:
+    """A longer chain as a limb; it bends at the joint farthest from the chord unless one is named."""
+    path = along(rig, rig.find(start), rig.find(end))
+    inner = [node for node in path[1:-1] if rig.is_joint[node] or not rig.is_joint.any()]
+    if middle is not None:
+        node = rig.find(middle)
+        if node not in inner:
+            raise UsageError(f"'{middle}' does not lie between '{start}' and '{end}'")
+        return Limb(path[0], node, path[-1])
+    if not inner:
+        raise UsageError(f"there is no joint between '{start}' and '{end}' that could bend")
+    ref = _reference(rig, pose)
+    points = ref.world[inner, 3, :3]
+    off = distance(points, project(points, ref.position(path[0]), ref.position(path[-1])))
+    return Limb(path[0], inner[int(np.argmax(off))], path[-1])
+
+
+def _reference(rig: Rig, pose: str) -> Reference:
+    """The pose in use; any node may be in a limb, so all of them are taken as joints."""
+    above = {node: int(parent) for node, parent in enumerate(rig.parents)}
+    tree = Skeleton(rig, tuple(range(len(rig))), above, {}, np.ones(len(rig), dtype=bool))
+    return reference(tree, pose)
+
+
+def _named_bends(rig: Rig, limbs: list[Limb], options: Options) -> dict[Limb, Floats]:
+    """Which limb each ``--bend NAME=x,y,z`` means: the one with that joint."""
+    found: dict[Limb, Floats] = {}
+    for name, direction in options.bends.items():
+        node = rig.find(name)
+        mine = [limb for limb in limbs if node in limb.triple]
+        if not mine:
+            known = [rig.names[k] for limb in limbs for k in limb.triple]
+            raise NameNotFoundError("joint of a limb", name, known)
+        found.update(dict.fromkeys(mine, np.asarray(direction, dtype=np.float64)))
+    return found
+
+
+def _bend(
+    rig: Rig,
+    limb: Limb,
+    ref: Reference,
+    options: Options,
+    others: tuple[Limb, ...],
+    given: Floats | None,
+) -> Bend | None:
+    facing = options.facing if options.facing is not None else rig.facing
+    found = bend(
+        rig,
+        limb,
+        ref.world,
+        least_sine=NO_PLANE,
+        others=others,
+        facing=None if facing is None else np.asarray(facing, dtype=np.float64),
+        given=given,
+        other_pose=ref.other,
+    )
+    if given is not None and found is None:
+        raise GeometryError(
+            f"--bend {rig.title(limb.middle)}: the direction runs along the limb; give one across it"
+        )
+    return found
+
+
+def _place(
+    rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, report: Report
+) -> Rig:
+    points = ref.world[list(limb.triple), 3, :3]
+    direction = found.direction
+    if found.source == "pose" and options.method == "ratio":
+        direction = bend_direction(*points, method="ratio")
+    position = pole_position(
+        *points,
+        direction=direction,
+        origin=options.origin,
+        reach=options.reach,
+        reach_of=options.reach_of,
+        far=options.distance,
+    )
+    if not np.isfinite(position).all():
+        raise GeometryError(
+            f"the root and end of the limb {_title(rig, limb)} are at one place: it has no chord"
+        )
+    degrees = float(np.degrees(bend_angle(*points)))
+    note = _note(rig, limb, options, found, degrees)
+    _tell(rig, limb, found, degrees, report)
+    rig, node = _locator(rig, limb, note, options)
+    rig = _stand(rig, node, position, _axes(points, found, options))
+    entry: dict[str, Any] = {
+        "limb": [rig.title(k) for k in limb.triple],
+        "polevector": rig.names[node],
+        "evidence": limb.evidence,
+        "position": [float(x) for x in position],
+        "bend_degrees": round(degrees, 6),
+        "source": found.source,
+        "pose": options.pose,
+    }
+    if options.check_clips:
+        entry["clips"] = _clips(rig, limb)
+    report.limbs.append(entry)
+    return rig
+
+
+def _note(rig: Rig, limb: Limb, options: Options, found: Bend, degrees: float) -> dict[str, Any]:
+    chain = [_address(rig, node) for node in limb.triple]
+    note: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": chain}
+    note |= {"method": options.method, "from": options.origin}
+    if options.distance is not None:
+        note["distance"] = float(options.distance)
+    else:
+        note |= {"reach": float(options.reach), "reachOf": options.reach_of}
+    return note | {"bend": round(degrees, 4), "source": found.source, "pose": options.pose}
+
+
+def _address(rig: Rig, node: int) -> str:
+    """A name that finds the node again: its name where no other has it, else ``name#index``."""
+    name = rig.names[node]
+    if name and rig.names.count(name) == 1:
+        return name
+    return f"{name}{rig.labels[node]}" if rig.labels[node].startswith("#") else rig.labels[node]
+
+
+def _tell(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:
+    title = _title(rig, limb)
+    if found.source != "pose":
+        report.warn(
+            "straight",
+            f"{title} bends {degrees:.3g}°: the side it bends to is taken from: {found.source}.",
+            joint=title,
+            geometry=found.source in ("other side", "facing"),
+        )
+    elif found.sine < SHAKY:
+        report.warn(
+            "nearly-straight",
+            f"{title} bends only {degrees:.3g}°: its plane is near the noise of the file.",
+            joint=title,
+            geometry=True,
+        )
+
+
+def _title(rig: Rig, limb: Limb) -> str:
+    return " - ".join(rig.title(node) for node in limb.triple)
+
+
+def _locator(rig: Rig, limb: Limb, note: dict[str, Any], options: Options) -> tuple[Rig, int]:
+    """The limb's pole vector node, found again by its chain or made new."""
+    for node, known in rig.notes.items():
+        if known.get("type") == "poleVector" and known.get("chain") == note["chain"]:
+            names = list(rig.names)
+            if options.name is not None:
+                names[node] = _free_name(rig, options.name, node)
+            return replace(rig, names=tuple(names), notes={**rig.notes, node: note}), node
+    rig, group = _group(rig)
+    wanted = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
+    name = _free_name(rig, wanted, None)
+    node = len(rig)
+    rig = rig.with_nodes([name], [group], np.zeros((1, 3)), IDENTITY[np.newaxis])
+    return replace(rig, notes={**rig.notes, node: note}), node
+
+
+def _group(rig: Rig) -> tuple[Rig, int]:
+    """The root node that holds everything rigtri adds, at the world's origin."""
+    for node, note in rig.notes.items():
+        if note.get("type") == "group":
+            return rig, node
+    name = _free_name(rig, GROUP, None)
+    node = len(rig)
+    rig = rig.with_nodes([name], [-1], np.zeros((1, 3)), IDENTITY[np.newaxis])
+    return replace(rig, notes={**rig.notes, node: {"v": 1, "type": "group"}}), node
+
+
+def _free_name(rig: Rig, wanted: str, own: int | None) -> str:
+    """A name of letters, digits and underscores that no other node has.
+
+    USD prims allow nothing else, and three.js alters other names.
+    """
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", wanted).strip("_") or "locator"
+    name = f"_{name}" if name[0].isdigit() else name
+    taken = {known for node, known in enumerate(rig.names) if node != own}
+    free, count = name, 2
+    while free in taken:
+        free, count = f"{name}_{count}", count + 1
+    return free
+
+
+def _axes(points: Floats, found: Bend, options: Options) -> Floats:
+    """The locator's world axes, rows: the world's, the limb's own, or aiming at its middle joint."""
+    a, b, c = points
+    if options.orientation == "limb":
+        return frame(b - a, found.hinge)
+    if options.orientation == "aim":
+        return frame(-found.direction, found.hinge)
+    return np.asarray(np.eye(3))
+
+
+def _stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
+    """Put a node at a place in the world with the given axes, seen from its parent."""
+    parent = int(rig.parents[node])
+    above = worlds(rig)[parent] if parent >= 0 else identity()
+    place = multiply(from_frame(axes, position), inverse(above))
+    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+    turn = from_axes(orthonormal_axes(place))
+    # float32 readers see no difference below these; a second run must change no byte.
+    if length(place[3, :3] - translation[node]) > 1e-7 * max(float(length(place[3, :3])), 1e-30):
+        translation[node] = place[3, :3]
+    if np.abs(turn - rotation[node]).max() > 1e-7:
+        rotation[node] = turn
+    if rig.has_matrix[node]:
+        matrix = rig.matrix.copy()
+        moved = from_frame(orthonormal_axes(place), place[3, :3])
+        if np.abs(moved - matrix[node]).max() > 1e-7 * max(1.0, float(np.abs(moved).max())):
+            matrix[node] = moved
+        return replace(rig, matrix=matrix)
+    return replace(rig, translation=translation, rotation=rotation)
+
+
+def _clips(rig: Rig, limb: Limb) -> list[dict[str, Any]]:
+    """The key times of each clip at which the limb is straight or its pole flips side."""
+    found = []
+    for clip in rig.clips:
+        events = crossings(rig, limb, clip, NO_PLANE)
+        if events:
+            listed = [{"time": round(time, 6), "what": what} for time, what in events]
+            found.append({"clip": clip.name, "at": listed})
+    return found
+
+
+def _straight_message(rig: Rig, limbs: list[Limb], ref: Reference) -> str:
+    worst = limbs[0]
+    points = ref.world[list(worst.triple), 3, :3]
+    name = rig.names[worst.middle] or rig.labels[worst.middle]
+    rest = f" So do {len(limbs) - 1} more." if len(limbs) > 1 else ""
+    degenerate = not np.isfinite(normalise(points[2] - points[0])).all()
+    what = (
+        "has its root and end at one place"
+        if degenerate
+        else f"is straight (bent {float(np.degrees(bend_angle(*points))):.3g}°)"
+    )
+    return (
+        f"The limb {_title(rig, worst)} {what}, and neither a clip, the other side nor its name "
+        f"says which way it bends.{rest} Say it with --bend '{name}=0,0,1' or --facing +z."
+    )

@@ -1,0 +1,99 @@
+"""Which joints an operation turns, and why the others stay as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.limbs import along
+from rigtri.ops.aims import chain_child
+from rigtri.rig import Rig
+from rigtri.skeleton import Reference, Skeleton
+
+_EYES = ("leftEye", "rightEye")
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Joints as the user names them; empty means all that turn unnamed.
+
+    joints: names or globs. chains: (start, end) pairs. below: joints with all
+    under them. skin: only joints of this skin. exclude: names or globs.
+    """
+
+    joints: tuple[str, ...] = ()
+    chains: tuple[tuple[str, str], ...] = ()
+    below: tuple[str, ...] = ()
+    skin: str | None = None
+    exclude: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> bool:
+        return bool(self.joints or self.chains or self.below)
+
+
+def select(
+    tree: Skeleton, ref: Reference, selection: Selection, *, all_named: bool = False
+) -> tuple[list[int], dict[int, str]]:
+    """The joints to turn, parents first, and for every other joint the reason it is kept.
+
+    all_named: the user named the top node of a plain hierarchy, so all of it is meant.
+    Raises NameNotFoundError for names that the rig does not have.
+    """
+    rig = tree.rig
+    within = _of_skin(rig, selection.skin, tree.joints)
+    excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
+    named = _named(tree, selection)
+    kept: dict[int, str] = {}
+    turning = []
+    for joint in tree.joints:
+        if joint in excluded:
+            kept[joint] = "excluded"
+        elif selection.named and joint not in named:
+            kept[joint] = "not selected"
+        elif joint not in within:
+            kept[joint] = "not in the skin"
+        elif joint in rig.fixed:
+            kept[joint] = rig.fixed[joint]
+        elif not selection.named and not all_named and (reason := _stays(tree, ref, joint)):
+            kept[joint] = reason
+        else:
+            turning.append(joint)
+    return turning, kept
+
+
+def _named(tree: Skeleton, selection: Selection) -> set[int]:
+    rig, known = tree.rig, set(tree.joints)
+    named = {node for glob in selection.joints for node in rig.match(glob, tree.joints)}
+    for start, end in selection.chains:
+        named.update(along(rig, rig.find(start), rig.find(end)))
+    for top in selection.below:
+        named.update(rig.below(rig.find(top)))
+    if selection.named and not named & known:
+        raise UsageError("the selection holds no joint; see the joints with: rigtri inspect FILE")
+    return named & known
+
+
+def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
+    if name is None:
+        return set(joints)
+    for number, skin in enumerate(rig.skins):
+        if name in (skin.name, f"#{number}"):
+            return set(skin.joints.tolist())
+    raise NameNotFoundError("skin", name, [skin.name for skin in rig.skins])
+
+
+def _stays(tree: Skeleton, ref: Reference, joint: int) -> str:
+    """Why a joint that nobody named keeps its axes, or "" when it turns."""
+    rig = tree.rig
+    if tree.above[joint] < 0:
+        return "root joint: its motion is root motion"
+    if not tree.carries[joint]:
+        return "no weight on or below it"
+    if any(rig.humanoid.get(eye) == joint for eye in _EYES):
+        return "VRM eye"
+    siblings = [k for k in tree.below[tree.above[joint]] if k != joint and tree.carries[k]]
+    if not tree.below[joint] and siblings and chain_child(tree, ref, tree.above[joint]) != joint:
+        return "lone end joint beside siblings"
+    return ""

@@ -1,0 +1,296 @@
+"""Which way the up axis of each joint points: the stated source, else a ladder of fallbacks.
+
+Steps: 1 the stated source, 2 the limb's own triple, 3 its hinge in clips or the
+other pose, 4 the other side, 5 side, name and facing, 6 an adjoining triple,
+7 the neighbour's normal carried along, 8 the joint's own present axis, 9 the
+world axis least parallel to the bone. Steps 7 to 9 are invented: nothing in the
+file says so.
+
+Source: "Rigging with Triangles" and "Using Vector Math to Rig an Arm" (hinge of
+the limb's own triple); A. J. Hanson, "Parallel transport approach to curve
+framing", 1995 (step 7).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rigtri.bend import Bend, bend
+from rigtri.errors import UsageError
+from rigtri.limbs import Limb
+from rigtri.matrices import transform_directions
+from rigtri.naming import twin
+from rigtri.ops.aims import Aim, limb_path
+from rigtri.quaternions import between, rotate
+from rigtri.report import Report
+from rigtri.skeleton import Reference, Skeleton
+from rigtri.triangle import STRAIGHT_SINE, axis_of, bend_sine
+from rigtri.trigonometry import Floats, arc_tangent
+from rigtri.vectors import cross, dot, length, normalise
+
+_STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}
+
+
+@dataclass(frozen=True, eq=False)
+class Up:
+    """A direction in the world, (3,), the ladder's step and the words for it; ``sine`` bounds noise."""
+
+    vector: Floats
+    step: int
+    source: str
+    sine: float = 1.0
+
+
+@dataclass(eq=False)
+class Hinges:
+    """The plane normal of every joint that has one, found chain by chain, parents first."""
+
+    tree: Skeleton
+    ref: Reference
+    aims: Mapping[int, Aim]
+    limbs: Sequence[Limb]
+    facing: Floats | None
+    per_joint: bool
+    report: Report
+    found: dict[int, Up] = field(default_factory=dict)
+    straight: dict[int, tuple[str, float]] = field(default_factory=dict)
+
+    def collect(self) -> None:
+        """Fill `found` from limbs, then from chains without a limb."""
+        taken: set[int] = set()
+        for limb in self.limbs:
+            members = self._members(limb)
+            taken.update(members)
+            self._of_limb(limb, members)
+        chains = self._chains(taken)
+        for chain in chains:
+            self._of_chain(chain)
+        for chain in chains:
+            self._from_twin(chain)
+
+    def _members(self, limb: Limb) -> list[int]:
+        """The limb, the clavicle above it, and for a leg the foot and toes below it."""
+        members = limb_path(self.tree, limb)
+        above = self.tree.above.get(limb.start, -1)
+        aim = self.aims.get(above)
+        if aim is not None and aim.node == limb.start:
+            members.insert(0, above)
+        node = limb.end
+        while limb.kind == "leg" and (aim := self.aims.get(node)) and aim.node in self.aims:
+            node = int(aim.node)
+            if node in members:
+                break
+            members.append(node)
+        return [joint for joint in members if joint in self.aims]
+
+    def _of_limb(self, limb: Limb, members: list[int]) -> None:
+        rig, points = self.tree.rig, self.ref.world[list(limb.triple), 3, :3]
+        found = bend(
+            rig,
+            limb,
+            self.ref.world,
+            least_sine=STRAIGHT_SINE,
+            others=self.limbs,
+            facing=self.facing,
+            other_pose=self.ref.other,
+        )
+        sine = float(bend_sine(*points))
+        name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
+        for joint in members:
+            if found is not None:
+                self.found[joint] = _up(found)
+            if sine < STRAIGHT_SINE:
+                self.straight[joint] = (name, sine)
+
+    def _chains(self, taken: set[int]) -> list[list[int]]:
+        chains, done = [], set(taken)
+        for joint in self.aims:
+            if joint in done:
+                continue
+            chain = [joint]
+            while (node := self.aims[chain[-1]].node) in self.aims and node not in done:
+                if node in chain:
+                    break
+                chain.append(int(node))
+            done.update(chain)
+            chains.append(chain)
+        return chains
+
+    def _points(self, chain: Sequence[int]) -> list[int]:
+        """A chain's joints and what its last one aims at."""
+        last = self.aims[chain[-1]].node
+        return [*chain, *([last] if last is not None and last not in chain else [])]
+
+    def _of_chain(self, chain: list[int]) -> None:
+        nodes = self._points(chain)
+        if len(nodes) < 3:
+            return
+        points = self.ref.world[nodes, 3, :3]
+        bones = points[1:] - points[:-1]
+        areas = cross(bones[:-1], bones[1:])
+        sines = bend_sine(points[:-2], points[1:-1], points[2:])
+        clear = sines >= STRAIGHT_SINE
+        name = f"{self.tree.rig.title(chain[0])} … {self.tree.rig.title(nodes[-1])}"
+        if not clear.any():
+            found = self._moving(nodes)
+            for joint in chain:
+                self.straight[joint] = (name, float(sines.max()))
+                if found is not None:
+                    self.found[joint] = found
+            return
+        if self.per_joint:
+            self._per_joint(chain, areas, sines)
+            return
+        normal, sine = _area_weighted(areas, sines)
+        for joint in chain:
+            self.found[joint] = Up(normal, 2, "plane of the chain", sine)
+
+    def _per_joint(self, chain: list[int], areas: Floats, sines: Floats) -> None:
+        """Each inner joint its own plane; the first and last take their neighbour's."""
+        for place, joint in enumerate(chain):
+            k = min(max(place - 1, 0), len(areas) - 1)
+            if sines[k] >= STRAIGHT_SINE:
+                self.found[joint] = Up(
+                    normalise(areas[k]), 2, "plane of the joint", float(sines[k])
+                )
+
+    def _moving(self, nodes: list[int]) -> Up | None:
+        """The hinge of a straight chain as its clips show it: first, second and last point."""
+        limb = Limb(nodes[0], nodes[1], nodes[-1] if len(nodes) == 3 else nodes[2])
+        found = bend(
+            self.tree.rig, limb, self.ref.world, least_sine=2.0, other_pose=self.ref.other
+        )
+        return None if found is None else _up(found)
+
+    def _from_twin(self, chain: list[int]) -> None:
+        rig = self.tree.rig
+        for joint in chain:
+            other = rig.names[joint] and twin(rig.names[joint])
+            if joint in self.found or not other or other == rig.names[joint]:
+                continue
+            for there in (k for k in self.found if rig.names[k] == other):
+                if self.found[there].step <= 3:
+                    apart = np.abs(self.ref.position(joint) - self.ref.position(there))
+                    mirror = np.where(np.arange(3) == int(np.argmax(apart)), 1.0, -1.0)
+                    # A normal is mirrored as a turn is: across the plane and backwards.
+                    normal = self.found[there].vector * mirror
+                    self.found[joint] = Up(normal, 4, "other side", self.found[there].sine)
+                    break
+
+    def normal(self, joint: int, aim: Floats, up_axis: str, above: Up | None) -> Up:
+        """The plane normal of a joint, for a bone along ``aim`` (3,), by the first step that holds.
+
+        above: what the joint above got, with its bone, for step 7.
+        """
+        candidates: list[Up | None] = [self.found.get(joint), self._adjoining(joint)]
+        for candidate in (*candidates, above):
+            if candidate is not None and _across(candidate.vector, aim):
+                return candidate
+        letter, sign = axis_of(up_axis)
+        own = normalise(self.ref.world[joint, letter, :3]) * sign
+        if _across(own, aim):
+            return Up(own, 8, "its present axis")
+        least = np.eye(3)[int(np.argmin(np.abs(normalise(aim))))]
+        return Up(least, 9, "world axis least parallel to the bone")
+
+    def _adjoining(self, joint: int) -> Up | None:
+        """The plane of parent, joint and aim; of the joint, what it aims at, and what that aims at."""
+        aim = self.aims.get(joint)
+        if aim is None or aim.node is None:
+            return None
+        after = self.aims[aim.node].node if aim.node in self.aims else None
+        for triple in ((self.tree.above[joint], joint, aim.node), (joint, aim.node, after)):
+            if None in triple or -1 in triple:
+                continue
+            points = self.ref.world[[int(k) for k in triple if k is not None], 3, :3]
+            sine = float(bend_sine(*points))
+            if sine >= STRAIGHT_SINE:
+                normal = normalise(cross(points[1] - points[0], points[2] - points[1]))
+                return Up(normal, 6, "adjoining plane", sine)
+        return None
+
+
+def carried(up: Up, bone: Floats, along: Floats) -> Up:
+    """Step 7: a normal carried from one bone to the next without twisting."""
+    return Up(rotate(between(bone, along), up.vector), 7, "carried from the joint above", up.sine)
+
+
+def stated(tree: Skeleton, ref: Reference, joint: int, source: str, up_axis: str) -> Floats | None:
+    """The up direction of sources that are no plane: ``world:``, ``vector:``, ``node:``, ``noderot:``, ``keep``.
+
+    In the world, (3,), of any length. None for ``plane``, ``pole``, ``parent`` and ``child``.
+    Raises UsageError for anything else.
+    """
+    kind, _, rest = source.partition(":")
+    rig = tree.rig
+    try:
+        if kind == "world" and rest:
+            letter, sign = axis_of(rest)
+            return np.asarray(np.eye(3)[letter] * sign)
+        if kind == "vector":
+            return vector(rest)
+        if kind == "node" and rest:
+            return ref.position(rig.find(rest, "node")) - ref.position(joint)
+        if kind == "noderot":
+            letter, sign = axis_of(rest.partition(":")[0])
+            node = rig.find(rest.partition(":")[2], "node")
+            return np.asarray(normalise(ref.world[node, letter, :3]) * sign)
+    except ValueError as error:
+        raise UsageError(f"--up-from {source}: {error}") from error
+    if source == "keep":
+        letter, sign = axis_of(up_axis)
+        return np.asarray(ref.world[joint, letter, :3] * sign)
+    if source in ("plane", "pole", "parent", "child"):
+        return None
+    raise UsageError(
+        f"--up-from {source} is none of plane, pole, world:AXIS, vector:X,Y,Z, node:NAME, "
+        "noderot:AXIS:NAME, parent, child, keep"
+    )
+
+
+def vector(text: str) -> Floats:
+    """Three numbers with commas between as (3,). ValueError for anything else or a zero vector."""
+    parts = text.split(",")
+    try:
+        numbers = np.array([float(part) for part in parts])
+    except ValueError:
+        numbers = np.zeros(0)
+    if len(numbers) != 3 or not np.isfinite(numbers).all() or not numbers.any():
+        raise ValueError(f"'{text}' is no direction: give three numbers, e.g. 0,0,1")
+    return numbers
+
+
+def crossing(up: Floats, aim: Floats) -> bool:
+    """Whether an up direction is clear of the bone: at least `STRAIGHT_SINE` off it."""
+    return _across(up, aim)
+
+
+def _across(up: Floats, aim: Floats) -> bool:
+    with np.errstate(invalid="ignore"):
+        return bool(length(cross(normalise(up), normalise(aim))) >= STRAIGHT_SINE)
+
+
+def _up(found: Bend) -> Up:
+    names = {"pose": "plane of the limb", "facing": "side, name and facing"}
+    return Up(found.hinge, _STEP[found.source], names.get(found.source, found.source), found.sine)
+
+
+def _area_weighted(areas: Floats, sines: Floats) -> tuple[Floats, float]:
+    """The common normal of a chain: areas summed, each on the side of the largest."""
+    largest = areas[int(np.argmax(length(areas)))]
+    flip = np.where(dot(areas, largest) < 0, -1.0, 1.0)[:, np.newaxis]
+    total = (areas * flip).cumsum(axis=0)[-1]
+    return normalise(total), float(sines.max())
+
+
+def degrees(sine: float) -> float:
+    """A bend from its sine, in degrees, for messages about nearly straight limbs."""
+    return float(arc_tangent(sine, np.sqrt(max(0.0, 1.0 - sine * sine)))) * 57.29577951308232
+
+
+def carry_to_joint(ref: Reference, joint: int, direction: Floats) -> Floats:
+    """A direction of the world in the joint's own space, (3,)."""
+    return transform_directions(direction, ref.inverse[joint])

@@ -1,0 +1,327 @@
+"""One file: read, apply, write beside, re-open, compare, rename. Nothing half done, nothing lost."""
+
+from __future__ import annotations
+
+import filecmp
+import os
+import re
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rigtri.compare import TOLERANCE, Comparison, self_check
+from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
+from rigtri.formats import Companion, Document, Options, read
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+Step = Callable[[Rig, Report], Rig]
+
+# The first bytes of a stream tell its format, and with it the suffix that `read` goes by.
+_MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
+_OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What an edit did: the report, the measured deviation (None with verify off), and the clock."""
+
+    report: Report
+    verification: Comparison | None
+    written: bool
+    changed: bool
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def edit(
+    source: Path | str,
+    target: Path | str,
+    step: Step,
+    *,
+    options: Options | None = None,
+    report: Report | None = None,
+    overwrite: bool = False,
+    verify: bool = True,
+    tolerance: float = TOLERANCE,
+    dry_run: bool = False,
+    strict: bool = False,
+) -> Outcome:
+    """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
+
+    ``-`` is standard input or output. The file about to be delivered is re-opened and
+    compared with the source first: over ``tolerance`` (a share of the bounding-box
+    diagonal) DeviationError is raised and nothing is written. ``strict`` makes a geometry
+    warning a GeometryError. Raises FileError for anything that cannot be read or written,
+    UsageError for an existing target without ``overwrite``.
+    """
+    report = report if report is not None else Report()
+    clock = _Clock()
+    with _opened(source) as path:
+        to_stdout = str(target) == "-"
+        final = _final(path, target, to_stdout or dry_run, overwrite)
+        document = read(path, options)
+        report.warnings.extend(document.warnings)
+        clock.lap("read")
+        rig = step(document.rig, report)
+        if strict:
+            _refuse_geometry(report)
+        clock.lap("edit")
+        with _folder(final, to_stdout or dry_run) as folder:
+            place = folder / final.name
+            written = _Written(place)
+            try:
+                result = _deliver(document, path, rig, written, verify, options, tolerance, clock)
+                if to_stdout and not dry_run:
+                    _to_stdout(written)
+                elif not dry_run:
+                    written.finish()
+            except BaseException:
+                written.undo()
+                raise
+            clock.lap("write")
+            return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps)
+
+
+def _deliver(
+    document: Document,
+    path: Path,
+    rig: Rig,
+    written: _Written,
+    verify: bool,
+    options: Options | None,
+    tolerance: float,
+    clock: _Clock,
+) -> Comparison | None:
+    """Write the part, re-open it, compare it with the source."""
+    with _as_file_error(written.final):
+        for companion in document.write(rig, written.part, written.final):
+            written.add(companion)
+    clock.lap("write")
+    if not verify:
+        return None
+    if filecmp.cmp(path, written.part, shallow=False):
+        result = self_check(document, document)
+    else:
+        result = self_check(document, read(written.part, options))
+    clock.lap("verify")
+    if not result.passes(tolerance):
+        raise DeviationError(
+            f"The result would look different: {result.summary()}, over the tolerance of "
+            f"{tolerance:g}. Nothing was written."
+        )
+    return result
+
+
+class _Written:
+    """A part beside its target and the companions placed so far; either all stay or none."""
+
+    def __init__(self, final: Path) -> None:
+        self.final = final
+        self.part = final.with_name(f".{final.stem}.part-{os.getpid()}{final.suffix}")
+        self.placed: list[tuple[Path, Path | None]] = []
+        self._orphans = _our_buffers(final)
+
+    def add(self, companion: Companion) -> None:
+        """Put a companion in place, keeping what was there until the whole has passed."""
+        name = Path(companion.name)
+        if name.is_absolute() or ".." in name.parts:
+            raise FileError(
+                f"'{companion.name}' lies outside the folder of the source; it will not be copied "
+                "beside the output. Use --resources relink."
+            )
+        place = self.final.parent / name
+        if place.exists() and _same(companion.content, place):
+            return
+        backup = None
+        place.parent.mkdir(parents=True, exist_ok=True)
+        if place.exists():
+            backup = place.with_name(f".{place.name}.kept-{os.getpid()}")
+            os.replace(place, backup)
+        self.placed.append((place, backup))
+        fresh = place.with_name(f".{place.name}.part-{os.getpid()}")
+        if isinstance(companion.content, bytes):
+            fresh.write_bytes(companion.content)
+        else:
+            shutil.copyfile(companion.content, fresh)
+        _sync(fresh)
+        os.replace(fresh, place)
+
+    def finish(self) -> None:
+        """Rename the part into place; remove buffers of ours that nothing refers to any more."""
+        with _as_file_error(self.final):
+            _sync(self.part)
+            os.replace(self.part, self.final)
+            for _, backup in self.placed:
+                if backup is not None:
+                    backup.unlink()
+            for orphan in self._orphans - _our_buffers(self.final):
+                orphan.unlink(missing_ok=True)
+
+    def undo(self) -> None:
+        """Leave the folder as it was."""
+        self.part.unlink(missing_ok=True)
+        for place, backup in reversed(self.placed):
+            if backup is not None:
+                os.replace(backup, place)
+            else:
+                place.unlink(missing_ok=True)
+
+
+def _our_buffers(path: Path) -> set[Path]:
+    """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to."""
+    if path.suffix.lower() != ".gltf" or not path.is_file():
+        return set()
+    names = {name.decode("utf-8", "replace") for name in _OURS.findall(path.read_bytes())}
+    return {path.parent / name for name in names if name.startswith(f"{path.stem}.rigtri-")}
+
+
+def _same(content: bytes | Path, place: Path) -> bool:
+    if isinstance(content, bytes):
+        return place.is_file() and place.read_bytes() == content
+    return place.is_file() and filecmp.cmp(content, place, shallow=False)
+
+
+def _to_stdout(written: _Written) -> None:
+    if written.placed:
+        names = ", ".join(place.name for place, _ in written.placed[:4])
+        raise UsageError(
+            f"-o -: the output refers to other files ({names}), which a stream cannot hold. "
+            "Give a file name, or embed the data first."
+        )
+    with written.part.open("rb") as file:
+        shutil.copyfileobj(file, sys.stdout.buffer)
+    sys.stdout.buffer.flush()
+
+
+def _refuse_geometry(report: Report) -> None:
+    loud = [notice for notice in report.warnings if notice.geometry]
+    if loud:
+        more = f" ({len(loud) - 1} more)" if len(loud) > 1 else ""
+        raise GeometryError(f"--strict: {loud[0].text}{more}")
+
+
+def _final(path: Path, target: Path | str, elsewhere: bool, overwrite: bool) -> Path:
+    if str(target) == "-":
+        return Path(path.name)
+    final = Path(target)
+    if final.is_dir():
+        raise UsageError(f"{final} is a folder; give the name of the output file")
+    if not final.suffix:
+        raise UsageError(f"{final} has no suffix; the output's format is the input's: {path.suffix}")
+    if final.exists() and not overwrite:
+        raise UsageError(f"{final} exists; it is replaced only with --overwrite")
+    if not elsewhere and not final.parent.is_dir():
+        raise FileError(f"There is no folder {final.parent} to write {final.name} into")
+    return final
+
+
+@contextmanager
+def _opened(source: Path | str) -> Iterator[Path]:
+    """The source as a file on disk; standard input is spooled, its first bytes say the format."""
+    if str(source) != "-":
+        path = Path(source)
+        if path.is_dir():
+            raise FileError(f"{path} is a folder, not a file")
+        if not path.exists():
+            raise FileError(f"There is no file {path}")
+        yield path
+        return
+    content = sys.stdin.buffer.read()
+    suffix = next((s for magic, s in _MAGIC if content.startswith(magic)), ".gltf")
+    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+        path = Path(folder, f"stdin{suffix}")
+        path.write_bytes(content)
+        yield path
+
+
+opened = _opened
+
+
+@contextmanager
+def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
+    """Where the part is written: beside the target, or in a folder that is thrown away."""
+    if not elsewhere:
+        yield final.parent
+        return
+    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+        yield Path(folder)
+
+
+@contextmanager
+def _as_file_error(path: Path) -> Iterator[None]:
+    """An error of the operating system, told with the file it concerns."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise FileError(f"{path} cannot be written: {reason}. Nothing was changed.") from error
+
+
+def _sync(path: Path) -> None:
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
+
+
+class _Clock:
+    """Seconds per stage."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.laps[name] = self.laps.get(name, 0.0) + now - self._last
+        self._last = now
+
+
+def report_json(
+    command: str,
+    source: str,
+    target: str,
+    options: dict[str, Any],
+    outcome: Outcome,
+    *,
+    tolerance: float,
+    dry_run: bool,
+) -> dict[str, Any]:
+    """The document that ``--report`` and ``--json`` give; schemas/report.schema.json describes it."""
+    from rigtri import __version__
+
+    verification = None
+    if outcome.verification is not None:
+        verification = outcome.verification.as_json() | {"tolerance": tolerance}
+    return {
+        "rigtri": __version__,
+        "command": command,
+        "source": source,
+        "target": target,
+        "written": outcome.written,
+        "dry_run": dry_run,
+        "options": options,
+        "joints": outcome.report.joints,
+        "limbs": outcome.report.limbs,
+        "warnings": [
+            {"code": n.code, "text": n.text, "joint": n.joint, "geometry": n.geometry}
+            for n in outcome.report.warnings
+        ],
+        "verification": verification,
+        "seconds": {name: round(value, 4) for name, value in outcome.seconds.items()},
+    }
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a small text file beside and rename it; FileError when that fails."""
+    part = path.with_name(f".{path.name}.part-{os.getpid()}")
+    with _as_file_error(path):
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
+
+
+__all__: Sequence[str] = ("Outcome", "Step", "edit", "opened", "report_json", "write_text")

@@ -1,0 +1,184 @@
+"""The joints of a rig as a tree of their own, and the pose in which their positions are taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.errors import FileError, UsageError
+from rigtri.matrices import inverse, local
+from rigtri.pose import bind_worlds, locals_at, worlds
+from rigtri.rig import Booleans, Rig, Skin
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+# A bone shorter than this share of the whole skeleton has no direction.
+ZERO_LENGTH = 1e-6
+# Bind and rest pose nearer than this (share of the skeleton, cosine of axes) differ by storage only.
+SAME_POSE = 5e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Joints, parents first; other nodes between two joints are looked through."""
+
+    rig: Rig
+    joints: tuple[int, ...]
+    above: dict[int, int]  # the nearest joint above, −1 for a root joint
+    below: dict[int, tuple[int, ...]]  # the nearest joints below
+    carries: Booleans  # (n,), weight or a rigid mesh on or below
+
+    @cached_property
+    def roots(self) -> tuple[int, ...]:
+        return tuple(j for j in self.joints if self.above[j] < 0)
+
+    def root_of(self, joint: int) -> int:
+        while self.above[joint] >= 0:
+            joint = self.above[joint]
+        return joint
+
+    def depth(self, joint: int) -> int:
+        """How many joints hang below in a line, at most."""
+        return 1 + max((self.depth(k) for k in self.below[joint]), default=-1)
+
+
+def skeleton(rig: Rig, root: str | None = None) -> Skeleton:
+    """The joints of all skins, or with ``root`` that node and everything below it.
+
+    Raises FileError where there is no skin and no root is named.
+    """
+    if root is not None:
+        joints = [node for node in rig.below(rig.find(root, "node")) if rig.payload[node] < 0]
+    else:
+        joints = np.flatnonzero(rig.is_joint).tolist()
+    if not joints:
+        raise FileError(
+            "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "
+            "name its top node with --root NAME; list the nodes with: rigtri inspect FILE"
+        )
+    inside = set(joints)
+    above: dict[int, int] = {}
+    below: dict[int, list[int]] = {joint: [] for joint in joints}
+    for joint in joints:
+        parent = int(rig.parents[joint])
+        while parent >= 0 and parent not in inside:
+            parent = int(rig.parents[parent])
+        above[joint] = parent
+        if parent >= 0:
+            below[parent].append(joint)
+    return Skeleton(
+        rig, tuple(joints), above, {j: tuple(k) for j, k in below.items()}, _carries(rig, joints)
+    )
+
+
+def _carries(rig: Rig, joints: list[int]) -> Booleans:
+    carries = rig.payload >= 0
+    for skin in rig.skins:
+        carries[skin.joints[skin.weighted]] = True
+    for node in range(len(rig) - 1, -1, -1):
+        if carries[node] and rig.parents[node] >= 0:
+            carries[rig.parents[node]] = True
+    return carries if carries[joints].any() else np.ones(len(rig), dtype=bool)
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The pose in which positions are taken.
+
+    world: (n, 4, 4). other: the file's other pose (rest for bind and the other way
+    round) or None. kind: per joint ``bind``, ``nodes`` or ``CLIP@TIME``. extent: the
+    size of the skeleton. rounding: what float32 storage leaves uncertain about a
+    position, as a share of the extent.
+    """
+
+    world: Floats
+    other: Floats | None
+    kind: dict[int, str]
+    extent: float
+    rounding: float
+
+    @cached_property
+    def inverse(self) -> Floats:
+        """World to each node's own space, (n, 4, 4)."""
+        return inverse(self.world)
+
+    def position(self, node: int) -> Floats:
+        return np.asarray(self.world[node, 3, :3])
+
+
+def reference(tree: Skeleton, pose: str | None) -> Reference:
+    """The pose that ``--pose`` names; without it bind where a skin holds the joints, else nodes.
+
+    Raises UsageError for a pose that the file does not have.
+    """
+    rig = tree.rig
+    at_rest = worlds(rig)
+    if pose not in (None, "bind", "nodes"):
+        world = _clip_pose(rig, str(pose))
+        return _reference(tree, world, at_rest, dict.fromkeys(tree.joints, str(pose)), 0.0)
+    world, kind = at_rest.copy(), dict.fromkeys(tree.joints, "nodes")
+    bind = at_rest.copy()
+    rounding = 0.0
+    for root in tree.roots:
+        skin = _main_skin(tree, root)
+        if skin is None:
+            continue
+        posed = bind_worlds(rig, skin)
+        inside = rig.below(root)
+        bind[inside] = posed[inside]
+        if pose != "nodes":
+            held = set(skin.joints.tolist())
+            kind.update({j: "bind" for j in tree.joints if j in held and tree.root_of(j) == root})
+            if not _same_pose(rig, skin, posed):
+                world[inside] = posed[inside]
+                rounding = 2.4e-7  # two float32 roundings of a position in the inverse binds
+    if pose == "bind" and "bind" not in kind.values():
+        raise UsageError("--pose bind: no skin of this file has usable inverse bind matrices")
+    return _reference(tree, world, bind if pose == "nodes" else at_rest, kind, rounding)
+
+
+def _reference(
+    tree: Skeleton, world: Floats, other: Floats, kind: dict[int, str], rounding: float
+) -> Reference:
+    points = world[list(tree.joints), 3, :3]
+    extent = float(length(points.max(axis=0) - points.min(axis=0)))
+    differs = not np.allclose(world[:, 3], other[:, 3], rtol=0, atol=SAME_POSE * extent)
+    return Reference(world, other if differs else None, kind, extent, rounding)
+
+
+def _clip_pose(rig: Rig, pose: str) -> Floats:
+    name, mark, time = pose.rpartition("@")
+    try:
+        at = float(time)
+    except ValueError:
+        at = float("nan")
+    if not mark or not np.isfinite(at):
+        raise UsageError(f"--pose {pose}: give bind, nodes or CLIP@TIME, e.g. Walk@0.5")
+    return worlds(rig, locals_at(rig, rig.clip(name), at)[0])
+
+
+def _main_skin(tree: Skeleton, root: int) -> Skin | None:
+    """The skin that holds most joints of a tree, its inverse binds usable; the first of equals."""
+    inside = {j for j in tree.joints if tree.root_of(j) == root}
+    best, most = None, 0
+    for skin in tree.rig.skins:
+        held = len(inside.intersection(skin.joints.tolist()))
+        if held > most and skin.stored and np.isfinite(bind_worlds(tree.rig, skin)).all():
+            best, most = skin, held
+    return best
+
+
+def _same_pose(rig: Rig, skin: Skin, posed: Floats) -> bool:
+    """Whether bind and rest pose are one up to rounding, joint for joint in the parents' spaces."""
+    at_rest = worlds(rig)
+    nodes = [int(j) for j in skin.joints if rig.parents[j] >= 0]
+    parents = rig.parents[nodes]
+    a, b = local(posed[nodes], posed[parents]), local(at_rest[nodes], at_rest[parents])
+    size = np.maximum(np.abs(b[:, :3, :3]).max(axis=(1, 2)), 1e-30)
+    points = local(at_rest[nodes], at_rest[parents])[:, 3, :3]
+    reach = max(float(np.abs(points).max(initial=0.0)), 1e-30)
+    turned = np.abs(a - b)[:, :3, :3].max(axis=(1, 2)) > 10 * SAME_POSE * size
+    moved = np.abs(a - b)[:, 3, :3].max(axis=1) > SAME_POSE * reach
+    return not (turned | moved).any()
