@@ -80,9 +80,7 @@ class Skin:
             wide = normalise(perpendicular(np.asarray(side, float), forward))
             deep = cross(forward, wide)
             for s, c in zip(sine, cosine, strict=True):
-                self._add(
-                    station.centre + wide * c * station.wide + deep * s * station.deep, station
-                )
+                self._add(station.centre + wide * c * station.wide + deep * s * station.deep, station)
         for ring in range(len(stations) - 1):
             for corner in range(corners):
                 a = first + ring * corners + corner
@@ -144,9 +142,7 @@ class Figure:
         self.nodes.append(Node(name, -1, at, axes, scale, space=True, joint=False))
         return len(self.nodes) - 1
 
-    def joint(
-        self, name: str, parent: str | int, position: Vector, axes: Floats | None = None
-    ) -> int:
+    def joint(self, name: str, parent: str | int, position: Vector, axes: Floats | None = None) -> int:
         """Add a joint; its axes are crooked, and no two have the same, unless they are given."""
         above = self.index(parent) if isinstance(parent, str) else parent
         own = self._crooked_axes(len(self.nodes)) if axes is None else axes
@@ -218,7 +214,7 @@ class Figure:
         *,
         mode: Mode = "LINEAR",
     ) -> None:
-        """Key the rotation of joints: a motion is a turn about world axes on top of the rest pose."""
+        """Key the rotation of joints: motions turn about world axes, on top of the rest pose."""
         for name, motion in motions.items():
             node = self.index(name)
             before = conjugate(self._axes_above(node))
@@ -244,9 +240,7 @@ class Figure:
             span = np.asarray(times[2:]) - np.asarray(times[:-2])
             tangents[1:-1] = (values[2:] - values[:-2]) / span[:, np.newaxis]
             values = np.stack([tangents, values, tangents], axis=1)
-        self.clips.setdefault(clip, []).append(
-            Keys(self.index(name), path, tuple(times), values, mode)
-        )
+        self.clips.setdefault(clip, []).append(Keys(self.index(name), path, tuple(times), values, mode))
 
     def _axes_above(self, node: int) -> Floats:
         parent = self.nodes[node].parent
@@ -276,9 +270,7 @@ class Figure:
     def binds(self) -> Floats:
         """Matrices of all nodes in the space that the skin was modelled in, (n, 4, 4)."""
         world = self.worlds()
-        return (
-            world if self.modelled_in is None else multiply(world, inverse(world[self.modelled_in]))
-        )
+        return world if self.modelled_in is None else multiply(world, inverse(world[self.modelled_in]))
 
     def joints(self) -> list[int]:
         """The nodes that are joints of the skin."""
@@ -303,9 +295,7 @@ def box(mesh: Skinless) -> tuple[Floats, Floats, list[tuple[int, int, int]]]:
         u, v = (axis + 1) % 3, (axis + 2) % 3
         for end in (0, 1):
             first = len(points)
-            for a, b in (
-                ((0, 0), (1, 0), (1, 1), (0, 1)) if end else ((0, 0), (0, 1), (1, 1), (1, 0))
-            ):
+            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)) if end else ((0, 0), (0, 1), (1, 1), (1, 0)):
                 point = np.zeros(3)
                 point[axis], point[u], point[v] = corners[end, axis], corners[a, u], corners[b, v]
                 points.append(point)

@@ -144,9 +144,7 @@ def tail() -> Figure:
     figure = Figure("tail")
     figure.joint("pelvis", -1, (0, 1, 0))
     sine, _ = sin_cos(np.arange(8) * (2 * np.pi / 7))
-    points = [
-        (0.02 * k, 1 + 0.22 * s - 0.03 * k, -0.16 * k) for k, s in enumerate(sine.tolist(), 0)
-    ]
+    points = [(0.02 * k, 1 + 0.22 * s - 0.03 * k, -0.16 * k) for k, s in enumerate(sine.tolist(), 0)]
     names = [f"tail_{k + 1:02}" for k in range(8)]
     figure.chain("pelvis", *zip(names, points, strict=True))
     radii = [0.09 - 0.009 * k for k in range(9)]
@@ -246,9 +244,7 @@ def _limbs(figure: Figure, side: str, sign: float) -> None:
     arm = [f"{part}_{side}" for part in ("upper_arm", "forearm", "hand", "fingers")]
     knuckles, wrist = figure.at(arm[3]), figure.at(arm[2])
     tip = knuckles + (knuckles - wrist) * 0.9
-    figure.wrap(
-        arm, [0.055, 0.042, 0.032, 0.034, 0.02], flat=0.8, above=f"clavicle_{side}", tip=tip
-    )
+    figure.wrap(arm, [0.055, 0.042, 0.032, 0.034, 0.02], flat=0.8, above=f"clavicle_{side}", tip=tip)
     thigh, shin, foot, toe = (f"{part}_{side}" for part in ("thigh", "shin", "foot", "toe"))
     figure.wrap([thigh, shin, foot], [0.09, 0.062, 0.045], above="hips")
     end = figure.at(toe) + np.array([0.0, -0.005, 0.08])

@@ -201,9 +201,7 @@ def _animation(name: str, clip: list[Keys], buffer: _Buffer) -> dict[str, Any]:
     for keys in clip:
         width = keys.values.shape[-1]
         output = buffer.add(keys.values.reshape(-1, width))
-        samplers.append(
-            {"input": buffer.times(keys.times), "output": output, "interpolation": keys.mode}
-        )
+        samplers.append({"input": buffer.times(keys.times), "output": output, "interpolation": keys.mode})
         target = {"node": keys.node, "path": keys.path}
         channels.append({"sampler": len(samplers) - 1, "target": target})
     return {"name": name, "channels": channels, "samplers": samplers}

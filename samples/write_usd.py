@@ -51,11 +51,7 @@ def usdz(text: bytes, name: str) -> bytes:
     )
     local = b"PK\3\4" + common + entry + extra + text
     central = (
-        b"PK\1\2"
-        + struct.pack("<H", 10)
-        + common[:-2]
-        + struct.pack("<HHHHII", 0, 0, 0, 0, 0, 0)
-        + entry
+        b"PK\1\2" + struct.pack("<H", 10) + common[:-2] + struct.pack("<HHHHII", 0, 0, 0, 0, 0, 0) + entry
     )
     end = b"PK\5\6" + struct.pack("<HHHHIIH", 0, 0, 1, 1, len(central), len(local), 0)
     return local + central + end
@@ -102,15 +98,11 @@ def _skeleton(stage: Usd.Stage, figure: Figure, clip: str) -> None:
     for node in figure.nodes:
         if node.mesh:
             points, normals, triangles = box(node.mesh)
-            prop = _mesh(
-                stage, f"{top}/figure/{node.name}", points + node.position, normals, triangles
-            )
+            prop = _mesh(stage, f"{top}/figure/{node.name}", points + node.position, normals, triangles)
             one = ([chosen.index(node.parent)], [1.0], 1)
             _bind(prop, skeleton, *one, interpolation="constant")
     animation = _animation(stage, figure, clip, tokens)
-    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(
-        [animation.GetPath()]
-    )
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
 
 
 def _tokens(figure: Figure, chosen: list[int]) -> dict[int, str]:
@@ -121,9 +113,7 @@ def _tokens(figure: Figure, chosen: list[int]) -> dict[int, str]:
     return tokens
 
 
-def _animation(
-    stage: Usd.Stage, figure: Figure, clip: str, tokens: dict[int, str]
-) -> UsdSkel.Animation:
+def _animation(stage: Usd.Stage, figure: Figure, clip: str, tokens: dict[int, str]) -> UsdSkel.Animation:
     """Only the joints that the clip drives, the last one first: USD allows any subset and order."""
     keyed = {(keys.node, keys.path): keys for keys in figure.clips[clip]}
     driven = sorted({keys.node for keys in figure.clips[clip]}, reverse=True)
@@ -134,9 +124,7 @@ def _animation(
     rotations, translations = animation.CreateRotationsAttr(), animation.CreateTranslationsAttr()
     for step, time in enumerate(figure.clips[clip][0].times):
         frame = time * FRAMES_PER_SECOND
-        rotations.Set(
-            Vt.QuatfArray([_quaternion(keyed[k, "rotation"].values[step]) for k in driven]), frame
-        )
+        rotations.Set(Vt.QuatfArray([_quaternion(keyed[k, "rotation"].values[step]) for k in driven]), frame)
         at = [
             keyed[k, "translation"].values[step] if (k, "translation") in keyed else translation[k]
             for k in driven

@@ -1,0 +1,86 @@
+"""Fixtures that all tests share; tests/README.md says how to use them."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import click
+import pytest
+from hypothesis import settings
+from places import ASSETS, GOLDENS, NO_ASSETS, SAMPLES
+
+# A slow machine is no failure, and a law that fails should fail the same way tomorrow.
+settings.register_profile("rigtri", deadline=None, derandomize=True)
+settings.load_profile("rigtri")
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])")
+# Printed numbers have six digits; the last may differ where libraries of the reader's side do.
+CLOSE = 1e-5
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--update-golden", action="store_true", help="write goldens anew; then look at git diff")
+
+
+@pytest.fixture(scope="session")
+def samples() -> Path:
+    """The folder with the files that ship with rigtri."""
+    return SAMPLES
+
+
+@pytest.fixture(scope="session")
+def assets() -> Path:
+    """The folder with real files; the test is skipped where it is not there."""
+    if not ASSETS.is_dir():
+        pytest.skip(NO_ASSETS)
+    return ASSETS
+
+
+@pytest.fixture(scope="session")
+def app() -> click.Group:
+    """The installed program, found the way the shell finds it."""
+    (script,) = entry_points(group="console_scripts", name="rigtri")
+    program = script.load()
+    assert isinstance(program, click.Group)
+    return program
+
+
+@dataclass(frozen=True)
+class Golden:
+    """Text that a reviewer has read: words compare exactly, numbers within 1e-5."""
+
+    folder: Path
+    update: bool
+
+    def check(self, name: str, text: str) -> None:
+        """Fail with a unified diff where ``text`` is not what tests/goldens/NAME says."""
+        path = self.folder / name
+        if self.update:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, "utf-8", newline="\n")
+            return
+        if not path.exists():
+            pytest.fail(f"no golden {name}; write it with --update-golden and read it")
+        expected = path.read_text("utf-8")
+        if not alike(expected, text):
+            lines = (side.splitlines(keepends=True) for side in (expected, text))
+            diff = "".join(difflib.unified_diff(*lines, fromfile=f"goldens/{name}", tofile="now"))
+            pytest.fail(f"golden {name} differs:\n{diff}", pytrace=False)
+
+
+@pytest.fixture(scope="session")
+def golden(pytestconfig: pytest.Config) -> Golden:
+    """Compare text with a committed one: ``golden.check("name.txt", text)``."""
+    return Golden(GOLDENS, bool(pytestconfig.getoption("--update-golden")))
+
+
+def alike(expected: str, text: str) -> bool:
+    """Whether two texts have the same words, and numbers within 1e-5 of each other."""
+    if NUMBER.split(expected) != NUMBER.split(text):
+        return False
+    pairs = zip(NUMBER.findall(expected), NUMBER.findall(text), strict=True)
+    return all(abs(float(a) - float(b)) <= CLOSE * max(1.0, abs(float(a))) for a, b in pairs if a != b)

@@ -1,0 +1,104 @@
+"""A rig as data: finding by name, paths, levels; no file and no terminal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+from rigs import chain, random_rig, rig_of
+
+from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.pose import worlds
+from rigtri.rig import Rig, Skin
+
+
+def hero() -> Rig:
+    """root > (arm > elbow, arm, mesh), with the first arm a joint and the names ``arm`` twice."""
+    rig = rig_of(["root", "arm", "elbow", "arm", "", "b[1]*"], [-1, 0, 1, 0, 0, 0], np.eye(6, 3) + 1.0)
+    skin = Skin("skin", np.array([0, 1, 2]), np.broadcast_to(np.eye(4), (3, 4, 4)))
+    return replace(rig, skins=(skin,), humanoid={"hips": 0})
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_worlds_are_locals_times_the_parents_world(seed: int) -> None:
+    rig = random_rig(seed)
+    world = worlds(rig)
+    for node, parent in enumerate(rig.parents.tolist()):
+        above = world[parent] if parent >= 0 else np.eye(4)
+        assert_allclose(world[node], rig.local[node] @ above, atol=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_every_level_holds_the_children_of_the_one_before(seed: int) -> None:
+    rig = random_rig(seed, joints=12)
+    assert sorted(np.concatenate(rig.levels).tolist()) == list(range(12))
+    above: set[int] = {-1}
+    for level in rig.levels:
+        assert set(rig.parents[level].tolist()) <= above
+        above = set(level.tolist())
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_node_and_all_below_it_are_found_from_both_ends(seed: int) -> None:
+    rig = random_rig(seed, joints=12)
+    for node in range(len(rig)):
+        expected = {node}
+        for child in rig.children[node]:
+            expected.update(rig.below(child))
+        assert rig.below(node) == sorted(expected)
+
+
+def test_a_rig_without_nodes_is_a_rig() -> None:
+    rig = rig_of([], [], np.zeros((0, 3)))
+    assert (len(rig), rig.levels, worlds(rig).shape) == (0, (), (0, 4, 4))
+
+
+def test_a_node_is_found_by_name_label_path_and_vrm_bone() -> None:
+    rig = hero()
+    assert [rig.find(name) for name in ("elbow", "#2", "/root/arm/elbow")] == [2, 2, 2]
+    assert rig.find("vrm:hips") == 0
+
+
+def test_a_joint_wins_over_another_node_of_its_name() -> None:
+    assert hero().find("arm") == 1
+
+
+def test_a_name_that_several_joints_share_is_refused_with_their_labels() -> None:
+    skin = Skin("skin", np.array([1, 3]), np.broadcast_to(np.eye(4), (2, 4, 4)))
+    rig = replace(hero(), skins=(skin,))
+    with pytest.raises(AmbiguousNameError, match="2 joints are named 'arm': '#1', '#3'"):
+        rig.find("arm")
+
+
+def test_a_name_that_is_not_there_gets_the_nearest_one() -> None:
+    with pytest.raises(NameNotFoundError, match="No joint is named 'elbo'\\. Did you mean 'elbow'"):
+        hero().find("elbo")
+
+
+def test_an_exact_name_wins_over_a_pattern() -> None:
+    rig = hero()
+    assert rig.match("b[1]*") == [5]
+    assert rig.match("*o*") == [0, 1, 2, 3, 4, 5]  # every path goes through /root
+    assert rig.match("el*") == [2]
+    assert rig.match("arm") == [1, 3]
+    with pytest.raises(NameNotFoundError):
+        rig.match("leg*")
+
+
+def test_titles_say_enough_to_find_the_node() -> None:
+    rig = hero()
+    assert [rig.title(node) for node in (1, 2, 4)] == ["arm (#1)", "elbow", "#4"]
+    assert rig.path(4) == "/root/#4"
+
+
+def test_new_nodes_come_last_and_have_no_key() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    more = rig.with_nodes(["pole"], [-1], np.array([[1.0, 2, 3]]), np.array([[0.0, 0, 0, 1]]))
+    assert (more.names, more.keys) == (("a", "b", "pole"), (0, 1, None))
+    assert more.labels[2] == "+pole"
+    assert_array_equal(worlds(more)[2, 3, :3], [1, 2, 3])
+    assert len(rig) == 2
