@@ -125,7 +125,9 @@ def bend_direction(
         with np.errstate(divide="ignore", invalid="ignore"):
             foot = a + (c - a) * (upper / (upper + lower))[..., np.newaxis]
     off = b - foot
+    # A limb folded back onto itself has no side either, however far B lies from the foot.
     clear = length(off) > DEGENERATE_SINE * limb_length(a, b, c)
+    clear &= bend_sine(a, b, c) >= DEGENERATE_SINE
     return np.where(clear[..., np.newaxis], normalise(off), np.nan)
 
 
@@ -162,7 +164,7 @@ def pole_position(
     from_ = {"middle": b, "root": a, "foot": project(b, a, c)}[origin]
     size = limb_length(a, b, c) if reach_of == "limb" else distance(a, c)
     away = np.broadcast_to(far if far is not None else reach * size, size.shape)
-    return from_ + side * away[..., np.newaxis]
+    return np.asarray(from_ + side * away[..., np.newaxis])
 
 
 def barycentric(point: ArrayLike, a: ArrayLike, b: ArrayLike, c: ArrayLike) -> Floats:
