@@ -1,21 +1,23 @@
 """A rig at given times: local and world matrices, skin matrices, deformed points.
 
 Plain evaluation, the truth that everything is measured against. ``f`` is the
-number of times, ``n`` of nodes. All times of a clip are evaluated in one go.
+number of times, ``n`` of nodes. All times asked for are evaluated in one go;
+`Motion` is a clip made ready for being asked often.
 
 Source: glTF 2.0 §3.5.3, §3.7.3, §3.11 and appendix C; UsdSkel (joint-local S·R·T).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rigtri.matrices import compose, inverse, multiply
-from rigtri.quaternions import norm, slerp, unit
-from rigtri.rig import Clip, Mesh, Rig, Skin, Track
+from rigtri.matrices import compose, decompose, inverse, multiply
+from rigtri.quaternions import conjugate, norm, rotate, slerp, unit
+from rigtri.quaternions import multiply as product
+from rigtri.rig import Clip, Integers, Interpolation, Mesh, Path, Rig, Skin, Track
 from rigtri.trigonometry import Floats
 
 
@@ -34,7 +36,7 @@ def worlds(rig: Rig, local: Floats | None = None) -> Floats:
 
 def rest(rig: Rig, *, normalised: bool = True) -> Floats:
     """Local matrices at rest, (n, 4, 4); see `locals_at` for ``normalised``."""
-    composed = _matrices(rig.translation, rig.rotation, rig.scale, normalised)
+    composed = compose(rig.translation, _as_shown(rig.rotation, normalised), rig.scale)
     return np.where(rig.has_matrix[:, np.newaxis, np.newaxis], rig.matrix, composed)
 
 
@@ -45,28 +47,41 @@ def locals_at(rig: Rig, clip: Clip, times: ArrayLike, *, normalised: bool = True
     formats mean them; without it a quaternion that is not unit scales and
     shears, as three.js and UsdSkel show it.
     """
-    times = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    local = np.broadcast_to(rest(rig, normalised=normalised), (len(times), len(rig), 4, 4)).copy()
-    driven = sorted({t.node for t in clip.tracks if t.path != "weights"})
-    if not driven:
+    return Motion(rig, clip).locals_at(times, normalised=normalised)
+
+
+class Motion:
+    """A clip of a rig with its tracks gathered into few arrays, ready to be evaluated in blocks."""
+
+    def __init__(self, rig: Rig, clip: Clip) -> None:
+        tracks = [track for track in clip.tracks if track.path != "weights"]
+        self.rig = rig
+        self.driven = np.array(sorted({track.node for track in tracks}), dtype=np.int64)
+        self.packs = [_Pack.of(alike, self.driven) for alike in _together(tracks)]
+
+    def locals_at(self, times: ArrayLike, *, normalised: bool = True) -> Floats:
+        """Local matrices, (f, n, 4, 4), at ``times``, (f,); see the function of the same name."""
+        times = np.atleast_1d(np.asarray(times, dtype=np.float64))
+        rig, count = self.rig, len(times)
+        local = np.repeat(rest(rig, normalised=normalised)[np.newaxis], count, axis=0)
+        if not len(self.driven):
+            return local
+        parts = {
+            "translation": np.repeat(rig.translation[np.newaxis, self.driven], count, axis=0),
+            "rotation": np.repeat(rig.rotation[np.newaxis, self.driven], count, axis=0),
+            "scale": np.repeat(rig.scale[np.newaxis, self.driven], count, axis=0),
+        }
+        for pack in self.packs:
+            parts[pack.path][:, pack.columns] = pack.sample(times)
+        rotation = _as_shown(parts["rotation"], normalised)
+        local[:, self.driven] = compose(parts["translation"], rotation, parts["scale"])
         return local
-    place = {node: k for k, node in enumerate(driven)}
-    parts = {
-        "translation": np.repeat(rig.translation[np.newaxis, driven], len(times), axis=0),
-        "rotation": np.repeat(rig.rotation[np.newaxis, driven], len(times), axis=0),
-        "scale": np.repeat(rig.scale[np.newaxis, driven], len(times), axis=0),
-    }
-    for tracks in _together(clip):
-        if tracks[0].path != "weights":
-            columns = [place[track.node] for track in tracks]
-            parts[tracks[0].path][:, columns] = _sample(tracks, times)
-    local[:, driven] = _matrices(parts["translation"], parts["rotation"], parts["scale"], normalised)
-    return local
 
 
 def sample(track: Track, times: ArrayLike) -> Floats:
-    """The values of one track, (f, c), at ``times``, (f,); held before the first and after the last key."""
-    return _sample([track], np.atleast_1d(np.asarray(times, dtype=np.float64)))[:, 0]
+    """The values of one track, (f, c), at ``times``, (f,); held beyond its first and last key."""
+    pack = _Pack.of([track], np.array([track.node]))
+    return pack.sample(np.atleast_1d(np.asarray(times, dtype=np.float64)))[:, 0]
 
 
 def key_times(clip: Clip) -> Floats:
@@ -113,20 +128,30 @@ def morph_weights(mesh: Mesh, clip: Clip | None, times: Floats) -> Floats:
     return np.broadcast_to(mesh.morph_weights, (len(times), len(mesh.morph_weights)))
 
 
+def shares(mesh: Mesh) -> Floats:
+    """How much of each point each of its joints moves, (v, k), summing to 1 in absolute value.
+
+    A point without any weight follows its first joint, as in engines; NaN stays NaN.
+    """
+    total = np.abs(mesh.weights).sum(axis=1, keepdims=True)
+    first = np.zeros(mesh.weights.shape[1])
+    first[:1] = 1.0
+    return np.where(total == 0, first, mesh.weights / np.where(total == 0, 1.0, total))
+
+
 def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
     """The points of a mesh in the world, (f, v, 3).
 
     world: (f, n, 4, 4). morph: (f, t). Weights that do not sum to 1 are scaled
-    to do so, as engines do; a point without any weight follows the first joint.
+    to do so, as engines do; see `shares`. IndexError for a joint the skin does not have.
     """
     points = np.broadcast_to(mesh.points, (len(world), *mesh.points.shape))
     if morph.shape[-1] and morph.any():
         points = points + np.tensordot(morph, mesh.morphs, axes=(1, 0))
-    if mesh.skin is None:
+    if mesh.skin is None or not mesh.joints.shape[1]:
         return _through(points, world[:, mesh.node])
-    skin = rig.skins[mesh.skin]
-    matrices = multiply(mesh.bind, skin_matrices(skin, world))
-    weights = mesh.weights / _total(mesh.weights)
+    matrices = multiply(mesh.bind, skin_matrices(rig.skins[mesh.skin], world))
+    weights = shares(mesh)
     if mesh.dual_quaternion:
         return _dual_quaternion(points, matrices, mesh.joints, weights)
     moved = np.zeros(points.shape)
@@ -139,82 +164,98 @@ def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
     return moved
 
 
-def _total(weights: Floats) -> Floats:
-    total = np.abs(weights).sum(axis=1, keepdims=True)
-    return np.where(total == 0, 1.0, total)
-
-
 def _through(points: Floats, matrix: Floats) -> Floats:
     return np.asarray(np.einsum("fvi,fij->fvj", points, matrix[:, :3, :3]) + matrix[:, np.newaxis, 3, :3])
 
 
-def _dual_quaternion(points: Floats, matrices: Floats, joints: np.ndarray, weights: Floats) -> Floats:
+def _dual_quaternion(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
     """Dual-quaternion skinning without scale: blend (rotation, translation) pairs, then normalise.
 
     Source: L. Kavan et al., "Skinning with dual quaternions", I3D 2007.
     """
-    from rigtri.matrices import decompose
-    from rigtri.quaternions import multiply as product
-    from rigtri.quaternions import rotate
-
     translation, rotation, _ = decompose(matrices)
     zero = np.zeros((*translation.shape[:-1], 1))
     dual = 0.5 * product(np.concatenate([translation, zero], axis=-1), rotation)
-    first = rotation[:, joints[:, :1]]
+    first = rotation[:, joints[:, 0]]
     real, other = np.zeros((*points.shape[:-1], 4)), np.zeros((*points.shape[:-1], 4))
     for column in range(joints.shape[1]):
         q = rotation[:, joints[:, column]]
-        sign = np.where((q * first[:, :, 0]).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
+        # q and −q are one rotation; on one side of the first they blend along the short way.
+        sign = np.where((q * first).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
         share = sign * weights[:, column, np.newaxis]
         real += share * q
         other += share * dual[:, joints[:, column]]
     size = norm(real)[..., np.newaxis]
     real, other = real / size, other / size
-    move = 2.0 * product(other, real * np.array([-1.0, -1.0, -1.0, 1.0]))[..., :3]
-    return rotate(real, points) + move
+    return rotate(real, points) + 2.0 * product(other, conjugate(real))[..., :3]
 
 
-def _matrices(translation: Floats, rotation: Floats, scale: Floats, normalised: bool) -> Floats:
-    if normalised:
-        size = norm(rotation)[..., np.newaxis]
-        return compose(translation, rotation / np.where(size == 0, 1.0, size), scale)
-    return compose(translation, rotation, scale)
+def _as_shown(rotation: Floats, normalised: bool) -> Floats:
+    if not normalised:
+        return rotation
+    size = norm(rotation)[..., np.newaxis]
+    return rotation / np.where(size == 0, 1.0, size)
 
 
-def _together(clip: Clip) -> Iterator[list[Track]]:
-    """The tracks of a clip in groups that share path, interpolation, times and width."""
+def _together(tracks: list[Track]) -> list[list[Track]]:
+    """Tracks in groups that share path, interpolation, times and width."""
     groups: dict[object, list[Track]] = {}
-    for track in clip.tracks:
-        # Rows of different widths (morph weights) cannot lie in one array.
-        alike = (track.path, track.interpolation, id(track.times), track.values.shape)
+    for track in tracks:
+        # What has one key is the same at all times, whatever its time is.
+        times = track.times.tobytes() if len(track.times) > 1 else b""
+        alike = (track.path, track.interpolation, times, track.values.shape)
         groups.setdefault(alike, []).append(track)
-    return iter(groups.values())
+    return list(groups.values())
 
 
-def _sample(tracks: list[Track], times: Floats) -> Floats:
-    """Values of tracks that share path, interpolation and times, (f, tracks, c)."""
-    first = tracks[0]
-    keys, cubic = first.times, first.interpolation == "CUBICSPLINE"
-    values = np.stack([track.values for track in tracks], axis=1)  # (k, tracks, [3,] c)
-    if len(keys) == 1:
-        return np.repeat(values[:, :, 1] if cubic else values, len(times), axis=0)
-    left = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
-    span = keys[left + 1] - keys[left]
-    inside = np.clip((times - keys[left]) / np.where(span == 0, 1.0, span), 0.0, 1.0)
-    share = inside[:, np.newaxis, np.newaxis]
-    if cubic:
-        return _hermite(values, left, share, span[:, np.newaxis, np.newaxis], first.path)
-    here, there = values[left], values[left + 1]
-    if first.interpolation == "STEP":
-        return np.where(share >= 1.0, there, here)
-    if first.path == "rotation":
-        # slerp wants unit values; their stored length travels along, as in a renderer's mixer.
-        blended = slerp(unit(here), unit(there), share[..., 0])
-        return blended * ((1.0 - share) * norm(here)[..., np.newaxis] + share * norm(there)[..., np.newaxis])
-    return here + (there - here) * share
+@dataclass(frozen=True, eq=False)
+class _Pack:
+    """Tracks that share path, interpolation and times: values (k, tracks, [3,] c).
+
+    columns: where each track's node stands among the driven nodes.
+    """
+
+    path: Path
+    interpolation: Interpolation
+    times: Floats
+    values: Floats
+    columns: Integers
+
+    @staticmethod
+    def of(tracks: list[Track], driven: Integers) -> _Pack:
+        first = tracks[0]
+        values = np.stack([track.values for track in tracks], axis=1)
+        columns = np.searchsorted(driven, [track.node for track in tracks])
+        return _Pack(first.path, first.interpolation, first.times, values, columns)
+
+    def sample(self, times: Floats) -> Floats:
+        """Values, (f, tracks, c), at ``times``, (f,)."""
+        keys, cubic = self.times, self.interpolation == "CUBICSPLINE"
+        if len(keys) == 1:
+            return np.repeat(self.values[:, :, 1] if cubic else self.values, len(times), axis=0)
+        left = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
+        span = keys[left + 1] - keys[left]
+        inside = np.clip((times - keys[left]) / np.where(span == 0, 1.0, span), 0.0, 1.0)
+        share = inside[:, np.newaxis, np.newaxis]
+        if cubic:
+            return _hermite(self.values, left, share, span[:, np.newaxis, np.newaxis], self.path)
+        here, there = self.values[left], self.values[left + 1]
+        if self.interpolation == "STEP":
+            return np.where(share >= 1.0, there, here)
+        if self.path == "rotation":
+            return _turn_between(here, there, share)
+        return here + (there - here) * share
 
 
-def _hermite(values: Floats, left: np.ndarray, share: Floats, span: Floats, path: str) -> Floats:
+def _turn_between(here: Floats, there: Floats, share: Floats) -> Floats:
+    """slerp wants unit values; their stored length travels along, as in a renderer's mixer."""
+    size, end = norm(here)[..., np.newaxis], norm(there)[..., np.newaxis]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        blended = slerp(here / size, there / end, share[..., 0])
+    return blended * ((1.0 - share) * size + share * end)
+
+
+def _hermite(values: Floats, left: Integers, share: Floats, span: Floats, path: str) -> Floats:
     """Cubic segments, glTF 2.0 appendix C.5: in-tangent, value, out-tangent per key."""
     u, uu = share, share * share
     uuu = uu * u

@@ -1,0 +1,370 @@
+"""How far two rigs are apart, over all poses: the number rigtri prints and refuses by.
+
+`self_check` bounds the points by the corners of what each joint moves and looks
+only where something changed; `verify` moves the points themselves. Both look at
+rest and in every clip: at each key, between keys, and beyond the ends.
+
+Judged on unit rotations, as the formats mean them. Where a file's quaternions
+are not unit, viewers that do not normalise show something else; that deviation
+is kept apart, because no change of axes can avoid it (docs/exactness.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from rigtri import pose
+from rigtri.errors import FileError
+from rigtri.matching import Matching, match
+from rigtri.moving import moving_nodes, part_of
+from rigtri.quaternions import norm
+from rigtri.rig import Mesh, Rig
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+from rigtri.watched import (
+    Moment,
+    Rows,
+    Watched,
+    mesh_title,
+    origins,
+    payload_corners,
+    points_of,
+    skin_corners,
+)
+
+# Relative to the size of what is seen. Random axes on every joint of real files, stored as
+# float32, move points by less than 8.7e-6; a visible fault by far more.
+TOLERANCE = 1e-5
+# Quaternions stored as float32 are unit within this.
+UNIT = 1e-6
+# Numbers in one block of matrices: with its temporaries it stays in the cache.
+_BLOCK = 1 << 16
+# Points moved in one matrix product.
+_CHUNK = 4096
+
+
+class Source(Protocol):
+    """What can be compared: any `rigtri.formats.Document`."""
+
+    @property
+    def rig(self) -> Rig: ...
+    def meshes(self) -> Sequence[Mesh]: ...
+
+
+@dataclass(frozen=True)
+class Worst:
+    """Where the largest deviation is; ``clip`` is "" at rest."""
+
+    what: str
+    clip: str
+    time: float
+
+    def __str__(self) -> str:
+        return f"{self.what}, {f'{self.clip} at {self.time:.6g}' if self.clip else 'at rest'}"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How far two rigs are apart.
+
+    deviation: the largest distance between the same point in both, relative to
+    ``diagonal``; absolute: in file units; inf where one of the two is not a number.
+    diagonal: of the box of all points at rest. denormalisation: max | |q|−1 | of
+    the source's rotations; raw_deviation: what renderers show that do not
+    normalise them (equal to ``deviation`` where all are unit). per_mesh, per_clip:
+    deviation by title. lost, added, changed: `rigtri.matching.Matching`.
+    """
+
+    deviation: float
+    absolute: float
+    diagonal: float
+    raw_deviation: float
+    denormalisation: float
+    worst: Worst | None
+    per_mesh: Mapping[str, float]
+    per_clip: Mapping[str, float]
+    lost: tuple[str, ...]
+    added: tuple[str, ...]
+    changed: tuple[str, ...]
+    poses: int
+
+    def passes(self, tolerance: float = TOLERANCE) -> bool:
+        """Whether both look the same: nothing lost and no deviation above ``tolerance``."""
+        return not self.lost and self.deviation <= tolerance
+
+    def as_json(self) -> dict[str, Any]:
+        """For machines; a deviation that is not a number is null."""
+        worst = self.worst
+        return {
+            "deviation": _finite(self.deviation),
+            "absolute": _finite(self.absolute),
+            "diagonal": self.diagonal,
+            "raw_deviation": _finite(self.raw_deviation),
+            "denormalisation": self.denormalisation,
+            "worst": worst and {"what": worst.what, "clip": worst.clip, "time": worst.time},
+            "meshes": {name: _finite(value) for name, value in self.per_mesh.items()},
+            "clips": {name: _finite(value) for name, value in self.per_clip.items()},
+            "lost": list(self.lost),
+            "added": list(self.added),
+            "changed": list(self.changed),
+            "poses": self.poses,
+        }
+
+    def summary(self) -> str:
+        """One line: the number, where it is, and what is lost."""
+        line = f"max deviation {self.deviation:.2g} of the size"
+        if self.worst is not None and self.deviation > 0:
+            line += f" ({self.worst})"
+        if self.lost:
+            line += f"; lost: {', '.join(self.lost[:3])}{' ...' if len(self.lost) > 3 else ''}"
+        return line
+
+    def describe(self, *, verbose: bool = False) -> str:
+        """All of it for people, the number first; ``verbose`` names every mesh, clip and change."""
+        lines = [
+            f"deviation   {self.deviation:.2g} of the size, in {self.poses} poses",
+            f"absolute    {self.absolute:.2g} of {self.diagonal:.6g}, in file units",
+        ]
+        if self.worst is not None and self.deviation > 0:
+            lines.append(f"worst       {self.worst}")
+        if self.denormalisation > UNIT:
+            lines.append(
+                f"unadjusted  {self.raw_deviation:.2g} of the size where rotations are not "
+                f"normalised; the source's are off unit length by {self.denormalisation:.2g}"
+            )
+        for kind, table in (("mesh", self.per_mesh), ("clip", self.per_clip)):
+            rows = sorted(table.items(), key=lambda row: -row[1])
+            lines += [f"{kind:<12}{value:<8.2g}  {name}" for name, value in _first(rows, verbose)]
+        for word in ("lost", "added", "changed"):
+            lines += [f"{word:<12}{what}" for what in _first(getattr(self, word), verbose)]
+        return "\n".join(lines)
+
+
+def self_check(before: Source, after: Source) -> Comparison:
+    """Compare a file with what an edit made of it; nodes are known by their keys.
+
+    An upper bound: skin matrices move the corners of the box of the points that
+    each joint moves. Nodes whose rest, tracks, ancestors and inverse binds are
+    the same to the bit are not evaluated. Meshes that cannot be read are bounded
+    by the box of their skin's joints.
+    """
+    matching = match(before.rig, after.rig, by_key=True)
+    meshes = _readable(before)
+    diagonal = _diagonal(before.rig, meshes)
+    moving = moving_nodes(before.rig, after.rig, matching)
+    watched: list[Watched] = [
+        *skin_corners(before.rig, after.rig, matching, meshes, moving),
+        *payload_corners(before.rig, matching, meshes, moving, diagonal),
+        origins(before.rig, matching, moving),
+    ]
+    return _compare(before.rig, after.rig, matching, [w for w in watched if len(w.titles)], diagonal)
+
+
+def verify(before: Source, after: Source) -> Comparison:
+    """Compare any two files by their points; nodes are known by keys, paths or names.
+
+    Skinned (linear or dual quaternion), morphed and rigid points, frames of
+    cameras and lights, origins of all nodes. Points that are not a number must
+    be none in both.
+    """
+    matching = match(before.rig, after.rig, by_key=False)
+    meshes, others = _readable(before), _readable(after)
+    diagonal = _diagonal(before.rig, meshes)
+    everything = np.ones(len(before.rig), dtype=bool)
+    pairs, lost = _mesh_pairs(before.rig, matching, meshes, others)
+    watched: list[Watched] = [
+        *(points_of(before.rig, after.rig, mine, theirs) for mine, theirs in pairs),
+        *payload_corners(
+            before.rig,
+            matching,
+            [replace(m, points=m.points[:0]) for m in meshes],
+            everything,
+            diagonal,
+        ),
+        origins(before.rig, matching, everything),
+    ]
+    if not meshes:
+        watched += skin_corners(before.rig, after.rig, matching, meshes, everything)
+    matching = replace(matching, lost=(*matching.lost, *lost))
+    return _compare(before.rig, after.rig, matching, [w for w in watched if len(w.titles)], diagonal)
+
+
+@dataclass
+class _Tally:
+    """The largest distances so far, in file units."""
+
+    watched: Sequence[Watched]
+    worst: Worst | None = None
+    largest: float = 0.0
+    poses: int = 0
+    owners: dict[str, float] = field(default_factory=dict)
+    clips: dict[str, float] = field(default_factory=dict)
+
+    def add(self, moment: Moment, clip: str) -> None:
+        self.poses += len(moment.times)
+        for watched in self.watched:
+            distances = watched.distances(moment)
+            rows = distances.max(axis=1)
+            for owner, row in zip(watched.owners, rows.tolist(), strict=True):
+                if owner:
+                    self.owners[owner] = max(self.owners.get(owner, 0.0), row)
+            largest = float(rows.max())
+            if clip:
+                self.clips[clip] = max(self.clips.get(clip, 0.0), largest)
+            if self.worst is None or largest > self.largest:
+                self.largest = largest
+                row, time = np.unravel_index(np.argmax(distances), distances.shape)
+                self.worst = Worst(watched.titles[int(row)], clip, float(moment.times[time]))
+
+
+def _compare(before: Rig, after: Rig, m: Matching, watched: Sequence[Watched], diagonal: float) -> Comparison:
+    was, now = denormalisation(before), denormalisation(after)
+    tally = _Tally(watched)
+    _run(before, after, m, tally, normalised=True)
+    raw = tally.largest
+    if max(was, now) > UNIT:
+        unscaled = _Tally(watched)
+        _run(before, after, m, unscaled, normalised=False)
+        raw = unscaled.largest
+    lost = m.lost
+    # Normalising hides it, but a renderer that does not normalise would show it.
+    if now > 2.0 * was + UNIT:
+        lost = (*lost, f"unit rotations: |q| is off 1 by {now:.2g}, was {was:.2g}")
+    return Comparison(
+        deviation=tally.largest / diagonal,
+        absolute=tally.largest,
+        diagonal=diagonal,
+        raw_deviation=raw / diagonal,
+        denormalisation=was,
+        worst=tally.worst,
+        per_mesh={name: value / diagonal for name, value in tally.owners.items()},
+        per_clip={name: value / diagonal for name, value in tally.clips.items()},
+        lost=lost,
+        added=m.added,
+        changed=m.changed,
+        poses=tally.poses,
+    )
+
+
+def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: bool) -> None:
+    """Evaluate both rigs at rest and in all clips, a block of times at once, for the tally."""
+    if not tally.watched:
+        return
+    (before, after), tally.watched = _needed(before, after, tally.watched)
+    still = [pose.worlds(rig, pose.rest(rig, normalised=normalised))[np.newaxis] for rig in (before, after)]
+    tally.add(Moment(still[0], still[1], (None, None), np.zeros(1)), "")
+    size = max(1, _BLOCK // (16 * max(len(before), len(after), 1)))
+    for k in np.flatnonzero(m.clip >= 0).tolist():
+        clips = before.clips[k], after.clips[m.clip[k]]
+        motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
+        times = between_keys(np.union1d(*map(pose.key_times, clips)))
+        for start in range(0, len(times), size):
+            some = times[start : start + size]
+            worlds = [
+                pose.worlds(motion.rig, motion.locals_at(some, normalised=normalised)) for motion in motions
+            ]
+            tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name or f"#{k}")
+
+
+def _needed(before: Rig, after: Rig, watched: Sequence[Watched]) -> tuple[tuple[Rig, Rig], list[Watched]]:
+    """The parts of both rigs that what is watched depends on, and the watched in their terms."""
+    if not all(type(w) is Rows for w in watched):
+        return (before, after), list(watched)
+    sides = [np.concatenate([w.nodes[side] for w in watched]) for side in (0, 1)]
+    (mine, place), (theirs, there) = part_of(before, sides[0]), part_of(after, sides[1])
+    rows = [w for w in watched if isinstance(w, Rows)]
+    return (mine, theirs), [replace(w, nodes=(place[w.nodes[0]], there[w.nodes[1]])) for w in rows]
+
+
+def between_keys(keys: Floats) -> Floats:
+    """Where to look at a clip: its keys, (k,), two places between each two, and beyond both ends.
+
+    The middle is where two interpolations part most; 0.29 is where they do not happen to meet.
+    """
+    keys = keys[np.isfinite(keys)]
+    if not len(keys):
+        return np.zeros(1)
+    span = np.diff(keys)
+    beyond = max(1e-3, 0.1 * float(keys[-1] - keys[0]))
+    ends = keys[[0, -1]] + [-beyond, beyond]
+    return np.unique(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
+
+
+def denormalisation(rig: Rig) -> float:
+    """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count."""
+    tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "rotation"]
+    keys = [t.values[:, 1] if t.interpolation == "CUBICSPLINE" else t.values for t in tracks]
+    off = np.abs(norm(np.concatenate([rig.rotation[~rig.has_matrix], *keys])) - 1.0)
+    return float(off[np.isfinite(off)].max(initial=0.0))
+
+
+def _readable(source: Source) -> list[Mesh]:
+    """The meshes that can be evaluated; none where they cannot be read."""
+    try:
+        meshes = source.meshes()
+    except FileError:
+        return []
+    return [mesh for mesh in meshes if _fits(mesh, source.rig)]
+
+
+def _fits(mesh: Mesh, rig: Rig) -> bool:
+    if mesh.skin is None:
+        return True
+    used = mesh.joints[mesh.weights != 0]
+    return not len(used) or 0 <= int(used.min()) <= int(used.max()) < len(rig.skins[mesh.skin].joints)
+
+
+def _diagonal(rig: Rig, meshes: Sequence[Mesh]) -> float:
+    """Of the box of all points at rest, in file units; without points, of the joints' origins."""
+    world = pose.worlds(rig, pose.rest(rig))[np.newaxis]
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for mesh in meshes:
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, None, np.zeros(1)))[0]
+        points = points[np.isfinite(points).all(axis=1)]
+        low, high = (
+            np.minimum(low, points.min(axis=0, initial=np.inf)),
+            np.maximum(high, points.max(axis=0, initial=-np.inf)),
+        )
+    if not (low <= high).all():
+        origins = world[0, rig.is_joint, 3, :3] if rig.is_joint.any() else world[0, :, 3, :3]
+        origins = origins[np.isfinite(origins).all(axis=1)]
+        if not len(origins):
+            return 1.0
+        low, high = origins.min(axis=0), origins.max(axis=0)
+    return float(length(high - low)) or 1.0
+
+
+def _mesh_pairs(
+    before: Rig, m: Matching, mine: Sequence[Mesh], theirs: Sequence[Mesh]
+) -> tuple[list[tuple[Mesh, Mesh]], list[str]]:
+    """Meshes of both files that are the same: the first of a node is the first of its partner."""
+    there: dict[int, list[Mesh]] = {}
+    for mesh in theirs:
+        there.setdefault(mesh.node, []).append(mesh)
+    pairs, lost = [], []
+    for mesh in mine:
+        node = int(m.shown[mesh.node]) if m.shown[mesh.node] >= 0 else int(m.node[mesh.node])
+        candidates = there.get(node, [])
+        if not candidates:
+            lost.append(f"mesh {mesh_title(before, mesh)}")
+            continue
+        partner = candidates.pop(0)
+        if len(partner.points) != len(mesh.points):
+            count = f"{len(mesh.points)} points are {len(partner.points)}"
+            lost.append(f"mesh {mesh_title(before, mesh)}: {count}")
+        else:
+            pairs.append((mesh, partner))
+    return pairs, lost
+
+
+def _first(rows: Sequence[Any], verbose: bool) -> Sequence[Any]:
+    return rows if verbose else rows[:5]
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

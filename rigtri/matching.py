@@ -1,0 +1,214 @@
+"""What of one rig is what of another: nodes, payload, skins, clips and tracks.
+
+The two came from two files, or from one file before and after an edit. What
+has no partner is lost or added, in words for people.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigtri.rig import Clip, Integers, Rig, Track
+
+# Morph weights that another tool stored again as 16-bit integers differ by less.
+SAME_WEIGHT = 2e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Matching:
+    """Partners of the nodes, skins and clips of one rig in another; −1 for none.
+
+    node: (n,), the same node. shown: (n,), the node that shows what this one
+    showed. skin: (s,). clip: (c,). lost, added, changed: what has no partner, or
+    the same values at other key times or with another interpolation.
+    """
+
+    node: Integers
+    shown: Integers
+    skin: Integers
+    clip: Integers
+    lost: tuple[str, ...]
+    added: tuple[str, ...]
+    changed: tuple[str, ...]
+
+
+def match(before: Rig, after: Rig, *, by_key: bool) -> Matching:
+    """Find the partners of everything in ``before``.
+
+    by_key: trust the keys, as after an edit in place. Otherwise keys count only
+    when the names agree with them; else paths, then names, then the order of
+    equal names: what other tools leave of a file.
+    """
+    keyed = _partners(before.keys, after.keys)
+    node = keyed if by_key or _names_agree(before, after, keyed) else _by_name(before, after)
+    shown = _shown(before, after, node)
+    skin = _in_order([skin.name for skin in before.skins], [skin.name for skin in after.skins])
+    clip = _in_order([clip.name for clip in before.clips], [clip.name for clip in after.clips])
+    news = _News()
+    _compare_nodes(before, after, node, shown, news)
+    _compare_skins(before, after, node, skin, news)
+    _compare_clips(before, after, node, shown, clip, news)
+    return Matching(node, shown, skin, clip, *map(tuple, (news.lost, news.added, news.changed)))
+
+
+def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Matching) -> Track | None:
+    """The track of the other rig that drives the same; ``among`` is `by_target` of its clip."""
+    return among.get(_target(track, m.node, m.shown))
+
+
+def by_target(clip: Clip) -> dict[tuple[int, str], Track]:
+    """The tracks of a clip by node and path."""
+    return {(track.node, track.path): track for track in clip.tracks}
+
+
+class _News:
+    def __init__(self) -> None:
+        self.lost: list[str] = []
+        self.added: list[str] = []
+        self.changed: list[str] = []
+
+
+def _target(track: Track, node: Integers, shown: Integers) -> tuple[int, str]:
+    to = shown if track.path == "weights" and shown[track.node] >= 0 else node
+    return int(to[track.node]), track.path
+
+
+def _partners(before: Sequence[Hashable], after: Sequence[Hashable]) -> Integers:
+    place = {key: k for k, key in enumerate(after) if key is not None}
+    return np.array([place.get(key, -1) if key is not None else -1 for key in before], dtype=np.int64)
+
+
+def _names_agree(before: Rig, after: Rig, node: Integers) -> bool:
+    pairs = zip(before.names, node.tolist(), strict=True)
+    return all(k >= 0 and after.names[k] == name for name, k in pairs)
+
+
+def _by_name(before: Rig, after: Rig) -> Integers:
+    """Partners by path, then by name where both rigs have it equally often (in order)."""
+    paths = [before.path(k) for k in range(len(before))], [after.path(k) for k in range(len(after))]
+    node = _equally_often(*paths)
+    taken = set(node[node >= 0].tolist())
+    loose = [k for k in range(len(before)) if node[k] < 0 and before.names[k]]
+    free = [k for k in range(len(after)) if k not in taken]
+    found = _equally_often([before.names[k] for k in loose], [after.names[k] for k in free])
+    for k, partner in zip(loose, found.tolist(), strict=True):
+        node[k] = free[partner] if partner >= 0 else -1
+    return node
+
+
+def _equally_often(before: Sequence[str], after: Sequence[str]) -> Integers:
+    """Partners of words that both lists have equally often: the first is the first."""
+    ours, theirs = _places(before), _places(after)
+    found = np.full(len(before), -1, dtype=np.int64)
+    for word, mine in ours.items():
+        yours = theirs.get(word, [])
+        if len(mine) == len(yours):
+            found[mine] = yours
+    return found
+
+
+def _in_order(before: Sequence[str], after: Sequence[str]) -> Integers:
+    """Partners by place where the words there agree, else the first free one of the same word."""
+    found = np.full(len(before), -1, dtype=np.int64)
+    same = {k for k, word in enumerate(before) if k < len(after) and after[k] == word}
+    found[list(same)] = list(same)
+    free: dict[str, list[int]] = {}
+    for k, word in enumerate(after):
+        if k not in same:
+            free.setdefault(word, []).append(k)
+    for k in np.flatnonzero(found < 0).tolist():
+        if free.get(before[k]):
+            found[k] = free[before[k]].pop(0)
+    return found
+
+
+def _places(words: Sequence[str]) -> dict[str, list[int]]:
+    places: dict[str, list[int]] = {}
+    for k, word in enumerate(words):
+        places.setdefault(word, []).append(k)
+    return places
+
+
+def _shown(before: Rig, after: Rig, node: Integers) -> Integers:
+    """The nodes of ``after`` that show what those of ``before`` show, (n,).
+
+    A turned node hands what it shows to a child: in memory the child's payload
+    names the node; in a file that was read again the child is new, shows
+    something itself, and is called ``<name>_payload``.
+    """
+    shown = np.full(len(before), -1, dtype=np.int64)
+    known = set(node.tolist())
+    for k in np.flatnonzero(before.payload >= 0).tolist():
+        partner = int(node[before.payload[k]])
+        if partner < 0:
+            continue
+        showing = np.flatnonzero(after.payload == partner).tolist()
+        children = [c for c in after.children[partner] if c not in known and after.payload[c] == c]
+        named = [c for c in children if after.names[c].startswith(f"{before.names[k] or 'node'}_payload")]
+        candidates = showing or named or children
+        shown[k] = candidates[0] if candidates else -1
+    return shown
+
+
+def _compare_nodes(before: Rig, after: Rig, node: Integers, shown: Integers, news: _News) -> None:
+    for k, partner in enumerate(node.tolist()):
+        if partner < 0:
+            news.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
+        elif before.is_joint[k] and not after.is_joint[partner]:
+            news.lost.append(f"joint {before.title(k)} is a joint no longer")
+        if before.payload[k] >= 0 and shown[k] < 0 <= partner:
+            news.lost.append(f"what node {before.title(k)} shows")
+    known = {*node.tolist(), *shown.tolist()}
+    for k in range(len(after)):
+        if k not in known:
+            news.added.append(f"{'joint' if after.is_joint[k] else 'node'} {after.title(k)}")
+
+
+def _compare_skins(before: Rig, after: Rig, node: Integers, skin: Integers, news: _News) -> None:
+    for k, partner in enumerate(skin.tolist()):
+        title = before.skins[k].name or f"#{k}"
+        if partner < 0:
+            news.lost.append(f"skin {title}")
+            continue
+        now = set(after.skins[partner].joints.tolist())
+        for joint in before.skins[k].joints.tolist():
+            if node[joint] >= 0 and int(node[joint]) not in now:
+                news.lost.append(f"joint {before.title(joint)} of skin {title}")
+    news.added += [f"skin {s.name or f'#{k}'}" for k, s in enumerate(after.skins) if k not in skin.tolist()]
+
+
+def _compare_clips(
+    before: Rig, after: Rig, node: Integers, shown: Integers, clip: Integers, news: _News
+) -> None:
+    for k, partner in enumerate(clip.tolist()):
+        title = f"clip {before.clips[k].name or f'#{k}'}"
+        if partner < 0:
+            news.lost.append(title)
+            continue
+        theirs = by_target(after.clips[partner])
+        for track in before.clips[k].tracks:
+            of = f"{title}: {track.path} of {before.title(track.node)}"
+            now = theirs.pop(_target(track, node, shown), None)
+            if now is None:
+                news.lost.append(of)
+            else:
+                _compare_track(track, now, of, news)
+        news.added += [f"{title}: {t.path} of {after.title(t.node)}" for t in theirs.values()]
+    news.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in clip.tolist()]
+
+
+def _compare_track(track: Track, now: Track, of: str, news: _News) -> None:
+    if track is now:
+        return
+    if track.interpolation != now.interpolation:
+        news.changed.append(f"{of} is {now.interpolation}, was {track.interpolation}")
+    if not np.array_equal(track.times, now.times):
+        news.changed.append(f"{of} has other key times")
+    # Morph weights move points of meshes that perhaps nobody can read: compare them here.
+    if track.path == "weights" and track.values.shape == now.values.shape:
+        same = np.isclose(track.values, now.values, rtol=0, atol=SAME_WEIGHT, equal_nan=True)
+        if not same.all():
+            news.lost.append(f"{of} has other values")

@@ -1,0 +1,95 @@
+"""Which nodes of a rig can stand elsewhere in another, and the part of a rig that places them.
+
+Comparing costs in proportion to what changed: what is the same to the bit is not evaluated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.matching import Matching, by_target, partner_track
+from rigtri.rig import Booleans, Clip, Integers, Rig, Track
+
+
+def moving_nodes(before: Rig, after: Rig, m: Matching) -> Booleans:
+    """Which nodes may stand elsewhere, (n,): anything of them or above them differs by a bit."""
+    partner = np.maximum(m.node, 0)
+    if not len(after):
+        return np.ones(len(before), dtype=bool)
+    differs = m.node < 0
+    for mine, theirs in (
+        (before.translation, after.translation),
+        (before.rotation, after.rotation),
+        (before.scale, after.scale),
+        (before.matrix.reshape(-1, 16), after.matrix.reshape(-1, 16)),
+        (before.has_matrix[:, np.newaxis], after.has_matrix[:, np.newaxis]),
+    ):
+        differs = differs | (mine != theirs[partner]).any(axis=1)
+    above = np.where(before.parents >= 0, m.node[before.parents], -1)
+    differs |= above != after.parents[partner]
+    for k in np.flatnonzero(m.clip >= 0).tolist():
+        _mark_tracks(before.clips[k], after.clips[m.clip[k]], m, differs)
+    for node, parent in enumerate(before.parents.tolist()):
+        differs[node] |= parent >= 0 and differs[parent]
+    return differs
+
+
+def _mark_tracks(mine: Clip, theirs: Clip, m: Matching, differs: Booleans) -> None:
+    others = by_target(theirs)
+    back = {int(partner): node for node, partner in enumerate(m.node.tolist())}
+    ours = {(int(m.node[node]), path) for node, path in by_target(mine)}
+    for track in mine.tracks:
+        now = partner_track(track, others, m)
+        if track.path != "weights" and (now is None or not _same_track(track, now)):
+            differs[track.node] = True
+    for node, path in others.keys() - ours:
+        if path != "weights" and node in back:
+            differs[back[node]] = True
+
+
+def _same_track(a: Track, b: Track) -> bool:
+    return a is b or (
+        a.interpolation == b.interpolation and same_array(a.times, b.times) and same_array(a.values, b.values)
+    )
+
+
+def same_array(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
+    return a is b or np.array_equal(a, b)
+
+
+def part_of(rig: Rig, wanted: Integers) -> tuple[Rig, Integers]:
+    """The part of a rig that places the nodes ``wanted``, and where each node went, (n,)."""
+    keep = np.zeros(len(rig), dtype=bool)
+    keep[wanted] = True
+    for node in range(len(rig) - 1, -1, -1):
+        if keep[node] and rig.parents[node] >= 0:
+            keep[rig.parents[node]] = True
+    place = np.where(keep, np.cumsum(keep) - 1, -1)
+    if keep.all():
+        return rig, place
+    clips = tuple(
+        replace(
+            clip,
+            tracks=tuple(replace(t, node=int(place[t.node])) for t in clip.tracks if keep[t.node]),
+        )
+        for clip in rig.clips
+    )
+    parents = rig.parents[keep]
+    kept = [word for word, stays in zip(rig.names, keep.tolist(), strict=True) if stays]
+    part = Rig(
+        names=tuple(kept),
+        parents=np.where(parents >= 0, place[parents], -1),
+        translation=rig.translation[keep],
+        rotation=rig.rotation[keep],
+        scale=rig.scale[keep],
+        matrix=rig.matrix[keep],
+        has_matrix=rig.has_matrix[keep],
+        payload=np.full(len(kept), -1),
+        keys=tuple(kept),
+        labels=tuple(kept),
+        clips=clips,
+    )
+    return part, place

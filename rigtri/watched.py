@@ -1,0 +1,339 @@
+"""What is watched while two rigs are compared: points in the frames of nodes, or whole meshes.
+
+Each watched thing gives distances, (r, f), between where it is in one rig and
+in the other: rows at times. Verification only, so matrix products are BLAS's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Protocol
+
+import numpy as np
+
+from rigtri import pose
+from rigtri.matching import Matching
+from rigtri.matrices import inverse
+from rigtri.moving import same_array
+from rigtri.rig import Booleans, Clip, Integers, Mesh, Rig, Skin
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+# Points moved in one matrix product.
+_CHUNK = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """Both rigs at some times of one clip: worlds (f, n, 4, 4), and what morphs need."""
+
+    before: Floats
+    after: Floats
+    clips: tuple[Clip | None, Clip | None]
+    times: Floats
+
+
+class Watched(Protocol):
+    """Things whose distance in the two rigs is asked for; ``owners`` are the meshes they are of."""
+
+    @property
+    def titles(self) -> Sequence[str]: ...
+    @property
+    def owners(self) -> Sequence[str]: ...
+    @property
+    def nodes(self) -> tuple[Integers, Integers]: ...
+    def distances(self, moment: Moment) -> Floats:
+        """(r, f), in file units; inf where only one of the two is a number."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Points fixed in the frames of nodes, before and after: (r, k, 4) homogeneous each."""
+
+    nodes: tuple[Integers, Integers]
+    points: tuple[Floats, Floats]
+    titles: Sequence[str]
+    owners: Sequence[str]
+
+    def apart(self, moment: Moment) -> Floats:
+        """The points' difference, (r, k, f, 3). One matrix product a row: [P, −P']·[W; W']."""
+        worlds = [
+            world[:, nodes, :, :3].transpose(1, 2, 0, 3)
+            for world, nodes in zip((moment.before, moment.after), self.nodes, strict=True)
+        ]
+        stacked = np.concatenate(worlds, axis=1)
+        points = np.concatenate([self.points[0], -self.points[1]], axis=2)
+        rows, _, times, _ = stacked.shape
+        with np.errstate(invalid="ignore", over="ignore"):
+            apart = points @ stacked.reshape(rows, 8, times * 3)
+        return np.asarray(apart.reshape(rows, -1, times, 3))
+
+    def distances(self, moment: Moment) -> Floats:
+        apart = self.apart(moment)
+        with np.errstate(invalid="ignore", over="ignore"):
+            distance = np.sqrt(np.einsum("rkfi,rkfi->rkf", apart, apart).max(axis=1))
+        if np.isfinite(distance).all():
+            return np.asarray(distance)
+        broken = (
+            _broken(world, nodes, points)
+            for world, nodes, points in zip(
+                (moment.before, moment.after), self.nodes, self.points, strict=True
+            )
+        )
+        gone = np.logical_and(*broken)
+        return np.where(gone, 0.0, np.where(np.isfinite(distance), distance, np.inf))
+
+
+def _broken(world: Floats, nodes: Integers, points: Floats) -> Booleans:
+    """Where rows are not a number, (r, f)."""
+    moves = np.isfinite(world[:, nodes]).all(axis=(2, 3)).T
+    exists = np.isfinite(points).all(axis=(1, 2))
+    return ~(moves & exists.reshape(-1, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """All points of one mesh in both rigs, moved by the plain evaluation of `rigtri.pose`."""
+
+    rigs: tuple[Rig, Rig]
+    meshes: tuple[Mesh, Mesh]
+
+    @property
+    def titles(self) -> Sequence[str]:
+        return [f"mesh {mesh_title(self.rigs[0], self.meshes[0])}"]
+
+    @property
+    def owners(self) -> Sequence[str]:
+        return [mesh_title(self.rigs[0], self.meshes[0])]
+
+    @property
+    def nodes(self) -> tuple[Integers, Integers]:
+        none = np.zeros(0, dtype=np.int64)
+        return none, none
+
+    def distances(self, moment: Moment) -> Floats:
+        sides = zip(self.meshes, self.rigs, (moment.before, moment.after), moment.clips, strict=True)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            mine, theirs = (
+                pose.deformed(mesh, rig, world, pose.morph_weights(mesh, clip, moment.times))
+                for mesh, rig, world, clip in sides
+            )
+            here, there = (np.isfinite(points).all(axis=2) for points in (mine, theirs))
+            distance = np.where(here & there, length(mine - theirs), 0.0)
+        distance = np.where(here == there, distance, np.inf)
+        return np.asarray(distance.max(axis=1, initial=0.0).reshape(1, -1))
+
+
+@dataclass(frozen=True, eq=False)
+class LinearPoints(Points):
+    """A mesh that is the same in both: while no morph is on, points follow the matrices' difference.
+
+    Linear blending is linear: p·Σ w·M − p·Σ w·M' = Σ (w·p)·(M − M'), one matrix
+    product for all points and times, and without cancellation.
+    """
+
+    joints: Rows
+    chunks: tuple[tuple[Integers, Floats], ...]
+
+    def distances(self, moment: Moment) -> Floats:
+        apart = self.joints.apart(moment)  # of the four rows of each matrix: (m, 4, f, 3)
+        if not np.isfinite(apart).all() or self._morphs(moment):
+            return super().distances(moment)
+        times = apart.shape[2]
+        square = np.zeros(times)
+        for columns, weighted in self.chunks:
+            moved = weighted @ apart[columns].reshape(len(columns) * 4, times * 3)
+            moved = moved.reshape(-1, times, 3)
+            square = np.maximum(square, np.einsum("vfi,vfi->vf", moved, moved).max(axis=0, initial=0.0))
+        return np.sqrt(square).reshape(1, -1)
+
+    def _morphs(self, moment: Moment) -> bool:
+        sides = zip(self.meshes, moment.clips, strict=True)
+        return any(pose.morph_weights(m, clip, moment.times).any() for m, clip in sides)
+
+
+def points_of(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> Points:
+    """All points of a mesh, in the way that is fast for it."""
+    rigs, meshes = (before, after), (mine, theirs)
+    if mine.dual_quaternion or not same_mesh(mine, theirs):
+        return Points(rigs, meshes)
+    skinned = mine.skin is not None and mine.joints.shape[1] > 0
+    weights = pose.shares(mine) if skinned else np.ones((len(mine.points), 1))
+    if not (np.isfinite(weights).all() and np.isfinite(mine.points).all()):
+        return Points(rigs, meshes)
+    if skinned:
+        skins = [rig.skins[mesh.skin or 0] for rig, mesh in zip(rigs, meshes, strict=True)]
+        nodes = skins[0].joints, skins[1].joints
+        with np.errstate(invalid="ignore"):
+            matrices = mine.bind @ skins[0].inverse_bind, theirs.bind @ skins[1].inverse_bind
+        joints = mine.joints
+    else:
+        nodes = np.array([mine.node]), np.array([theirs.node])
+        matrices = np.eye(4)[np.newaxis], np.eye(4)[np.newaxis]
+        joints = np.zeros((len(mine.points), 1), dtype=np.int64)
+    if nodes[0].shape != nodes[1].shape:
+        return Points(rigs, meshes)
+    rows = Rows(nodes, matrices, (), ())
+    return LinearPoints(rigs, meshes, rows, tuple(_chunks(mine.points, joints, weights)))
+
+
+def _chunks(points: Floats, joints: Integers, weights: Floats) -> Iterator[tuple[Integers, Floats]]:
+    """Points in chunks with their joints and weight·(p, 1) by joint, (v, joints·4)."""
+    heaviest = np.argmax(np.abs(weights), axis=1)
+    order = np.argsort(joints[np.arange(len(points)), heaviest], kind="stable")
+    for start in range(0, len(points), _CHUNK):
+        mine = order[start : start + _CHUNK]
+        used = weights[mine] != 0
+        columns, inside = np.unique(np.where(used, joints[mine], 0), return_inverse=True)
+        inside = inside.reshape(used.shape)
+        share = np.zeros((len(mine), len(columns)))
+        for column in range(used.shape[1]):
+            share[np.arange(len(mine)), inside[:, column]] += weights[mine, column]
+        full = np.concatenate([points[mine], np.ones((len(mine), 1))], axis=1)
+        yield columns, (share[:, :, np.newaxis] * full[:, np.newaxis, :]).reshape(len(mine), -1)
+
+
+def skin_corners(
+    before: Rig, after: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans
+) -> Iterator[Rows]:
+    """The corners of what each joint moves, and the joint's own place in the bind pose."""
+    for number, partner in enumerate(m.skin.tolist()):
+        if partner < 0 or len(after.skins[partner].joints) < len(before.skins[number].joints):
+            continue
+        mine, theirs = before.skins[number], after.skins[partner]
+        count = len(mine.joints)
+        joints = theirs.joints[:count]
+        same = np.array_equal(mine.inverse_bind, theirs.inverse_bind[:count], equal_nan=True)
+        differ = moving[mine.joints] | (m.node[mine.joints] != joints)
+        if not same:
+            differ |= (mine.inverse_bind != theirs.inverse_bind[:count]).any(axis=(1, 2))
+        rows = np.flatnonzero(differ)
+        if not len(rows):
+            continue
+        owner = mine.name or f"skin #{number}"
+        titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
+        for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
+            points = _with_bind_origin(_corners(low[rows], high[rows]), bind, mine.inverse_bind[rows])
+            with np.errstate(invalid="ignore"):
+                moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
+            yield Rows((mine.joints[rows], joints[rows]), (moved[0], moved[1]), titles, [owner] * len(rows))
+
+
+def _with_bind_origin(points: Floats, bind: Floats, inverse_bind: Floats) -> Floats:
+    """Corners, (r, 8, 4), and each joint's place in the bind pose; that alone where there is no box."""
+    place = inverse(inverse_bind)[:, 3] @ inverse(bind)
+    place = np.where(np.isfinite(place).all(axis=1, keepdims=True), place, [0.0, 0.0, 0.0, 1.0])
+    full = np.isfinite(points).all(axis=(1, 2)).reshape(-1, 1, 1)
+    points = np.where(full, points, place[:, np.newaxis])
+    return np.concatenate([points, place[:, np.newaxis]], axis=1)
+
+
+def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """For each bind matrix of the meshes: it, and the boxes of what each joint moves, (m, 3) twice.
+
+    Meshes that share their bind matrix share their boxes. inf where a joint moves nothing.
+    """
+    if not meshes:
+        places = inverse(skin.inverse_bind)[:, 3, :3]
+        places = places[np.isfinite(places).all(axis=1)]
+        if len(places):
+            shape = (len(skin.joints), 3)
+            low, high = (np.broadcast_to(x, shape) for x in (places.min(axis=0), places.max(axis=0)))
+            yield np.eye(4), low, high
+        return
+    groups: dict[bytes, list[Mesh]] = {}
+    for mesh in meshes:
+        groups.setdefault(mesh.bind.tobytes(), []).append(mesh)
+    for group in groups.values():
+        boxes = [_boxes(mesh, len(skin.joints)) for mesh in group]
+        low = np.minimum.reduce([box[0] for box in boxes])
+        high = np.maximum.reduce([box[1] for box in boxes])
+        yield group[0].bind, low, high
+
+
+def _boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
+    """The boxes of the points that each of ``count`` joints moves, lows and highs, (count, 3)."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    near, far = _extent(mesh)
+    live = (mesh.weights != 0) & np.isfinite(near).all(axis=1).reshape(-1, 1)
+    joints = mesh.joints[live]
+    order = np.argsort(joints.astype(np.uint16) if count <= 1 << 16 else joints, kind="stable")
+    if not len(order):
+        return low, high
+    joints, points = joints[order], np.nonzero(live)[0][order]
+    starts = np.flatnonzero(np.diff(joints, prepend=-1))
+    low[joints[starts]] = np.minimum.reduceat(near[points], starts, axis=0)
+    high[joints[starts]] = np.maximum.reduceat(far[points], starts, axis=0)
+    return low, high
+
+
+def _extent(mesh: Mesh) -> tuple[Floats, Floats]:
+    """How far morphs can carry each point, (v, 3) twice: every target from 0 to 1, all at once."""
+    if not mesh.morphs.size:
+        return mesh.points, mesh.points
+    lows = np.minimum(mesh.morph_weights, 0.0) if len(mesh.morph_weights) else np.zeros(len(mesh.morphs))
+    highs = np.maximum(mesh.morph_weights, 1.0) if len(mesh.morph_weights) else np.ones(len(mesh.morphs))
+    near, far = mesh.points.copy(), mesh.points.copy()
+    for low, high, offsets in zip(lows, highs, mesh.morphs, strict=True):
+        near += np.minimum(low * offsets, high * offsets)
+        far += np.maximum(low * offsets, high * offsets)
+    return near, far
+
+
+def _corners(low: Floats, high: Floats) -> Floats:
+    """The corners of boxes, (r, 3) twice → (r, 8, 4) homogeneous."""
+    pick = np.array(list(product((False, True), repeat=3)))
+    points = np.where(pick, high[:, np.newaxis], low[:, np.newaxis])
+    return np.concatenate([points, np.ones((len(low), 8, 1))], axis=2)
+
+
+def payload_corners(
+    before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
+) -> Iterator[Rows]:
+    """Corners of rigid meshes; the whole frame, a diagonal long, of cameras, lights and such."""
+    rigid = [mesh for mesh in meshes if mesh.skin is None or not mesh.joints.shape[1]]
+    drawn = {mesh.node for mesh in meshes}
+    boxes: list[tuple[int, Floats, str]] = []
+    for mesh in rigid:
+        near, far = _extent(mesh)
+        fit = np.isfinite(near).all(axis=1) & np.isfinite(far).all(axis=1)
+        if fit.any():
+            corners = _corners(near[fit].min(axis=0)[np.newaxis], far[fit].max(axis=0)[np.newaxis])
+            boxes.append((mesh.node, corners, mesh_title(before, mesh)))
+    world = pose.worlds(before)
+    for node in np.flatnonzero(before.payload >= 0).tolist():
+        if node not in drawn:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                size = np.nan_to_num(diagonal / length(world[node, :3, :3]), nan=0.0, posinf=0.0, neginf=0.0)
+            boxes.append((node, _corners(-size[np.newaxis], size[np.newaxis]), ""))
+    boxes = [
+        box for box in boxes if m.shown[box[0]] >= 0 and (moving[box[0]] or m.shown[box[0]] != m.node[box[0]])
+    ]
+    if boxes:
+        nodes = np.array([node for node, _, _ in boxes])
+        points = np.concatenate([corners for _, corners, _ in boxes])
+        titles = [f"mesh {owner}" if owner else f"frame of {before.title(node)}" for node, _, owner in boxes]
+        yield Rows((nodes, m.shown[nodes]), (points, points), titles, [owner for _, _, owner in boxes])
+
+
+def origins(before: Rig, m: Matching, moving: Booleans) -> Rows:
+    nodes = np.flatnonzero(moving & (m.node >= 0))
+    points = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(nodes), 1, 4))
+    titles = [f"origin of {before.title(node)}" for node in nodes.tolist()]
+    return Rows((nodes, m.node[nodes]), (points, points), titles, [""] * len(nodes))
+
+
+def same_mesh(a: Mesh, b: Mesh) -> bool:
+    pairs = ((a.points, b.points), (a.joints, b.joints), (a.weights, b.weights), (a.bind, b.bind))
+    return (
+        a.dual_quaternion == b.dual_quaternion
+        and (a.skin is None) == (b.skin is None)
+        and same_array(a.morphs, b.morphs)
+        and all(same_array(x, y) for x, y in pairs)
+    )
+
+
+def mesh_title(rig: Rig, mesh: Mesh) -> str:
+    return mesh.name or rig.title(mesh.node)
