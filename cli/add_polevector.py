@@ -14,7 +14,7 @@ from rigtri.cli.options import (
     source_argument,
     target_option,
 )
-from rigtri.cli.orient_joints import _told, _three
+from rigtri.cli.orient_joints import _three, _told
 from rigtri.errors import UsageError
 
 if TYPE_CHECKING:

@@ -34,9 +34,7 @@ class InOrder(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         values, _, order = self.make_parser(ctx).parse_args(args=list(args))
         waiting = {p.name: list(values[p.name]) for p in order if p.name in (*_STYLED, "chains")}
-        ctx.meta["rigtri.order"] = [
-            (p.name, waiting[p.name].pop(0)) for p in order if p.name in waiting
-        ]
+        ctx.meta["rigtri.order"] = [(p.name, waiting[p.name].pop(0)) for p in order if p.name in waiting]
         return super().parse_args(ctx, args)
 
 
@@ -97,9 +95,7 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
 @click.option("--below", multiple=True, metavar="NAME", help="Turn this joint and all below it.")
 @click.option("--skin", metavar="NAME", help="Only joints of this skin.")
 @click.option("--exclude", multiple=True, metavar="GLOB", help="Leave these joints as they are.")
-@click.option(
-    "--aim-at", multiple=True, metavar="JOINT=NODE", help="Aim one joint at any node. Repeatable."
-)
+@click.option("--aim-at", multiple=True, metavar="JOINT=NODE", help="Aim one joint at any node. Repeatable.")
 @click.option(
     "--limb",
     "limbs",
@@ -154,9 +150,7 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     type=click.Choice(["behavior", "orientation", "blender"]),
     help="Give the other side the mirrored axes of --from-side.",
 )
-@click.option(
-    "--from-side", type=click.Choice(["left", "right"]), default="left", show_default=True
-)
+@click.option("--from-side", type=click.Choice(["left", "right"]), default="left", show_default=True)
 @click.option(
     "--plane",
     type=click.Choice(["yz", "xz", "xy"]),
@@ -330,7 +324,4 @@ def _summary(report: Report) -> str:
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1
-    return (
-        f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, "
-        f"{counts['kept']} kept"
-    )
+    return f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, {counts['kept']} kept"

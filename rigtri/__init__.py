@@ -23,7 +23,7 @@ _WHERE = {
     "RigtriError": "rigtri.errors",
 }
 
-__all__ = [  # noqa: PLE0604 - spelled out for type checkers and readers
+__all__ = [
     "Report",
     "Rig",
     "RigtriError",

@@ -74,7 +74,8 @@ def bend(
     if own is not None:
         return own
     twin = next(
-        (o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}), None
+        (o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}),
+        None,
     )
     if twin is not None:
         theirs = _own(rig, twin, world, least_sine, other_pose)
@@ -89,9 +90,7 @@ def bend(
     return None
 
 
-def _own(
-    rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None
-) -> Bend | None:
+def _own(rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None) -> Bend | None:
     points = world[list(limb.triple), 3, :3]
     sine = float(bend_sine(*points))
     if sine >= least_sine:
@@ -156,23 +155,25 @@ def thinned(times: Floats, most: int) -> Floats:
 
 
 def ancestry(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
-    """The rig of some nodes and their ancestors alone, with their tracks; and their new indices.
+    """The rig of some nodes and what lies between them alone, with its tracks; and their new indices.
 
-    What a limb needs to be posed: a fraction of the whole.
+    What a limb needs to be posed, up to its common ancestor: a fraction of the whole.
     """
-    wanted: set[int] = set()
+    lines = []
     for node in nodes:
-        while node >= 0 and node not in wanted:
-            wanted.add(node)
+        line = []
+        while node >= 0:
+            line.append(node)
             node = int(rig.parents[node])
-    order = sorted(wanted)
+        lines.append(line)
+    shared = set(lines[0]).intersection(*lines[1:])
+    top = max(shared, default=-1)
+    order = sorted({node for line in lines for node in line if node not in shared or node == top})
     new = {old: k for k, old in enumerate(order)}
     clips = tuple(
         Clip(
             clip.name,
-            tuple(
-                replace(t, node=new[t.node]) for t in clip.tracks if t.node in new and t.path != "weights"
-            ),
+            tuple(replace(t, node=new[t.node]) for t in clip.tracks if t.node in new and t.path != "weights"),
             clip.key,
         )
         for clip in rig.clips

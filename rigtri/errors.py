@@ -37,9 +37,7 @@ class NameNotFoundError(RigtriError):
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         close = get_close_matches(name, list(dict.fromkeys(known)), n=3)
         hint = f" Did you mean {_quoted(close)}?" if close else ""
-        super().__init__(
-            f"No {kind} is named '{name}'.{hint} List what is there with: rigtri inspect FILE"
-        )
+        super().__init__(f"No {kind} is named '{name}'.{hint} List what is there with: rigtri inspect FILE")
 
 
 class AmbiguousNameError(RigtriError):

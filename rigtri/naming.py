@@ -18,18 +18,49 @@ _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 _LEFT = frozenset({"l", "left", "lft", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "右"})
 _SILENT = frozenset(
-    "mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b sk skel skeleton "
-    "armature rig cc base character char root ctrl deform normal human".split()
+    [
+        "mixamorig",
+        "bip",
+        "biped",
+        "valve",
+        "valvebiped",
+        "def",
+        "org",
+        "mch",
+        "j",
+        "jnt",
+        "jt",
+        "joint",
+        "bone",
+        "bn",
+        "b",
+        "sk",
+        "skel",
+        "skeleton",
+        "armature",
+        "rig",
+        "cc",
+        "base",
+        "character",
+        "char",
+        "root",
+        "ctrl",
+        "deform",
+        "normal",
+        "human",
+    ]
 )
 
 # Part of a limb → the words that name it. Mixamo says Arm, ForeArm, Hand and UpLeg, Leg, Foot.
 _PARTS: dict[str, frozenset[str]] = {
-    "arm/start": frozenset("upperarm uparm armupper upperarms bicep humerus shoulderupper".split()),
-    "arm/middle": frozenset("forearm lowerarm lowarm loarm armlower elbow ひじ".split()),
-    "arm/end": frozenset("hand wrist palm 手首".split()),
-    "leg/start": frozenset("thigh upperleg upleg legupper femur 足".split()),
-    "leg/middle": frozenset("shin calf lowerleg lowleg loleg leglower knee ひざ".split()),
-    "leg/end": frozenset("foot ankle 足首".split()),
+    "arm/start": frozenset(
+        ["upperarm", "uparm", "armupper", "upperarms", "bicep", "humerus", "shoulderupper"]
+    ),
+    "arm/middle": frozenset(["forearm", "lowerarm", "lowarm", "loarm", "armlower", "elbow", "ひじ"]),
+    "arm/end": frozenset(["hand", "wrist", "palm", "手首"]),
+    "leg/start": frozenset(["thigh", "upperleg", "upleg", "legupper", "femur", "足"]),
+    "leg/middle": frozenset(["shin", "calf", "lowerleg", "lowleg", "loleg", "leglower", "knee", "ひざ"]),
+    "leg/end": frozenset(["foot", "ankle", "足首"]),
 }
 # Words that mean one part or another; the first that is not taken by a clearer word wins.
 _MAYBE: dict[str, tuple[str, ...]] = {
@@ -111,9 +142,20 @@ _SIDE = re.compile(
     r"|Left(?![a-z])|Right(?![a-z])|^(?:left|right)(?=[A-Z])"
 )
 _SWAP = {
-    **{"l": "r", "L": "R", "left": "right", "Left": "Right", "LEFT": "RIGHT"},
-    **{"r": "l", "R": "L", "right": "left", "Right": "Left", "RIGHT": "LEFT"},
-    **{"lft": "rgt", "rgt": "lft", "Lft": "Rgt", "Rgt": "Lft"},
+    "l": "r",
+    "L": "R",
+    "left": "right",
+    "Left": "Right",
+    "LEFT": "RIGHT",
+    "r": "l",
+    "R": "L",
+    "right": "left",
+    "Right": "Left",
+    "RIGHT": "LEFT",
+    "lft": "rgt",
+    "rgt": "lft",
+    "Lft": "Rgt",
+    "Rgt": "Lft",
 }
 
 

@@ -36,20 +36,17 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     a, b = as_quaternions(a), as_quaternions(b)
     ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
     bx, by, bz, bw = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
-    return np.stack(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ],
-        axis=-1,
-    )
+    result = np.empty(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
+    result[..., 0] = aw * bx + ax * bw + ay * bz - az * by
+    result[..., 1] = aw * by - ax * bz + ay * bw + az * bx
+    result[..., 2] = aw * bz + ax * by - ay * bx + az * bw
+    result[..., 3] = aw * bw - ax * bx - ay * by - az * bz
+    return result
 
 
 def conjugate(q: ArrayLike) -> Floats:
     """The opposite turns, (..., 4), for unit quaternions."""
-    return as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0])
+    return np.asarray(as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
 def norm(q: ArrayLike) -> Floats:
@@ -92,11 +89,17 @@ def from_axes(axes: ArrayLike) -> Floats:
     """
     m = np.asarray(axes, dtype=np.float64)
     xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
-    yz, zx, xy = m[..., 1, 2] - m[..., 2, 1], m[..., 2, 0] - m[..., 0, 2], m[..., 0, 1] - m[..., 1, 0]
-    ys, zs, xs = m[..., 1, 2] + m[..., 2, 1], m[..., 2, 0] + m[..., 0, 2], m[..., 0, 1] + m[..., 1, 0]
-    squares = np.stack(
-        [1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz, 1 + xx + yy + zz], axis=-1
+    yz, zx, xy = (
+        m[..., 1, 2] - m[..., 2, 1],
+        m[..., 2, 0] - m[..., 0, 2],
+        m[..., 0, 1] - m[..., 1, 0],
     )
+    ys, zs, xs = (
+        m[..., 1, 2] + m[..., 2, 1],
+        m[..., 2, 0] + m[..., 0, 2],
+        m[..., 0, 1] + m[..., 1, 0],
+    )
+    squares = np.stack([1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz, 1 + xx + yy + zz], axis=-1)
     candidates = np.stack(
         [
             np.stack([squares[..., 0], xs, zs, yz], axis=-1),
@@ -161,4 +164,4 @@ def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
     scale = 1.0 / np.where(close, 1.0, sine)
     weight_a = np.where(close, 1.0 - share, from_a * scale)
     weight_b = np.where(close, share, from_b * scale)
-    return a * weight_a[..., np.newaxis] + b * weight_b[..., np.newaxis]
+    return np.asarray(a * weight_a[..., np.newaxis] + b * weight_b[..., np.newaxis])

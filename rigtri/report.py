@@ -28,9 +28,7 @@ class Report:
     limbs: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
 
-    def warn(
-        self, code: str, text: str, *, joint: str | None = None, geometry: bool = False
-    ) -> None:
+    def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:
         """Note something that the user should know; the same words only once."""
         warning = Notice(code, text, joint, geometry)
         if warning not in self.warnings:

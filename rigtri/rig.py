@@ -106,7 +106,6 @@ class Mesh:
     dual_quaternion: bool = False
 
 
-
 @dataclass(frozen=True, eq=False)
 class Rig:
     """Nodes, their rest pose as stored, and all that is bound to them.

@@ -68,9 +68,7 @@ def skeleton(rig: Rig, root: str | None = None) -> Skeleton:
         above[joint] = parent
         if parent >= 0:
             below[parent].append(joint)
-    return Skeleton(
-        rig, tuple(joints), above, {j: tuple(k) for j, k in below.items()}, _carries(rig, joints)
-    )
+    return Skeleton(rig, tuple(joints), above, {j: tuple(k) for j, k in below.items()}, _carries(rig, joints))
 
 
 def _carries(rig: Rig, joints: list[int]) -> Booleans:

@@ -10,6 +10,8 @@ stated beside its terms.
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,6 +21,10 @@ Floats = NDArray[np.float64]
 _HALF_PI_HIGH = 1.5707963267341256
 _HALF_PI_LOW = 6.077100506506192e-11
 _HALF_PI = 1.5707963267948966
+
+_SINE = tuple(1.0 / factorial(2 * k + 1) for k in range(9))
+_COSINE = tuple(1.0 / factorial(2 * k) for k in range(10))
+_ARC_TANGENT = tuple(1.0 / (2 * k + 1) for k in range(12))
 
 
 def sin_cos(angle: ArrayLike) -> tuple[Floats, Floats]:
@@ -37,8 +43,8 @@ def sin_cos(angle: ArrayLike) -> tuple[Floats, Floats]:
         turn = np.mod(quarter, 4.0)
     square = rest * rest
     # |rest| <= pi/4: the first omitted terms are below 1e-19 and 1e-18.
-    sine = rest * _series(square, [1 / _factorial(2 * k + 1) for k in range(9)])
-    cosine = _series(square, [1 / _factorial(2 * k) for k in range(10)])
+    sine = rest * _series(square, _SINE)
+    cosine = _series(square, _COSINE)
     odd = (turn == 1) | (turn == 3)
     s = np.where(odd, cosine, sine)
     c = np.where(odd, sine, cosine)
@@ -60,19 +66,15 @@ def arc_tangent(y: ArrayLike, x: ArrayLike) -> Floats:
     for _ in range(2):
         ratio = ratio / (1.0 + np.sqrt(1.0 + ratio * ratio))
     # The first omitted term is 0.199**25 / 25 < 2e-19.
-    angle = 4.0 * ratio * _series(ratio * ratio, [(-1) ** k / (2 * k + 1) for k in range(12)], 1.0)
+    angle = 4.0 * ratio * _series(ratio * ratio, _ARC_TANGENT)
     angle = np.where(steep, _HALF_PI - angle, angle)
     angle = np.where(x < 0, 2.0 * _HALF_PI - angle, angle)
-    return np.where(y < 0, -angle, angle)
+    return np.asarray(np.where(y < 0, -angle, angle))
 
 
-def _series(square: Floats, terms: list[float], sign: float = -1.0) -> Floats:
-    """Horner's rule in ``square``, each term carrying ``sign`` once more than the one before."""
+def _series(square: Floats, terms: tuple[float, ...]) -> Floats:
+    """Alternating series in ``square`` by Horner's rule."""
     total = np.full_like(square, terms[-1])
-    for term in reversed(terms[:-1]):
-        total = term + sign * square * total
+    for term in terms[-2::-1]:
+        total = term - square * total
     return total
-
-
-def _factorial(n: int) -> float:
-    return 1.0 if n < 2 else n * _factorial(n - 1)

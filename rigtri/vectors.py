@@ -46,14 +46,13 @@ def cross(a: ArrayLike, b: ArrayLike) -> Floats:
     [0.0, 0.0, 1.0]
     """
     a, b = as_vectors(a), as_vectors(b)
-    return np.stack(
-        [
-            a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1],
-            a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2],
-            a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0],
-        ],
-        axis=-1,
-    )
+    result = np.empty(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    result[..., 0] = ay * bz - az * by
+    result[..., 1] = az * bx - ax * bz
+    result[..., 2] = ax * by - ay * bx
+    return result
 
 
 def length(v: ArrayLike) -> Floats:
@@ -79,11 +78,11 @@ def normalise(v: ArrayLike) -> Floats:
 
     Source: GDC 2018, slide "Vectors, Normalize".
     """
-    v = as_vectors(v)
-    largest = np.abs(v).max(axis=-1, keepdims=True)
+    given = as_vectors(v)
+    largest = np.abs(given).max(axis=-1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        v = v / largest
-        return v / length(v)[..., np.newaxis]
+        scaled: Floats = given / largest
+        return np.asarray(scaled / length(scaled)[..., np.newaxis])
 
 
 def project(point: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:

@@ -124,9 +124,7 @@ def _limb_child(tree: Skeleton, limbs: Sequence[Limb], joint: int) -> int | None
     return None
 
 
-def _branching(
-    tree: Skeleton, ref: Reference, joint: int, candidates: list[int], branch: Branch
-) -> Aim:
+def _branching(tree: Skeleton, ref: Reference, joint: int, candidates: list[int], branch: Branch) -> Aim:
     if branch == "keep":
         return Aim("keep")
     if branch == "first":

@@ -60,9 +60,7 @@ def like_turns(
     return turns
 
 
-def _namesakes(
-    rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]
-) -> dict[int, int]:
+def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]) -> dict[int, int]:
     """Joint → joint of the same VRM bone, path, label-path or unique name in the other rig."""
     by_path = {like.path(k): k for k in others}
     by_name: dict[str, list[int]] = {}
@@ -81,9 +79,7 @@ def _namesakes(
     return found
 
 
-def _common_rotation(
-    tree: Skeleton, ref: Reference, theirs: Reference, pairs: Mapping[int, int]
-) -> Floats:
+def _common_rotation(tree: Skeleton, ref: Reference, theirs: Reference, pairs: Mapping[int, int]) -> Floats:
     """The rotation, (4,), that takes their joint positions nearest to ours, sizes apart.
 
     Source: B. K. P. Horn, "Closed-form solution of absolute orientation using unit

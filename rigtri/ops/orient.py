@@ -173,8 +173,8 @@ class _Work:
     def _quiet(self, joint: int, turn: Floats) -> Floats:
         """Exactly the identity for a turn that is no more than the noise of storage."""
         limit = UNCHANGED + self.noise.get(joint, 0.0)
-        bone = max(self.aims[joint].length, 1e-30) if joint in self.aims else self.ref.extent
-        limit += min(self.ref.rounding * self.ref.extent / bone, 1e-3)
+        bone = self.aims[joint].length if joint in self.aims else 0.0
+        limit += min(self.ref.rounding * self.ref.extent / max(bone, 1e-3 * self.ref.extent, 1e-30), 1e-3)
         return IDENTITY if float(turn_angle(turn)) <= limit else turn
 
     def _oriented(self) -> dict[int, Floats]:
@@ -250,8 +250,7 @@ class _Work:
         if style.up_from != "plane" and source is not None:
             self.report.warn(
                 "up-parallel",
-                f"'{self._name(joint)}': {style.up_from} runs along the bone; up is taken from: "
-                f"{up.source}.",
+                f"'{self._name(joint)}': {style.up_from} runs along the bone; up is taken from: {up.source}.",
                 joint=self._name(joint),
                 geometry=True,
             )
@@ -308,7 +307,11 @@ class _Work:
         for joint in self.tree.joints:
             aim, up = self.aims.get(joint), self.ups.get(joint)
             status = "turned" if moves[joint] else "kept" if joint in self.kept else "unchanged"
-            entry: dict[str, Any] = {"joint": rig.title(joint), "path": rig.path(joint), "status": status}
+            entry: dict[str, Any] = {
+                "joint": rig.title(joint),
+                "path": rig.path(joint),
+                "status": status,
+            }
             if joint in self.kept:
                 entry["reason"] = self.kept[joint]
             if aim is not None:
@@ -371,4 +374,3 @@ def _noted(rig: Rig, work: _Work) -> Rig:
         elif own.get("invented"):
             del notes[joint]
     return rig if notes == rig.notes else replace(rig, notes=notes)
-

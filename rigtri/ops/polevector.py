@@ -162,9 +162,7 @@ def _bend(
     return found
 
 
-def _place(
-    rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, report: Report
-) -> Rig:
+def _place(rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, report: Report) -> Rig:
     points = ref.world[list(limb.triple), 3, :3]
     direction = found.direction
     if found.source == "pose" and options.method == "ratio":

@@ -79,8 +79,10 @@ class Hinges:
         if aim is not None and aim.node == limb.start:
             members.insert(0, above)
         node = limb.end
-        while limb.kind == "leg" and (aim := self.aims.get(node)) and aim.node in self.aims:
-            node = int(aim.node)
+        while limb.kind == "leg" and (aim := self.aims.get(node)) is not None:
+            if aim.node is None or aim.node not in self.aims:
+                break
+            node = aim.node
             if node in members:
                 break
             members.append(node)
@@ -111,10 +113,10 @@ class Hinges:
             if joint in done:
                 continue
             chain = [joint]
-            while (node := self.aims[chain[-1]].node) in self.aims and node not in done:
-                if node in chain:
+            while (node := self.aims[chain[-1]].node) is not None and node in self.aims:
+                if node in done or node in chain:
                     break
-                chain.append(int(node))
+                chain.append(node)
             done.update(chain)
             chains.append(chain)
         return chains
@@ -153,16 +155,12 @@ class Hinges:
         for place, joint in enumerate(chain):
             k = min(max(place - 1, 0), len(areas) - 1)
             if sines[k] >= STRAIGHT_SINE:
-                self.found[joint] = Up(
-                    normalise(areas[k]), 2, "plane of the joint", float(sines[k])
-                )
+                self.found[joint] = Up(normalise(areas[k]), 2, "plane of the joint", float(sines[k]))
 
     def _moving(self, nodes: list[int]) -> Up | None:
         """The hinge of a straight chain as its clips show it: first, second and last point."""
         limb = Limb(nodes[0], nodes[1], nodes[-1] if len(nodes) == 3 else nodes[2])
-        found = bend(
-            self.tree.rig, limb, self.ref.world, least_sine=2.0, other_pose=self.ref.other
-        )
+        found = bend(self.tree.rig, limb, self.ref.world, least_sine=2.0, other_pose=self.ref.other)
         return None if found is None else _up(found)
 
     def _from_twin(self, chain: list[int]) -> None:
