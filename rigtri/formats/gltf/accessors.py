@@ -1,0 +1,226 @@
+"""Accessors: typed views of buffers, decoded as float64.
+
+Source: glTF 2.0 §3.6.2; EXT_meshopt_compression.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.buffers import Buffers
+from rigtri.formats.gltf.values import Value
+from rigtri.trigonometry import Floats
+
+FLOAT = 5126
+COMPONENTS: dict[int, np.dtype[Any]] = {
+    5120: np.dtype("<i1"),
+    5121: np.dtype("<u1"),
+    5122: np.dtype("<i2"),
+    5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"),
+    FLOAT: np.dtype("<f4"),
+}
+# What one stands for in a normalised integer, §3.6.2.2.
+FULL = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
+# MAT2 and MAT3 are missing: nothing that rigtri reads uses them.
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+COMPRESSIONS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+# An accessor without bytes could claim any size; no skeleton needs more numbers than this.
+MOST_ZEROS = 1 << 24
+
+
+class CompressedError(FileError):
+    """An accessor whose bytes are compressed in a way that rigtri does not decode."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where the numbers of an accessor lie. buffer −1: nowhere, they are zero. start: in the buffer."""
+
+    component: int
+    width: int
+    count: int
+    normalized: bool
+    sparse: bool
+    view: int = -1
+    buffer: int = -1
+    start: int = 0
+    stride: int = 0
+
+    @property
+    def size(self) -> int:
+        """Bytes of one element."""
+        return COMPONENTS[self.component].itemsize * self.width
+
+    @property
+    def end(self) -> int:
+        """Where the last element ends, in the buffer."""
+        return self.start + self.stride * (self.count - 1) + self.size
+
+    @property
+    def plain(self) -> bool:
+        """Whether the bytes are float32 one after the other: what can be written over."""
+        own = self.buffer >= 0 and self.stride == self.size
+        return own and self.component == FLOAT and not self.sparse and not self.normalized
+
+
+class Accessors:
+    """All accessors of a file. Bounds are checked before anything is allocated."""
+
+    def __init__(self, gltf: Value, buffers: Buffers) -> None:
+        self.buffers = buffers
+        self._file = gltf.where
+        self._items = gltf.object().get("accessors", [])
+        self._views = gltf.object().get("bufferViews", [])
+        self._layouts: dict[int, Layout] = {}
+        self._floats: dict[int, Floats] = {}
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def value(self, index: int) -> Value:
+        """The JSON of an accessor."""
+        return Value(self._items[index], f"{self._file} accessors[{index}]")
+
+    def layout(self, index: int) -> Layout:
+        """Where the numbers of accessor ``index`` lie. FileError for anything out of bounds."""
+        found = self._layouts.get(index)
+        if found is None:
+            found = self._layouts[index] = self._lay(self.value(index))
+        return found
+
+    def span(self, view: int) -> tuple[int, int, int]:
+        """Buffer, start and end of a buffer view. FileError where it is not to be had."""
+        if not 0 <= view < len(self._views):
+            raise FileError(f"{self._file} there is no bufferView {view}")
+        buffer, start, length, _ = self._view(view)
+        return buffer, start, start + length
+
+    def read(self, index: int) -> Floats:
+        """The numbers of accessor ``index``, (count, width)."""
+        layout = self.layout(index)
+        if layout.plain:
+            return self._read_plain(layout)
+        accessor = self.value(index)
+        if layout.buffer < 0 and layout.count * layout.width > MOST_ZEROS:
+            accessor.fail(f"claims {layout.count} elements without bytes for them")
+        numbers = self._elements(layout)
+        if layout.sparse:
+            numbers = self._replaced(numbers, accessor.need("sparse"), layout)
+        decoded = numbers.astype(np.float64)
+        if layout.normalized and layout.component in FULL:
+            decoded = np.maximum(decoded / FULL[layout.component], -1.0)
+        return decoded
+
+    def _read_plain(self, layout: Layout) -> Floats:
+        # One float32 view of a buffer serves all its accessors: slicing it is cheap.
+        start, rest = divmod(layout.start, 4)
+        if rest:
+            return self._elements(layout).astype(np.float64)
+        whole = self._floats.get(layout.buffer)
+        if whole is None:
+            content = self.buffers.content(layout.buffer)
+            whole = np.frombuffer(content, "<f4", len(content) // 4)
+            self._floats[layout.buffer] = whole
+        part = whole[start : start + layout.count * layout.width]
+        return part.astype(np.float64).reshape(layout.count, layout.width)
+
+    def _lay(self, accessor: Value) -> Layout:
+        raw = accessor.object()
+        component, width = raw.get("componentType"), WIDTHS.get(str(raw.get("type")))
+        if type(component) is not int or component not in COMPONENTS:
+            accessor.fail(f"componentType {component!r} is none that glTF knows")
+        if width is None:
+            accessor.fail(f"type {raw.get('type')!r} is none that rigtri can read here")
+        count = accessor.need("count").count(1)
+        normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
+        if raw.get("bufferView") is None:
+            return Layout(component, width, count, normalized, sparse)
+        view = accessor.need("bufferView").index(len(self._views), "bufferView")
+        offset = accessor.need("byteOffset").count() if raw.get("byteOffset") is not None else 0
+        return self._within(
+            accessor, Layout(component, width, count, normalized, sparse, view), offset
+        )
+
+    def _within(self, accessor: Value, layout: Layout, offset: int) -> Layout:
+        """``layout`` at ``offset`` of its view, which must hold all of it."""
+        buffer, start, length, stride = self._view(layout.view)
+        stride = stride or layout.size
+        need = offset + stride * (layout.count - 1) + layout.size
+        if stride < layout.size:
+            accessor.fail(f"byteStride {stride} is less than the {layout.size} bytes of an element")
+        if need > length:
+            accessor.fail(f"needs {need} bytes of bufferView {layout.view}, which has {length}")
+        return Layout(
+            layout.component,
+            layout.width,
+            layout.count,
+            layout.normalized,
+            layout.sparse,
+            layout.view,
+            buffer,
+            start + offset,
+            stride,
+        )
+
+    def _view(self, index: int) -> tuple[int, int, int, int]:
+        """Buffer, offset, length and stride (0: none) of a buffer view."""
+        view = Value(self._views[index], f"{self._file} bufferViews[{index}]")
+        raw = view.object()
+        buffer = view.need("buffer").index(len(self.buffers), "buffer")
+        if self.buffers.place(buffer) == "none":
+            self._refuse_compressed(view, raw)
+        start = view.need("byteOffset").count() if raw.get("byteOffset") is not None else 0
+        length = view.need("byteLength").count()
+        stride = view.need("byteStride").count() if raw.get("byteStride") is not None else 0
+        whole = len(self.buffers.content(buffer))
+        if start + length > whole:
+            view.fail(f"ends at {start + length}, outside buffer {buffer} of {whole} bytes")
+        return buffer, start, length, stride
+
+    def _refuse_compressed(self, view: Value, raw: dict[str, Any]) -> None:
+        used = raw.get("extensions")
+        for name in COMPRESSIONS:
+            if isinstance(used, dict) and name in used:
+                raise CompressedError(
+                    f"{view.where}: data compressed with {name} are not supported yet; "
+                    "decompress the file first, e.g. with: gltf-transform copy IN OUT"
+                )
+
+    def _elements(self, layout: Layout) -> np.ndarray:
+        """The elements as stored, (count, width), zeros where there are no bytes."""
+        kind = COMPONENTS[layout.component]
+        shape = (layout.count, layout.width)
+        if layout.buffer < 0:
+            return np.zeros(shape, kind)
+        content = self.buffers.content(layout.buffer)
+        strides = (layout.stride, kind.itemsize)
+        return np.ndarray(shape, kind, buffer=content, offset=layout.start, strides=strides)
+
+    def _replaced(self, numbers: np.ndarray, sparse: Value, layout: Layout) -> np.ndarray:
+        """``numbers`` with the elements that a sparse accessor names put in."""
+        count = sparse.need("count").count(1)
+        if count > layout.count:
+            sparse.fail(f"replaces {count} of {layout.count} elements")
+        where, what = sparse.need("indices"), sparse.need("values")
+        component = where.need("componentType").count()
+        if component not in (5121, 5123, 5125):
+            where.fail(f"componentType {component} is none for indices")
+        indices = self._part(where, Layout(component, 1, count, False, False))[:, 0].astype(np.int64)
+        if indices.max() >= layout.count:
+            where.fail(f"there is no element {indices.max()}, the accessor has {layout.count}")
+        numbers = numbers.copy()
+        numbers[indices] = self._part(
+            what, Layout(layout.component, layout.width, count, False, False)
+        )
+        return numbers
+
+    def _part(self, value: Value, layout: Layout) -> np.ndarray:
+        view = value.need("bufferView").index(len(self._views), "bufferView")
+        start = value.get("byteOffset")
+        placed = Layout(layout.component, layout.width, layout.count, False, False, view)
+        return self._elements(self._within(value, placed, start.count() if start else 0))

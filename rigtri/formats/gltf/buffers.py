@@ -1,0 +1,78 @@
+"""The bytes of the buffers of a glTF file, fetched when they are needed.
+
+Source: glTF 2.0 §3.6.1.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal
+
+from rigtri.formats.gltf.container import Container, load
+from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own
+from rigtri.formats.gltf.values import Value
+
+# Where a buffer lies: in the GLB, in its URI, in a file of ours, in a file of the user's, nowhere.
+Place = Literal["bin", "data", "own", "file", "none"]
+
+
+class Buffers:
+    """All buffers of a file. Those in files are looked for at once and read later."""
+
+    def __init__(self, gltf: Value, container: Container, *, allow_external: bool = False) -> None:
+        self._items = list(gltf.each("buffers"))
+        self._container = container
+        self._allow_external = allow_external
+        self._content: dict[int, memoryview] = {}
+        for index, item in enumerate(self._items):
+            if self.place(index) in ("file", "own") and is_file(self.uri(index)):
+                path = self._path(index)
+                if not path.is_file():
+                    item.fail(f"the file '{path.name}' is missing; put it beside {container.path.name}")
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def uri(self, index: int) -> str:
+        """The URI of a buffer, "" where it has none."""
+        uri = self._items[index].get("uri")
+        return "" if uri is None else uri.text()
+
+    def place(self, index: int) -> Place:
+        """Where the bytes of a buffer lie."""
+        uri = self.uri(index)
+        if not uri:
+            return "bin" if index == 0 and self._container.binary is not None else "none"
+        if is_data(uri):
+            return "data"
+        # The name alone does not make a file ours: it must stand where we would put it.
+        return "own" if is_own(uri) and "/" not in uri else "file"
+
+    def content(self, index: int) -> memoryview:
+        """The bytes of a buffer, exactly ``byteLength`` of them. FileError where they are not to be had."""
+        if index not in self._content:
+            self._content[index] = self._fetch(index)
+        return self._content[index]
+
+    def _fetch(self, index: int) -> memoryview:
+        item, place = self._items[index], self.place(index)
+        length = item.need("byteLength").count()
+        if place == "bin" and self._container.binary is not None:
+            content = self._container.binary
+        elif place == "data":
+            content = memoryview(decode_data(self.uri(index), item.where))
+        elif place == "none":
+            item.fail("the buffer has no data")
+        else:
+            content = load(self._path(index))
+        if len(content) < length:
+            item.fail(f"the buffer should have {length} bytes and has only {len(content)}; export it again")
+        return content[:length]
+
+    def _path(self, index: int) -> Path:
+        folder, where = self._container.path.parent, self._items[index].where
+        return file_of(self.uri(index), folder, where, allow_external=self._allow_external)
+
+    def raw(self, index: int) -> dict[str, Any]:
+        """The JSON of a buffer."""
+        return self._items[index].object()

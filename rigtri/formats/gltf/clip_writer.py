@@ -1,0 +1,278 @@
+"""Inverse bind matrices and animations, changed in a draft where a rig differs.
+
+What several users of an accessor or sampler want alike they go on sharing; who
+wants something else gets its own.
+
+Source: glTF 2.0 §3.7.3, §3.11; KHR_animation_pointer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rigtri.formats.gltf.accessors import Accessors
+from rigtri.formats.gltf.animations import POINTER, pointer_of
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.rounding import Singles, round_tracks, to_singles
+from rigtri.formats.gltf.storage import Role, Storage
+from rigtri.rig import Clip, Rig, Skin, Track
+
+KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """New rows for a place that refers to an accessor, and how to let it refer to another one."""
+
+    accessor: int | None
+    rows: Singles
+    kind: str
+    role: Role
+    refer: Callable[[int], None]
+
+
+class ClipWriter:
+    """Carries skins and clips of ``rig`` into a draft. index: file index of every node of the rig."""
+
+    def __init__(
+        self,
+        draft: Draft,
+        storage: Storage,
+        accessors: Accessors,
+        source: Rig,
+        rig: Rig,
+        index: Sequence[int],
+        moved: dict[int, int],
+    ) -> None:
+        self._draft, self._storage, self._accessors = draft, storage, accessors
+        self._source, self._rig, self._index, self._moved = source, rig, index, moved
+        self._wishes: list[_Wish] = []
+        self._inputs: dict[int, int] = {}
+        # Channels to be taken out, by animation; last, as until then they are found by their place.
+        self._lost: dict[int, set[int]] = {}
+
+    def write(self) -> None:
+        """Put all differences into the draft and the storage."""
+        for skin, before in zip(self._rig.skins, self._source.skins, strict=True):
+            self._write_skin(skin, before)
+        self._write_clips()
+        self._grant()
+        self._redirect()
+        for number, lost in self._lost.items():
+            channels = self._draft.own("animations", number, "channels")
+            channels[:] = [channel for k, channel in enumerate(channels) if k not in lost]
+
+    # --- skins
+
+    def _write_skin(self, skin: Skin, before: Skin) -> None:
+        if skin is before or np.array_equal(skin.inverse_bind, before.inverse_bind):
+            return
+        number = int(str(skin.key))
+        accessor = self._draft.gltf["skins"][number].get("inverseBindMatrices")
+        rows = skin.inverse_bind.reshape(-1, 16)
+        if accessor is not None:
+            accessor = int(accessor)
+            stored = self._accessors.read(accessor)
+            # Rows behind the last joint mean nothing, but they were there.
+            rows = np.concatenate([rows, stored[len(rows) :]])
+
+        def refer(index: int) -> None:
+            self._draft.own("skins", number)["inverseBindMatrices"] = index
+
+        self._wishes.append(_Wish(accessor, to_singles(rows), "MAT4", "inverse bind matrices", refer))
+
+    # --- clips
+
+    def _write_clips(self) -> None:
+        before = {clip.key: clip for clip in self._source.clips}
+        changed: list[tuple[Track, Track]] = []
+        for clip in self._rig.clips:
+            old = before.get(clip.key) if clip.key is not None else None
+            if clip is old:
+                continue
+            number = int(str(clip.key)) if old is not None else self._add_animation(clip)
+            changed += self._compare(number, clip, old)
+        rows = round_tracks([now for now, _ in changed], [then for _, then in changed])
+        wanted = {now.key: values for (now, _), values in zip(changed, rows, strict=True)}
+        self._settle_samplers(wanted)
+
+    def _compare(self, number: int, clip: Clip, old: Clip | None) -> list[tuple[Track, Track]]:
+        """Tracks with other values, each with what it was; channels that move, come or go are noted."""
+        known = {track.key: track for track in old.tracks} if old is not None else {}
+        changed = []
+        for track in clip.tracks:
+            then = known.pop(track.key, None) if track.key is not None else None
+            if track is then:
+                continue
+            if then is None:
+                self._add_channel(number, track)
+                continue
+            if self._node_of(track, self._rig) != self._node_of(then, self._source):
+                self._retarget(then, self._index[track.node])
+            if track.values is not then.values and not np.array_equal(track.values, then.values):
+                changed.append((track, then))
+        if known:
+            self._lost[number] = {_place(track)[1] for track in known.values()}
+        return changed
+
+    def _node_of(self, track: Track, rig: Rig) -> Any:
+        return rig.keys[track.node]
+
+    def _retarget(self, track: Track, node: int) -> None:
+        number, channel = _place(track)
+        target = self._draft.own("animations", number, "channels", channel, "target")
+        _aim(self._draft, (number, channel), target, node)
+
+    def _settle_samplers(self, wanted: dict[Any, Singles]) -> None:
+        """New outputs for samplers; channels that share one and part ways get samplers of their own."""
+        by_sampler: dict[tuple[int, int], list[tuple[int, Singles]]] = {}
+        for (number, channel), rows in wanted.items():
+            sampler = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
+            by_sampler.setdefault((number, sampler), []).append((channel, rows))
+        sharing = _sharing(self._draft.gltf.get("animations", []), {number for number, _ in by_sampler})
+        for (number, sampler), users in by_sampler.items():
+            groups: dict[bytes, list[tuple[int, Singles]]] = {}
+            for channel, rows in users:
+                groups.setdefault(rows.tobytes() if len(users) > 1 else b"", []).append((channel, rows))
+            # The old sampler stays with whoever wants its old values.
+            old_values_wanted = sharing[number, sampler] > len(users)
+            for place, group in enumerate(groups.values()):
+                mine = sampler
+                if old_values_wanted or place > 0:
+                    mine = self._split(number, sampler, [channel for channel, _ in group])
+                self._wish_output(number, mine, group[0][1], fresh=mine != sampler)
+
+    def _split(self, number: int, sampler: int, channels: list[int]) -> int:
+        samplers = self._draft.own("animations", number, "samplers")
+        samplers.append(dict(samplers[sampler]))
+        for channel in channels:
+            self._draft.own("animations", number, "channels", channel)["sampler"] = len(samplers) - 1
+        return len(samplers) - 1
+
+    def _wish_output(self, number: int, sampler: int, rows: Singles, *, fresh: bool) -> None:
+        output = self._draft.gltf["animations"][number]["samplers"][sampler]["output"]
+
+        def refer(index: int) -> None:
+            self._draft.own("animations", number, "samplers", sampler)["output"] = index
+
+        kind = KINDS[rows.shape[1]]
+        wish = _Wish(output, rows, kind, "animation", refer)
+        if fresh:
+            refer(self._storage.add(rows, kind, "animation", output))
+        else:
+            self._wishes.append(wish)
+
+    # --- accessors
+
+    def _grant(self) -> None:
+        """Write over an accessor that all its users want changed alike; else give new ones."""
+        together: dict[int, list[_Wish]] = {}
+        for wish in self._wishes:
+            if wish.accessor is None:
+                wish.refer(self._storage.add(wish.rows, wish.kind, wish.role))
+            else:
+                together.setdefault(wish.accessor, []).append(wish)
+        for accessor, wishes in together.items():
+            first = wishes[0]
+            alone = self._storage.users[accessor] == len(wishes) and all(
+                np.array_equal(wish.rows.view(np.uint32), first.rows.view(np.uint32)) for wish in wishes[1:]
+            )
+            if alone and self._storage.owns(accessor):
+                self._storage.replace(accessor, first.rows)
+            else:
+                for wish in wishes:
+                    wish.refer(self._storage.add(wish.rows, wish.kind, wish.role, accessor))
+
+    # --- channels that move, come and go
+
+    def _redirect(self) -> None:
+        """Channels of morph weights follow a mesh that another node shows now, read or not."""
+        if not self._moved:
+            return
+        for number, animation in enumerate(self._draft.gltf.get("animations", [])):
+            for channel, raw in enumerate(animation.get("channels", [])):
+                node = _drives_payload(raw)
+                if node in self._moved:
+                    target = self._draft.own("animations", number, "channels", channel, "target")
+                    _aim(self._draft, (number, channel), target, self._moved[node])
+
+    def _add_animation(self, clip: Clip) -> int:
+        animations = self._draft.need("animations", empty=[])
+        animations.append({**({"name": clip.name} if clip.name else {}), "samplers": [], "channels": []})
+        return len(animations) - 1
+
+    def _input(self, number: int, track: Track) -> int:
+        """The accessor with the times of a new track: one that is there, or a new one."""
+        if not self._inputs:
+            for clip in self._source.clips:
+                for known in clip.tracks:
+                    animation, channel = _place(known)
+                    raw = self._draft.gltf["animations"][animation]
+                    sampler = raw["samplers"][raw["channels"][channel]["sampler"]]
+                    self._inputs[id(known.times)] = sampler["input"]
+        if id(track.times) not in self._inputs:
+            rows = to_singles(track.times.reshape(-1, 1))
+            return self._storage.add(rows, "SCALAR", "animation", bounds=True)
+        return self._inputs[id(track.times)]
+
+    def _add_channel(self, number: int, track: Track) -> None:
+        (rows,) = round_tracks([track], [track])
+        kind = "SCALAR" if track.path == "weights" else KINDS[rows.shape[1]]
+        samplers = self._draft.need("animations", number, "samplers", empty=[])
+        sampler = {
+            "input": self._input(number, track),
+            "output": self._storage.add(rows.reshape(-1, 1) if kind == "SCALAR" else rows, kind, "animation"),
+            "interpolation": track.interpolation,
+        }
+        samplers.append(sampler)
+        target = {"node": self._index[track.node], "path": track.path}
+        channels = self._draft.need("animations", number, "channels", empty=[])
+        channels.append({"sampler": len(samplers) - 1, "target": target})
+
+
+def _place(track: Track) -> tuple[int, int]:
+    """Animation and channel that a track was read from."""
+    if not isinstance(track.key, tuple):
+        raise ValueError("only a track that was read has a place in the file")
+    number, channel = track.key
+    return int(number), int(channel)
+
+
+def _sharing(animations: list[Any], among: set[int]) -> dict[tuple[int, int], int]:
+    """How many channels use each sampler of some animations."""
+    users: dict[tuple[int, int], int] = {}
+    for number in among:
+        for channel in animations[number].get("channels", []):
+            key = (number, channel.get("sampler"))
+            users[key] = users.get(key, 0) + 1
+    return users
+
+
+def _drives_payload(channel: Any) -> int | None:
+    """The node whose morph weights, lights or instances a channel drives."""
+    target = channel.get("target", {})
+    if target.get("path") == "weights":
+        node = target.get("node")
+        return node if type(node) is int else None
+    pointer = (pointer_of(target) or "").split("/")
+    shown = pointer[3:4] == ["weights"] or pointer[3:5] in (
+        ["extensions", "KHR_lights_punctual"],
+        ["extensions", "EXT_mesh_gpu_instancing"],
+    )
+    return int(pointer[2]) if pointer[1:2] == ["nodes"] and shown and pointer[2].isdecimal() else None
+
+
+def _aim(draft: Draft, place: tuple[int, int], target: dict[str, Any], node: int) -> None:
+    """Let a channel drive another node, by number or by pointer."""
+    pointer = pointer_of(target)
+    if target.get("path") != "pointer" or pointer is None:
+        target["node"] = node
+        return
+    parts = pointer.split("/")
+    parts[2] = str(node)
+    path = ("animations", place[0], "channels", place[1], "target", "extensions", POINTER)
+    draft.own(*path)["pointer"] = "/".join(parts)

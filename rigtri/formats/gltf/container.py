@@ -1,0 +1,198 @@
+"""GLB and .gltf files as bytes: a JSON text, binary chunks, and nothing understood yet.
+
+Source: glTF 2.0 §4 (GLB file format).
+"""
+
+from __future__ import annotations
+
+import mmap
+import re
+import struct
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.spelling import Spelling, parse
+from rigtri.report import Notice
+
+MAGIC = b"glTF"
+HEADER = struct.Struct("<4sII")
+CHUNK = struct.Struct("<II")
+JSON_CHUNK = 0x4E4F534A
+BIN_CHUNK = 0x004E4942
+# Smaller files are read: a mapped file dies with the process that truncates it.
+MAP_FROM = 64 * 1024 * 1024
+
+Piece = bytes | bytearray | memoryview
+
+
+@dataclass(frozen=True, eq=False)
+class Container:
+    """What a file holds: its JSON, and for a GLB its chunks in order, JSON and BIN included.
+
+    chunks: (type, content) where content is a view into ``source``.
+    """
+
+    path: Path
+    source: memoryview
+    gltf: dict[str, Any]
+    spelling: Spelling
+    chunks: tuple[tuple[int, memoryview], ...] = ()
+    notices: list[Notice] = field(default_factory=list)
+
+    @property
+    def is_glb(self) -> bool:
+        return bool(self.chunks)
+
+    @property
+    def binary(self) -> memoryview | None:
+        """The content of the BIN chunk, which is the second one or is not there."""
+        if len(self.chunks) > 1 and self.chunks[1][0] == BIN_CHUNK:
+            return self.chunks[1][1]
+        return None
+
+    def pieces(self, gltf: dict[str, Any], binary: list[Piece] | None) -> list[Piece]:
+        """The file with other JSON and, where given, another BIN chunk; all else as it was.
+
+        Raises FileError for what the format cannot hold.
+        """
+        text = self._text(gltf)
+        if not self.is_glb:
+            return [text]
+        body: list[Piece] = []
+        for kind, content in self._chunks(text, binary):
+            length = sum(map(len, content))
+            padding = -length % 4 if kind in (JSON_CHUNK, BIN_CHUNK) else 0
+            fill = b" " if kind == JSON_CHUNK else b"\0"
+            body += [_packed(CHUNK, self.path, length + padding, kind), *content, fill * padding]
+        total = HEADER.size + sum(map(len, body))
+        return [_packed(HEADER, self.path, MAGIC, 2, total), *body]
+
+    def _chunks(self, text: bytes, binary: list[Piece] | None) -> Iterable[tuple[int, list[Piece]]]:
+        yield JSON_CHUNK, [text]
+        if binary is not None:
+            yield BIN_CHUNK, binary
+        rest = self.chunks[2:] if binary is not None and self.binary is not None else self.chunks[1:]
+        for kind, content in rest:
+            yield kind, [content]
+
+    def _text(self, gltf: dict[str, Any]) -> bytes:
+        try:
+            return self.spelling.spell(gltf)
+        except RecursionError:
+            raise FileError(f"{self.path}: the JSON is nested too deep to be written") from None
+        except ValueError:
+            raise FileError(
+                f"{self.path}: a number in the JSON is too large to be read back; repair it first"
+            ) from None
+
+
+def _packed(layout: struct.Struct, path: Path, *values: Any) -> bytes:
+    try:
+        return layout.pack(*values)
+    except struct.error:
+        raise FileError(
+            f"{path}: the result would be larger than the 4 GiB a GLB can hold; convert it to .gltf first"
+        ) from None
+
+
+def load(path: Path) -> memoryview:
+    """The bytes of a file, mapped instead of read where it is large. FileError where there is none."""
+    try:
+        with path.open("rb") as file:
+            if path.stat().st_size < MAP_FROM:
+                return memoryview(file.read())
+            return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(f"{path}: cannot be read: {reason}") from None
+
+
+def open_container(path: Path, *, lenient: bool = False) -> Container:
+    """Take a file apart. FileError, with the offset, where it is no glTF 2.0 or broken.
+
+    lenient: ignore bytes behind the length that a GLB claims, and keys that stand twice.
+    """
+    source = load(path)
+    notices: list[Notice] = []
+    if bytes(source[:4]) != MAGIC:
+        text, gltf = _json(path, source, notices, lenient=lenient)
+        return Container(path, source, gltf, Spelling.of(text), (), notices)
+    chunks = _split(path, source, notices, lenient=lenient)
+    text, gltf = _json(path, chunks[0][1], notices, lenient=lenient)
+    # Spaces behind the JSON of a GLB are padding, not a habit.
+    return Container(path, source, gltf, Spelling.of(text.rstrip()), tuple(chunks), notices)
+
+
+def _split(
+    path: Path, source: memoryview, notices: list[Notice], *, lenient: bool
+) -> list[tuple[int, memoryview]]:
+    if len(source) < HEADER.size:
+        raise FileError(f"{path}: the GLB ends after {len(source)} bytes, inside its header")
+    _, version, length = HEADER.unpack_from(source)
+    if version != 2:
+        raise FileError(f"{path}: this is GLB version {version}, not 2; export it anew as glTF 2.0")
+    if length > len(source):
+        raise FileError(
+            f"{path}: the GLB is cut off: it should have {length} bytes and ends at offset {len(source)}. "
+            "Copy or export it again"
+        )
+    if length < len(source):
+        text = f"the GLB should end at offset {length}, but {len(source) - length} more bytes follow"
+        if not lenient:
+            raise FileError(f"{path}: {text}. Use --lenient to ignore them")
+        notices.append(Notice("glb-length", f"{text}; they are ignored"))
+    chunks = list(_walk(path, source[:length]))
+    if not chunks or chunks[0][0] != JSON_CHUNK:
+        raise FileError(f"{path}: the first chunk of the GLB, at offset {HEADER.size}, is not JSON")
+    return chunks
+
+
+def _walk(path: Path, source: memoryview) -> Iterable[tuple[int, memoryview]]:
+    offset = HEADER.size
+    while offset < len(source):
+        if offset + CHUNK.size > len(source):
+            raise FileError(f"{path}: the GLB has stray bytes at offset {offset}")
+        size, kind = CHUNK.unpack_from(source, offset)
+        offset += CHUNK.size
+        if offset + size > len(source):
+            raise FileError(
+                f"{path}: a chunk of {size} bytes at offset {offset} reaches behind "
+                f"the end of the GLB at {len(source)}"
+            )
+        yield kind, source[offset : offset + size]
+        offset += size
+
+
+def _json(
+    path: Path, content: memoryview, notices: list[Notice], *, lenient: bool
+) -> tuple[str, dict[str, Any]]:
+    try:
+        text = str(content, "utf-8")
+        if text.startswith("\ufeff"):
+            text = text[1:]
+            words = "The JSON starts with a byte order mark, which glTF forbids; a changed file has none"
+            notices.append(Notice("byte-order-mark", words))
+        gltf = parse(text, lenient=lenient)
+    except RecursionError:
+        raise FileError(f"{path}: the JSON is nested too deep") from None
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path}: the JSON is not UTF-8 at offset {error.start}") from None
+    except ValueError as error:
+        raise FileError(f"{path}: this is no valid JSON: {error}") from None
+    if not isinstance(gltf, dict):
+        raise FileError(f"{path}: the JSON is no object, so this is no glTF")
+    _check_version(path, gltf)
+    return text, gltf
+
+
+def _check_version(path: Path, gltf: dict[str, Any]) -> None:
+    asset = gltf.get("asset")
+    if not isinstance(asset, dict) or not isinstance(asset.get("version"), str):
+        raise FileError(f"{path}: 'asset.version' is missing, so this is no glTF 2.0")
+    for key in ("version", "minVersion"):
+        version = asset.get(key, "2.0")
+        if not isinstance(version, str) or not re.fullmatch(r"2\.\d+", version):
+            raise FileError(f"{path}: asset.{key} is {version!r}, not 2.x; export the file anew as glTF 2.0")

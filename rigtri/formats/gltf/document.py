@@ -1,0 +1,148 @@
+"""A glTF file that was read: its rig, and all the rest untouched.
+
+Source: glTF 2.0; VRM 0.0 and 1.0; docs/design.md, "How formats fill a Rig".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rigtri.errors import UsageError
+from rigtri.formats import Companion, Options
+from rigtri.formats.gltf.accessors import Accessors
+from rigtri.formats.gltf.animations import ClipReader, animated_nodes
+from rigtri.formats.gltf.buffers import Buffers
+from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.meshes import MeshReader
+from rigtri.formats.gltf.nodes import Rest, read_rest, read_tree
+from rigtri.formats.gltf.skins import read_skins
+from rigtri.formats.gltf.validate import (
+    check_extensions,
+    check_lists,
+    check_references,
+    shows,
+    unknown_extension,
+)
+from rigtri.formats.gltf.values import Value
+from rigtri.formats.gltf.writer import write_file
+from rigtri.formats.vrm import read_bindings
+from rigtri.report import Notice
+from rigtri.rig import Booleans, Bound, Mesh, Rig
+
+
+class GltfDocument:
+    """A .glb, .gltf, .vrm or .vrma file. Its node keys are the node's index in the file."""
+
+    def __init__(self, container: Container, options: Options) -> None:
+        self.container, self.options = container, options
+        self.notices: list[Notice] = list(container.notices)
+        gltf = Value(container.gltf, f"{container.path}:")
+        check_lists(gltf)
+        check_references(gltf)
+        check_extensions(gltf, self.notices)
+        buffers = Buffers(gltf, container, allow_external=options.allow_external_paths)
+        self.accessors = Accessors(gltf, buffers)
+        self.tree = read_tree(gltf)
+        self._reader = MeshReader(gltf, self.accessors, self.tree, self.notices)
+        self._meshes: list[Mesh] | None = None
+        self.rest: Rest = read_rest(
+            gltf, self.tree, animated_nodes(gltf), self.notices, lenient=options.lenient
+        )
+        self._rig = self._read_rig(gltf)
+
+    @classmethod
+    def read(cls, path: Path, options: Options | None = None) -> GltfDocument:
+        """Read a file. Raises FileError, in the file's own names, for anything that is broken."""
+        options = options or Options()
+        return cls(open_container(path, lenient=options.lenient), options)
+
+    @property
+    def rig(self) -> Rig:
+        """The rig as it was read."""
+        return self._rig
+
+    @property
+    def warnings(self) -> Sequence[Notice]:
+        """What the reader noticed and could live with."""
+        return tuple(self.notices)
+
+    def meshes(self) -> Sequence[Mesh]:
+        """Every primitive that can be read, for measuring; the others are noticed."""
+        if self._meshes is None:
+            self._meshes = self._reader.read(self._rig.skins)
+        return self._meshes
+
+    def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
+        """Write the file as ``rig`` wants it to ``part``; see `rigtri.formats.Document`.
+
+        Raises UsageError where the suffix of ``target`` is not the kind of file that was
+        read, FileError for what cannot be written.
+        """
+        if (target.suffix.lower() == ".gltf") == self.container.is_glb:
+            kind = "GLB, so give it the suffix .glb or .vrm" if self.container.is_glb else ".gltf"
+            raise UsageError(
+                f"{target.name}: the output is what the input is, {kind}. "
+                "To convert between the two use e.g. gltf-transform copy IN OUT"
+            )
+        return write_file(self, rig, part, target)
+
+    def _weigh(self, skin: int) -> Booleans:
+        return self._reader.weighted(skin, len(self._rig.skins[skin].joints))
+
+    def _read_rig(self, gltf: Value) -> Rig:
+        tree, rest, options = self.tree, self.rest, self.options
+        nodes = gltf.object().get("nodes", [])
+        ordered = [nodes[index] for index in tree.order]
+        names = [node.get("name") for node in ordered]
+        extras = [node.get("extras") for node in ordered]
+        skins = read_skins(
+            gltf, self.accessors, tree, self.notices, self._weigh, lenient=options.lenient
+        )
+        clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
+        bindings = read_bindings(gltf, tree.above)
+        fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
+        rig = Rig(
+            names=tuple(name if isinstance(name, str) else "" for name in names),
+            parents=np.array([_place(tree.place, tree.above[k]) for k in tree.order], dtype=np.int64),
+            translation=rest.translation,
+            rotation=rest.rotation,
+            scale=rest.scale,
+            matrix=rest.matrix,
+            has_matrix=rest.has_matrix,
+            payload=np.array([k if shows(n) else -1 for k, n in enumerate(ordered)], dtype=np.int64),
+            keys=tuple(tree.order),
+            labels=tuple(f"#{index}" for index in tree.order),
+            skins=skins,
+            clips=clips,
+            bound=tuple(
+                Bound(tree.place[node], np.array(vector), key=pointer)
+                for node, vector, pointer in bindings.bound
+            ),
+            fixed=fixed,
+            humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
+            notes={
+                k: e["rigtri"]
+                for k, e in enumerate(extras)
+                if isinstance(e, dict) and isinstance(e.get("rigtri"), dict)
+            },
+            facing=bindings.facing,
+        )
+        self._freeze(rig, ordered, fixed)
+        return rig
+
+    def _freeze(self, rig: Rig, ordered: list[dict[str, object]], fixed: dict[int, str]) -> None:
+        """Joints whose matrix is no frame, and nodes with extensions that may name their axes."""
+        for node in self.rest.sheared:
+            if rig.is_joint[node]:
+                fixed.setdefault(node, "its matrix is sheared or flat, which glTF forbids")
+        for node, raw in enumerate(ordered):
+            name = unknown_extension(raw)
+            if name is not None:
+                fixed.setdefault(node, f"its extension {name} may hold directions in its axes")
+
+
+def _place(place: list[int], node: int) -> int:
+    return place[node] if node >= 0 else -1

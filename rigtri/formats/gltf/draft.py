@@ -1,0 +1,42 @@
+"""A changed copy of a glTF JSON in which only what is touched is copied."""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import Any
+
+
+class Draft:
+    """The JSON to be written. What `own` has not named is the very object that was read."""
+
+    def __init__(self, gltf: dict[str, Any]) -> None:
+        self.gltf = dict(gltf)
+        self._own: dict[int, Any] = {}
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything was touched."""
+        return bool(self._own)
+
+    def own(self, *path: str | int) -> Any:
+        """The object or list at ``path``, free to be changed; it must be there."""
+        holder: Any = self.gltf
+        for key in path:
+            holder = self._owned(holder, key)
+        return holder
+
+    def need(self, *path: str | int, empty: Any) -> Any:
+        """Like `own`, but where the last step leads nowhere ``empty`` is put there."""
+        holder = self.own(*path[:-1])
+        if path[-1] not in holder:
+            holder[path[-1]] = empty
+            self._own[id(empty)] = empty
+        return self._owned(holder, path[-1])
+
+    def _owned(self, holder: Any, key: str | int) -> Any:
+        child = holder[key]
+        if id(child) not in self._own:
+            child = holder[key] = copy(child)
+            # Kept here, so that no later object can get the same id.
+            self._own[id(child)] = child
+        return child

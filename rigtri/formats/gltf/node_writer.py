@@ -1,0 +1,274 @@
+"""Nodes, scenes and what the VRM family binds to nodes, changed in a draft where a rig differs.
+
+Nodes keep their indices; new ones come behind the last. A property that is not
+written and has not changed stays unwritten.
+
+Source: glTF 2.0 §3.5; GODOT_single_root; docs/design.md.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.rounding import unit_rotations
+from rigtri.formats.gltf.validate import SHOWN_EXTENSIONS
+from rigtri.formats.vrm import mesh_references
+from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
+from rigtri.pose import worlds
+from rigtri.rig import Integers, Rig
+from rigtri.trigonometry import Floats
+
+PARTS = ("translation", "rotation", "scale")
+
+
+class NodeWriter:
+    """Carries the nodes of ``rig`` into a draft of the file that ``source`` was read from."""
+
+    def __init__(self, draft: Draft, source: Rig, rig: Rig) -> None:
+        self._draft, self._source, self._rig = draft, source, rig
+        count = len(source)
+        known = {key: place for place, key in enumerate(source.keys)}
+        # Where each node of the rig was in the source, −1 for a new one.
+        was = [known.get(key, -1) if key is not None else -1 for key in rig.keys]
+        self._was = np.array(was, dtype=np.int64)
+        old = self._was[self._was >= 0]
+        if len(set(old.tolist())) != count:
+            raise ValueError("a rig to be written must have every node of the source once")
+        self.index = self._indices(count)
+        # File index of the node that used to show something → of the one that shows it now.
+        self.moved: dict[int, int] = {}
+
+    def _indices(self, count: int) -> list[int]:
+        """The file index of each node of the rig."""
+        indices, fresh = [], count
+        for key in self._rig.keys:
+            indices.append(key if isinstance(key, int) else fresh)
+            fresh += key is None
+        return indices
+
+    def write(self) -> None:
+        """Put all differences into the draft."""
+        self._add_nodes()
+        self._write_names()
+        self._write_rest()
+        self._write_tree()
+        self._move_payload()
+        self._write_notes()
+        self._write_bound()
+
+    @property
+    def _new(self) -> list[int]:
+        return np.flatnonzero(self._was < 0).tolist()
+
+    def _add_nodes(self) -> None:
+        for node in self._new:
+            self._draft.need("nodes", empty=[]).append({})
+            if self._rig.names[node]:
+                self._node(node)["name"] = self._rig.names[node]
+
+    def _node(self, node: int) -> dict[str, Any]:
+        """The JSON of a node of the rig, free to be changed."""
+        owned: dict[str, Any] = self._draft.own("nodes", self.index[node])
+        return owned
+
+    def _write_names(self) -> None:
+        for node, was in enumerate(self._was.tolist()):
+            if was >= 0 and self._rig.names[node] != self._source.names[was]:
+                self._node(node)["name"] = self._rig.names[node]
+
+    def _write_rest(self) -> None:
+        rig, source = self._rig, self._source
+        old = np.flatnonzero(self._was >= 0)
+        was = self._was[old]
+        changed_kind = rig.has_matrix[old] != source.has_matrix[was]
+        for key, now, then in zip(PARTS, _parts(rig), _parts(source), strict=True):
+            differs = (now[old] != then[was]).any(axis=1) | changed_kind
+            for node in old[differs & ~rig.has_matrix[old]].tolist():
+                self._write_part(node, key, now[node])
+        differs = (rig.matrix[old] != source.matrix[was]).any(axis=(1, 2)) | changed_kind
+        for node in old[differs & rig.has_matrix[old]].tolist():
+            self._write_matrix(node, rig.matrix[node])
+        for node in self._new:
+            self._write_new(node)
+
+    def _write_part(self, node: int, key: str, value: Floats) -> None:
+        holder = self._node(node)
+        holder.pop("matrix", None)
+        holder[key] = _numbers(unit_rotations(value) if key == "rotation" else value)
+
+    def _write_matrix(self, node: int, matrix: Floats) -> None:
+        holder = self._node(node)
+        for key in PARTS:
+            holder.pop(key, None)
+        holder["matrix"] = _numbers(matrix.reshape(16))
+
+    def _write_new(self, node: int) -> None:
+        """The rest pose of a new node, without what is the default."""
+        rig = self._rig
+        if rig.has_matrix[node]:
+            self._write_matrix(node, rig.matrix[node])
+            return
+        defaults = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0])
+        for key, values, default in zip(PARTS, _parts(rig), defaults, strict=True):
+            if (values[node] != default).any():
+                self._write_part(node, key, values[node])
+
+    def _write_tree(self) -> None:
+        """Lists of children and scenes: what stays keeps its order, what comes goes to the end."""
+        above = self._above()
+        for node, was in enumerate(self._was.tolist()):
+            parent, old = int(above[node]), self._old_parent(was)
+            if parent == old and was >= 0:
+                continue
+            index = self.index[node]
+            if was >= 0 and old >= 0:
+                self._leave(("nodes", old, "children"), index)
+            if parent >= 0:
+                self._draft.need("nodes", parent, "children", empty=[]).append(index)
+                self._leave_scenes(index, parent if parent >= len(self._source) else -1)
+        for node in range(len(self._rig)):
+            if above[node] < 0 and (self._was[node] < 0 or self._old_parent(int(self._was[node])) >= 0):
+                self._enter_scene(self.index[node])
+
+    def _old_parent(self, was: int) -> int:
+        """File index of the parent in the source, −1 for a root, −2 for a new node."""
+        if was < 0:
+            return -2
+        parent = int(self._source.parents[was])
+        return int(str(self._source.keys[parent])) if parent >= 0 else -1
+
+    def _above(self) -> Integers:
+        """File index of every node's parent in the file to be written, −1 for roots."""
+        parents = self._rig.parents.tolist()
+        above = np.array([self.index[p] if p >= 0 else -1 for p in parents], dtype=np.int64)
+        root = self._single_root()
+        if root is not None:
+            for node in self._new:
+                if above[node] < 0:
+                    self._put_under(node, root)
+                    above[node] = self.index[root]
+        return above
+
+    def _single_root(self) -> int | None:
+        """The node that GODOT_single_root says all others are under, as a node of the rig."""
+        gltf = self._draft.gltf
+        if "GODOT_single_root" not in gltf.get("extensionsUsed", []) or not gltf.get("nodes"):
+            return None
+        root = self.index.index(0)
+        return root if self._rig.parents[root] < 0 else None
+
+    def _put_under(self, node: int, root: int) -> None:
+        """Let a new root keep its place in the world below another node."""
+        world = worlds(self._rig)
+        local = multiply(world[node], inverse(world[root]))
+        holder = self._node(node)
+        for key in (*PARTS, "matrix"):
+            holder.pop(key, None)
+        if skew(local) > SKEW:
+            self._write_matrix(node, local)
+            return
+        defaults = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0])
+        for key, value, default in zip(PARTS, decompose(local), defaults, strict=True):
+            if (value != default).any():
+                self._write_part(node, key, value)
+
+    def _leave(self, path: tuple[str | int, ...], index: int) -> None:
+        owned = self._draft.own(*path)
+        owned.remove(index)
+        if not owned:
+            # An empty list of children is not allowed.
+            self._draft.own(*path[:-1]).pop(path[-1])
+
+    def _leave_scenes(self, index: int, instead: int) -> None:
+        """A node that got a parent is no root of a scene; a new parent takes its place there."""
+        for number, scene in enumerate(self._draft.gltf.get("scenes", [])):
+            roots = scene.get("nodes", [])
+            if index not in roots:
+                continue
+            owned = self._draft.own("scenes", number, "nodes")
+            if instead >= 0 and instead not in owned:
+                owned[owned.index(index)] = instead
+            else:
+                owned.remove(index)
+
+    def _enter_scene(self, index: int) -> None:
+        """Show a root in the default scene, if it is in none; without scenes nothing is shown anyway."""
+        scenes = self._draft.gltf.get("scenes", [])
+        if not scenes or any(index in scene.get("nodes", []) for scene in scenes):
+            return
+        default = self._draft.gltf.get("scene", 0)
+        self._draft.need("scenes", default, "nodes", empty=[]).append(index)
+
+    def _move_payload(self) -> None:
+        """Hand what a node shows to the node that shows it now, and whatever refers to it."""
+        for node, shown in enumerate(self._rig.payload.tolist()):
+            if shown >= 0 and shown != node:
+                self.moved[self.index[shown]] = self.index[node]
+                self._hand_over(self._node(shown), self._node(node))
+        extensions = self._draft.gltf.get("extensions")
+        for path in mesh_references(extensions) if self.moved and isinstance(extensions, dict) else ():
+            holder = self._draft.own("extensions", *path[:-1])
+            holder["node"] = self.moved.get(holder["node"], holder["node"])
+
+    def _hand_over(self, giver: dict[str, Any], taker: dict[str, Any]) -> None:
+        for key in ("camera", "skin", "mesh", "weights"):
+            if key in giver:
+                taker[key] = giver.pop(key)
+        given = dict(giver.get("extensions", {}))
+        for name in SHOWN_EXTENSIONS:
+            if name in given:
+                taker.setdefault("extensions", {})[name] = given.pop(name)
+        if "extensions" in giver and given != giver["extensions"]:
+            giver["extensions"] = given
+            if not given:
+                giver.pop("extensions")
+
+    def _write_notes(self) -> None:
+        for node, was in enumerate(self._was.tolist()):
+            now = self._rig.notes.get(node)
+            then = self._source.notes.get(was) if was >= 0 else None
+            if now != then:
+                self._write_note(node, dict(now) if now is not None else None)
+
+    def _write_note(self, node: int, note: dict[str, Any] | None) -> None:
+        holder = self._node(node)
+        extras = holder.get("extras", {})
+        if not isinstance(extras, dict):
+            raise FileError(
+                f"{self._rig.title(node)} has extras that are no object, so nothing can be noted there; "
+                "remove them first"
+            )
+        extras = {key: value for key, value in extras.items() if key != "rigtri" or note is not None}
+        if note is not None:
+            extras["rigtri"] = note
+        holder["extras"] = extras
+        if not extras:
+            holder.pop("extras")
+
+    def _write_bound(self) -> None:
+        before = {bound.key: bound.vector for bound in self._source.bound}
+        for bound in self._rig.bound:
+            if isinstance(bound.key, tuple) and (bound.vector != before[bound.key]).any():
+                self._draft.own(*bound.key[:-1])[bound.key[-1]] = _numbers(bound.vector)
+
+    def repair(self, repaired: set[int]) -> None:
+        """Give nodes that contradicted themselves the TRS that was understood, and nothing else.
+
+        repaired: file indices, as in `rigtri.formats.gltf.nodes.Rest`.
+        """
+        for node, index in enumerate(self.index):
+            if index in repaired:
+                for key, values in zip(PARTS, _parts(self._rig), strict=True):
+                    self._write_part(node, key, values[node])
+
+
+def _parts(rig: Rig) -> tuple[Floats, Floats, Floats]:
+    return rig.translation, rig.rotation, rig.scale
+
+
+def _numbers(values: Floats) -> list[float]:
+    return [float(value) for value in values]

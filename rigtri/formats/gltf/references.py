@@ -1,0 +1,79 @@
+"""Who uses what: accessors and buffer views of a glTF file, whoever refers to them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+
+def used_accessors(gltf: dict[str, Any]) -> Counter[int]:
+    """How many references there are to each accessor, those of extensions included."""
+    users: Counter[int] = Counter()
+    for skin in gltf.get("skins", []):
+        users[skin.get("inverseBindMatrices", -1)] += 1
+    for animation in gltf.get("animations", []):
+        for sampler in animation.get("samplers", []):
+            if isinstance(sampler, dict):
+                users.update(k for k in (sampler.get("input"), sampler.get("output")) if type(k) is int)
+    for key, value in gltf.items():
+        if key not in ("skins", "animations", "accessors", "bufferViews", "buffers"):
+            users.update(_named(value, "accessor"))
+    return users
+
+
+def used_views(gltf: dict[str, Any]) -> set[int]:
+    """Buffer views that anything but the bytes of an accessor refers to, or that nobody names at all."""
+    others: set[int] = set()
+    of_accessors: set[Any] = set()
+    for accessor in gltf.get("accessors", []):
+        of_accessors.add(accessor.get("bufferView"))
+        for part in ("sparse", "extensions"):
+            if part in accessor:
+                others.update(_named(accessor[part], "bufferView"))
+    for key, value in gltf.items():
+        if key not in ("accessors", "bufferViews", "buffers", "animations"):
+            others.update(_named(value, "bufferView"))
+    unnamed = set(range(len(gltf.get("bufferViews", [])))) - of_accessors
+    return others | unnamed
+
+
+def compressed_spans(gltf: dict[str, Any]) -> Iterator[tuple[int, int, int]]:
+    """Buffer, start and end of bytes that extensions of buffer views refer to, past any view."""
+    for view in gltf.get("bufferViews", []):
+        extensions = view.get("extensions")
+        for extension in extensions.values() if isinstance(extensions, dict) else ():
+            if isinstance(extension, dict):
+                buffer, start, length = (
+                    extension.get(key, 0) for key in ("buffer", "byteOffset", "byteLength")
+                )
+                if type(buffer) is type(start) is type(length) is int:
+                    yield buffer, start, start + length
+
+
+def _named(value: Any, kind: str) -> Iterator[int]:
+    """Every index below ``value`` that its key says is one of ``kind``."""
+    if isinstance(value, dict):
+        for key, below in value.items():
+            if type(below) is int:
+                if _refers(key, kind):
+                    yield below
+            elif isinstance(below, list) and below and type(below[0]) is int:
+                yield from below if _refers(key, kind) else ()
+            elif kind == "accessor" and key == "attributes" and isinstance(below, dict):
+                yield from (k for k in below.values() if type(k) is int)
+            elif kind == "accessor" and key == "targets" and isinstance(below, list):
+                for target in below:
+                    numbers = target.values() if isinstance(target, dict) else ()
+                    yield from (k for k in numbers if type(k) is int)
+            else:
+                yield from _named(below, kind)
+    elif isinstance(value, list):
+        for item in value:
+            if isinstance(item, dict | list):
+                yield from _named(item, kind)
+
+
+def _refers(key: str, kind: str) -> bool:
+    # 'bufferView', 'timesAccessor', 'accessors' ... and the one name the specification gives on its own.
+    return kind.lower() in key.lower() or (kind == "accessor" and key in ("indices", "input", "output"))

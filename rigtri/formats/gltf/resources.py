@@ -1,0 +1,75 @@
+"""The files that a glTF refers to, when it moves to another folder.
+
+Source: glTF 2.0 §2.8; docs/design.md.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+from rigtri.errors import FileError
+from rigtri.formats import Companion
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.uris import escape, file_of, is_file
+from rigtri.formats.vrm import Pointer
+
+
+def uris(gltf: dict[str, Any]) -> Iterator[tuple[Pointer, str]]:
+    """Every URI of a file, buffers, images and extensions, with its place in the JSON."""
+    for key in ("buffers", "images", "extensions"):
+        yield from _below(gltf.get(key), (key,))
+
+
+def _below(value: Any, path: Pointer) -> Iterator[tuple[Pointer, str]]:
+    if isinstance(value, dict):
+        for key, child in value.items():
+            if key == "uri" and isinstance(child, str):
+                yield (*path, key), child
+            elif key != "extras":
+                yield from _below(child, (*path, key))
+    elif isinstance(value, list):
+        for number, child in enumerate(value):
+            if isinstance(child, dict | list):
+                yield from _below(child, (*path, number))
+
+
+def accompany(gltf: dict[str, Any], source: Path, target: Path) -> list[Companion]:
+    """Copies of the files that lie below the source's folder, for the target's folder.
+
+    What is missing already stays missing. FileError for one that lies elsewhere:
+    its copy would, too.
+    """
+    found: dict[str, Companion] = {}
+    for path, uri in uris(gltf):
+        if not is_file(uri) or not uri:
+            continue
+        where = f"{source}: {_spelled(path)}"
+        file = file_of(uri, source.parent, where, allow_external=True)
+        if not file.is_file() or Path(unquote(uri)).is_absolute():
+            continue
+        file_of(uri, source.parent, f"{where} cannot be copied along (--resources relink can)")
+        name = Path(os.path.normpath(unquote(uri))).as_posix()
+        if (target.parent / name).resolve() != file.resolve():
+            found.setdefault(name, Companion(name, file))
+    return list(found.values())
+
+
+def relink(draft: Draft, source: Path, target: Path) -> None:
+    """Point every relative URI at its old file, as seen from the target's folder."""
+    for path, uri in list(uris(draft.gltf)):
+        if not is_file(uri) or not uri or Path(unquote(uri)).is_absolute():
+            continue
+        file = source.parent.resolve() / unquote(uri)
+        try:
+            relative = os.path.relpath(file, target.parent.resolve())
+        except ValueError:
+            raise FileError(f"{source}: {_spelled(path)}: '{uri}' would be on another drive") from None
+        draft.own(*path[:-1])["uri"] = escape(Path(relative).as_posix())
+
+
+def _spelled(path: Pointer) -> str:
+    return ".".join(map(str, path))

@@ -1,0 +1,100 @@
+"""How a JSON text is spelled: parsing it strictly, and writing a changed one the same way."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+_SURROGATE = re.compile("[\ud800-\udfff]")
+_NUMBER = r"-?\d[\d.eE+-]*"
+_INLINE = re.compile(rf"\[([ \t]*){_NUMBER}(,[ \t]*){_NUMBER}(?:,[ \t]*{_NUMBER})*[ \t]*\]")
+# A raw newline cannot stand in a JSON string, so this never reaches into one.
+_SPREAD = re.compile(rf"\[\n\s*({_NUMBER}(?:,\n\s*{_NUMBER})*)\n\s*\]")
+# Where to look for habits; a file has them from the start.
+_SAMPLE = 100_000
+
+
+def parse(text: str, *, lenient: bool = False) -> Any:
+    """The value of a JSON text. ValueError, with the place, for what JSON does not allow.
+
+    NaN and Infinity are refused, and an object with one key twice, of which only
+    one could be kept; ``lenient`` takes the last one. RecursionError when nested too deep.
+    """
+    hook = None if lenient else _once
+    return json.loads(text, object_pairs_hook=hook, parse_constant=_no_constant)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) != len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"an object has the key '{twice}' twice")
+    return found
+
+
+def _no_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no JSON number")
+
+
+@dataclass(frozen=True)
+class Spelling:
+    """Habits of a JSON text.
+
+    indent: None for a text on one line. colon, comma: with the spaces around them.
+    inline: what follows ``[`` and each comma in a list of numbers that stands on
+    one line of an indented text, None where each number has its own.
+    """
+
+    indent: str | None = None
+    colon: str = ":"
+    comma: str = ","
+    newline: str = "\n"
+    end: str = ""
+    ascii: bool = True
+    inline: tuple[str, str] | None = None
+
+    @staticmethod
+    def of(text: str) -> Spelling:
+        """The habits of ``text``, which is valid JSON."""
+        sample = text[:_SAMPLE]
+        opening = re.match(r"\s*\{(\s*)\"", sample)
+        space = opening[1] if opening else ""
+        indent = space.rpartition("\n")[2] if "\n" in space else None
+        colon = re.search(r'"([ \t]*:[ \t]*)', sample)
+        comma = re.search(r'["\d\]}](,[ \t]*)["\[{\d-]', sample)
+        numbers = _INLINE.search(sample) if indent is not None else None
+        return Spelling(
+            indent=indent,
+            colon=colon[1] if colon else ":",
+            comma=comma[1] if comma and indent is None else ",",
+            newline="\r\n" if "\r\n" in space else "\n",
+            end=text[len(text.rstrip()) :],
+            ascii=text.isascii(),
+            inline=(numbers[1], numbers[2]) if numbers else None,
+        )
+
+    def spell(self, value: Any) -> bytes:
+        """``value`` as UTF-8. ValueError for a number that JSON cannot hold."""
+        text = json.dumps(
+            value,
+            indent=self.indent,
+            separators=(self.comma, self.colon),
+            ensure_ascii=self.ascii,
+            allow_nan=False,
+        )
+        if self.inline is not None:
+            text = _SPREAD.sub(self._on_one_line, text)
+        if self.newline != "\n":
+            text = text.replace("\n", self.newline)
+        if not self.ascii:
+            # Half of a surrogate pair has no UTF-8; as an escape it stays what it was.
+            text = _SURROGATE.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
+        return (text + self.end).encode()
+
+    def _on_one_line(self, spread: re.Match[str]) -> str:
+        padding, comma = self.inline or ("", ",")
+        numbers = [number.strip() for number in spread[1].split(",")]
+        return f"[{padding}{comma.join(numbers)}{padding}]"

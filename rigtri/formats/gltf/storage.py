@@ -1,0 +1,255 @@
+"""Where changed numbers go: over the old ones where nobody else uses those, else behind the end.
+
+Source: glTF 2.0 §3.6 (buffers, views, accessors), §4.4.3 (the BIN chunk).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats import Companion
+from rigtri.formats.gltf.accessors import FLOAT, Accessors, Layout
+from rigtri.formats.gltf.container import Container, Piece
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
+from rigtri.formats.gltf.rounding import Singles
+from rigtri.formats.gltf.uris import encode_data, escape, is_data
+
+# A view holds one kind only: validators call anything else an override.
+Role = Literal["inverse bind matrices", "animation"]
+OWN_NAME = "rigtri"
+
+
+@dataclass
+class _Tail:
+    """New bytes of one role and the view that will hold them."""
+
+    view: int
+    content: bytearray = field(default_factory=bytearray)
+
+
+class Storage:
+    """Takes new numbers for accessors and says in the end what becomes of the buffers."""
+
+    def __init__(self, draft: Draft, accessors: Accessors, container: Container) -> None:
+        self._draft, self._accessors, self._container = draft, accessors, container
+        self._buffers = accessors.buffers
+        self._gltf = container.gltf
+        self._patches: dict[int, list[tuple[int, Singles]]] = {}
+        self._tails: dict[Role, _Tail] = {}
+        self._added: dict[tuple[Any, ...], int] = {}
+        self._free: set[int] | None = None
+        self._users: Counter[int] | None = None
+
+    @property
+    def users(self) -> Counter[int]:
+        """How many things of the file use each accessor."""
+        if self._users is None:
+            self._users = used_accessors(self._gltf)
+        return self._users
+
+    def owns(self, accessor: int) -> bool:
+        """Whether the bytes of an accessor may be written over: plain, ours to change, nobody else's."""
+        if self._free is None:
+            self._free = _free_accessors(self._gltf, self._accessors)
+        return accessor in self._free
+
+    def replace(self, accessor: int, rows: Singles) -> None:
+        """Write ``rows`` over the bytes of an accessor that `owns` allows, in their old layout."""
+        layout = self._accessors.layout(accessor)
+        self._patches.setdefault(layout.buffer, []).append((layout.start, _finite(self._container, rows)))
+        raw = self._gltf["accessors"][accessor]
+        if "min" in raw or "max" in raw:
+            _set_bounds(self._draft.own("accessors", accessor), rows)
+
+    def add(
+        self, rows: Singles, kind: str, role: Role, like: int | None = None, *, bounds: bool = False
+    ) -> int:
+        """A new accessor, or the one that already got the same rows. like: whose name and bounds it takes."""
+        source = self._gltf["accessors"][like] if like is not None else {}
+        bounds = bounds or "min" in source or "max" in source
+        content = _finite(self._container, rows).tobytes()
+        key = (role, kind, content, bounds)
+        if key not in self._added:
+            self._added[key] = self._append(content, rows, kind, role, source, bounds)
+        return self._added[key]
+
+    def _append(
+        self, content: bytes, rows: Singles, kind: str, role: Role, source: dict[str, Any], bounds: bool
+    ) -> int:
+        if role not in self._tails:
+            views = self._draft.need("bufferViews", empty=[])
+            self._tails[role] = _Tail(len(views))
+            views.append({})
+        tail = self._tails[role]
+        accessor: dict[str, Any] = {key: source[key] for key in ("name", "extras") if key in source}
+        accessor |= {
+            "bufferView": tail.view,
+            "byteOffset": len(tail.content),
+            "componentType": FLOAT,
+            "count": len(rows),
+            "type": kind,
+        }
+        if bounds:
+            accessor |= {"min": [], "max": []}
+            _set_bounds(accessor, rows)
+        tail.content += content
+        accessors = self._draft.need("accessors", empty=[])
+        accessors.append(accessor)
+        return len(accessors) - 1
+
+    def finish(self, stem: str) -> tuple[list[Piece] | None, list[Companion]]:
+        """Settle the buffers: the pieces of a changed BIN chunk, and files to put beside the output.
+
+        stem: of the output's name, for a buffer file of ours.
+        """
+        tail = b""
+        for role in sorted(self._tails):
+            view = self._draft.own("bufferViews", self._tails[role].view)
+            # Filled in below, when the buffer is known; all tails are multiples of 4 long.
+            view |= {"buffer": 0, "byteOffset": len(tail), "byteLength": len(self._tails[role].content)}
+            tail += bytes(self._tails[role].content)
+        home = self._home() if tail else -1
+        binary, companions = None, []
+        for index in sorted({*self._patches, *([home] if tail else [])}):
+            more = tail if index == home else b""
+            place = self._place(index)
+            if place == "bin":
+                binary = self._binary(index, more)
+            else:
+                companions += self._rewrite(index, more, stem, place)
+        return binary, companions
+
+    def _place(self, index: int) -> str:
+        if index < len(self._buffers):
+            return self._buffers.place(index)
+        return str(self._draft.gltf["buffers"][index].get("uri", "bin"))
+
+    def _home(self) -> int:
+        """The buffer that takes new data: one of ours if there is one, else a new one."""
+        places = [self._buffers.place(k) for k in range(len(self._buffers))]
+        names = [self._buffers.raw(k).get("name") for k in range(len(places))]
+        if "bin" in places:
+            return 0
+        for index, place in enumerate(places):
+            if place == "own" or (place == "data" and names[index] == OWN_NAME):
+                return index
+        buffers = self._draft.need("buffers", empty=[])
+        if self._container.is_glb and not places and self._container.binary is None:
+            buffers.append({"byteLength": 0})
+        else:
+            beside = not self._container.is_glb and "file" in places
+            buffers.append({"name": OWN_NAME, "byteLength": 0, "uri": "own" if beside else "data"})
+        return len(buffers) - 1
+
+    def _settle(self, home: int, base: int) -> None:
+        for tail in self._tails.values():
+            view = self._draft.own("bufferViews", tail.view)
+            view |= {"buffer": home, "byteOffset": base + view["byteOffset"]}
+
+    def _binary(self, index: int, tail: bytes) -> list[Piece]:
+        """The BIN chunk as ranges of the source with the changed parts between them."""
+        old = self._container.binary if self._container.binary is not None else memoryview(b"")
+        pieces: list[Piece] = []
+        at = 0
+        for start, rows in sorted(self._patches.get(index, []), key=lambda patch: patch[0]):
+            if start > at:
+                pieces.append(old[at:start])
+            pieces.append(rows.data.cast("B"))
+            at = start + rows.nbytes
+        pieces.append(old[at:])
+        if tail:
+            padding = -len(old) % 4
+            self._settle(index, len(old) + padding)
+            pieces += [b"\0" * padding, tail]
+            self._draft.own("buffers", index)["byteLength"] = len(old) + padding + len(tail)
+        return pieces
+
+    def _rewrite(self, index: int, tail: bytes, stem: str, place: str) -> list[Companion]:
+        """A buffer in a URI or in a file of ours, with its changes."""
+        content = bytearray(self._buffers.content(index) if index < len(self._buffers) else b"")
+        for start, rows in self._patches.get(index, []):
+            content[start : start + rows.nbytes] = rows.data.cast("B")
+        if tail:
+            content += b"\0" * (-len(content) % 4)
+            self._settle(index, len(content))
+            content += tail
+        buffer = self._draft.own("buffers", index)
+        buffer["byteLength"] = len(content)
+        if place == "data":
+            old = buffer["uri"]
+            head = old.partition(",")[0] if is_data(old) else "data:application/octet-stream;base64"
+            buffer["uri"] = encode_data(content, head)
+            return []
+        name = f"{stem}.rigtri-{hashlib.sha256(content).hexdigest()[:8]}.bin"
+        buffer["uri"] = escape(name)
+        return [Companion(name, bytes(content))]
+
+
+def _finite(container: Container, rows: Singles) -> Singles:
+    if not np.isfinite(rows).all():
+        raise FileError(
+            f"{container.path}: a result is too large for the 32-bit numbers of glTF; scale the file down"
+        )
+    return rows
+
+
+def _set_bounds(accessor: dict[str, Any], rows: Singles) -> None:
+    for key, bound in (("min", rows.min(axis=0)), ("max", rows.max(axis=0))):
+        if key in accessor:
+            accessor[key] = [float(number) for number in bound]
+
+
+def _free_accessors(gltf: dict[str, Any], accessors: Accessors) -> set[int]:
+    """Accessors of plain float32 whose bytes lie where we may write and overlap nothing else."""
+    raw, views = gltf.get("accessors", []), gltf.get("bufferViews", [])
+    shared = used_views(gltf)
+    spans: list[tuple[int, int, int, int]] = []
+    for index in range(len(raw)):
+        try:
+            layout = accessors.layout(index)
+        except FileError:
+            # Nobody knows where the bytes of a broken or compressed accessor lie: its whole view is taken.
+            shared.update(used_views({"images": [raw[index]]}))
+            continue
+        if layout.buffer >= 0:
+            free = _changeable(layout, raw[index], views, accessors)
+            spans.append((layout.buffer, layout.start, layout.end, index if free else -1))
+    for view in shared:
+        try:
+            buffer, start, end = accessors.span(view)
+        except FileError:
+            continue  # it leads nowhere
+        spans.append((buffer, start, end, -1))
+    spans += [(*span, -1) for span in compressed_spans(gltf)]
+    return _alone(spans)
+
+
+def _changeable(layout: Layout, raw: dict[str, Any], views: list[Any], accessors: Accessors) -> bool:
+    if not layout.plain or "extensions" in raw or "extensions" in views[layout.view]:
+        return False
+    return accessors.buffers.place(layout.buffer) in ("bin", "data", "own")
+
+
+def _alone(spans: list[tuple[int, int, int, int]]) -> set[int]:
+    """The last numbers of spans (buffer, start, end, index) that overlap no other; −1 is nobody."""
+    alone: set[int] = set()
+    buffer, reach, last = -1, 0, -1
+    for span in sorted(spans):
+        if span[0] != buffer:
+            buffer, reach, last = span[0], 0, -1
+        if span[1] < reach:
+            alone.discard(last)
+        else:
+            alone.add(span[3])
+        # Whoever reaches furthest is the one that a later span would touch first.
+        if span[2] > reach:
+            reach, last = span[2], span[3]
+    alone.discard(-1)
+    return alone

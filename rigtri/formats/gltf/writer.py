@@ -1,0 +1,60 @@
+"""From a changed rig to a file: only what differs is written, all else is copied."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rigtri.errors import FileError
+from rigtri.formats import Companion
+from rigtri.formats.gltf.clip_writer import ClipWriter
+from rigtri.formats.gltf.container import Piece
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.node_writer import NodeWriter
+from rigtri.formats.gltf.resources import accompany, relink
+from rigtri.formats.gltf.storage import Storage
+from rigtri.rig import Rig
+
+if TYPE_CHECKING:
+    from rigtri.formats.gltf.document import GltfDocument
+
+# Large enough that thousands of small changed ranges cost few system calls.
+BUFFERING = 1 << 20
+
+
+def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
+    """Write ``document`` with ``rig`` to ``part``; the files that must lie beside ``target``."""
+    container = document.container
+    draft = Draft(container.gltf)
+    storage = Storage(draft, document.accessors, container)
+    moves = target.parent.resolve() != container.path.parent.resolve()
+    if moves and document.options.relink:
+        relink(draft, container.path, target)
+    if rig is not document.rig:
+        nodes = NodeWriter(draft, document.rig, rig)
+        clips = ClipWriter(
+            draft, storage, document.accessors, document.rig, rig, nodes.index, nodes.moved
+        )
+        nodes.write()
+        clips.write()
+    binary, companions = storage.finish(target.stem)
+    if rig is not document.rig and (draft.changed or binary is not None):
+        nodes.repair(document.rest.repaired)
+    if not draft.changed and binary is None:
+        _write(part, [container.source])
+    else:
+        _write(part, container.pieces(draft.gltf, binary))
+    if moves and not document.options.relink:
+        new = {companion.name for companion in companions}
+        copies = accompany(draft.gltf, container.path, target)
+        companions += [copy for copy in copies if copy.name not in new]
+    return companions
+
+
+def _write(part: Path, pieces: Iterable[Piece]) -> None:
+    try:
+        with part.open("wb", buffering=BUFFERING) as file:
+            file.writelines(pieces)
+    except OSError as error:
+        raise FileError(f"{part}: cannot be written: {error.strerror or error}") from None

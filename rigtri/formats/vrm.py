@@ -1,0 +1,207 @@
+"""What VRM, VRMA and node constraints bind to the axes of nodes.
+
+Node numbers here are indices of the file. Vectors that an extension keeps in
+the frame of a node turn with it, as frames keep their origin: offsets turn like
+directions.
+
+Source: VRM 0.0 README; VRMC_vrm 1.0 (humanoid, lookAt, tpose);
+VRMC_springBone 1.0; VRMC_springBone_extended_collider 1.0;
+VRMC_node_constraint 1.0; VRMC_vrm_animation 1.0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from rigtri.formats.gltf.values import Value
+
+VRM_0 = "VRM 0.x forbids rest rotations; convert to VRM 1.0"
+EXTENDED = "VRMC_springBone_extended_collider"
+CONSTRAINT = "VRMC_node_constraint"
+Pointer = tuple[str | int, ...]
+
+
+@dataclass
+class Bindings:
+    """humanoid: bone → node. fixed: node → reason. bound: node, vector and where it stands in the JSON."""
+
+    humanoid: dict[str, int] = field(default_factory=dict)
+    fixed: dict[int, str] = field(default_factory=dict)
+    bound: list[tuple[int, list[float], Pointer]] = field(default_factory=list)
+    facing: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def fix(self, node: int, reason: str) -> None:
+        """Freeze a node; the first reason stays. −1, the parent of a root, is nothing to freeze."""
+        if node >= 0:
+            self.fixed.setdefault(node, reason)
+
+
+def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
+    """Everything the VRM family binds to nodes. above: the parent of each node. FileError if broken."""
+    found, extensions = Bindings(), gltf.get("extensions")
+    if extensions is not None:
+        for name, read in (
+            ("VRM", _vrm_0),
+            ("VRMC_vrm", _vrm_1),
+            ("VRMC_springBone", _spring_bones),
+            ("VRMC_vrm_animation", _animation),
+        ):
+            extension = extensions.get(name)
+            if extension is not None:
+                read(extension, above, found)
+    for node, item in enumerate(gltf.each("nodes")):
+        if "extensions" in item.object():
+            constraint = item.need("extensions").get(CONSTRAINT)
+            if constraint is not None:
+                _constrain(constraint, node, above, found)
+    return found
+
+
+def _vrm_0(vrm: Value, above: Sequence[int], found: Bindings) -> None:
+    found.facing = (0.0, 0.0, -1.0)
+    count = len(above)
+    humanoid = vrm.get("humanoid")
+    for bone in humanoid.each("humanBones") if humanoid else ():
+        # −1 is how VRM 0 says that a bone is missing.
+        if bone.object().get("node", -1) != -1:
+            found.humanoid[bone.need("bone").text()] = bone.need("node").index(count, "node")
+    nodes = set(found.humanoid.values())
+    person = vrm.get("firstPerson")
+    if person is not None and person.object().get("firstPersonBone", -1) != -1:
+        nodes.add(person.need("firstPersonBone").index(count, "node"))
+    secondary = vrm.get("secondaryAnimation")
+    if secondary is not None:
+        nodes.update(_swinging(secondary, above))
+    for node in sorted(nodes):
+        found.fix(node, VRM_0)
+    for node in sorted(nodes):
+        # A turned parent would leave the opposite turn in the rest rotation below.
+        found.fix(above[node], VRM_0)
+
+
+def _swinging(secondary: Value, above: Sequence[int]) -> Iterator[int]:
+    """Nodes of springs, with all below them, and of colliders."""
+    for group in secondary.each("colliderGroups"):
+        yield group.need("node").index(len(above), "node")
+    roots = {
+        bone.index(len(above), "node")
+        for group in secondary.each("boneGroups")
+        for bone in group.each("bones")
+    }
+    for node in range(len(above)):
+        top = node
+        while top >= 0 and top not in roots:
+            top = above[top]
+        if top >= 0:
+            yield node
+
+
+def _human_bones(extension: Value, count: int, found: Bindings) -> None:
+    humanoid = extension.get("humanoid")
+    bones = humanoid.get("humanBones") if humanoid else None
+    for name, bone in bones.members() if bones else ():
+        found.humanoid[name] = bone.need("node").index(count, "node")
+
+
+def _vrm_1(vrm: Value, above: Sequence[int], found: Bindings) -> None:
+    _human_bones(vrm, len(above), found)
+    _look_at(vrm, "VRMC_vrm", found)
+
+
+def _look_at(extension: Value, name: str, found: Bindings) -> None:
+    look, head = extension.get("lookAt"), found.humanoid.get("head")
+    if look is not None and head is not None:
+        _bind(look, "offsetFromHeadBone", head, ("extensions", name, "lookAt"), found)
+
+
+def _bind(
+    holder: Value, key: str, node: int, pointer: Pointer, found: Bindings, default: tuple[float, ...] = ()
+) -> None:
+    item = holder.get(key)
+    if item is not None:
+        found.bound.append((node, item.numbers(3), (*pointer, key)))
+    elif default:
+        found.bound.append((node, list(default), (*pointer, key)))
+
+
+def _spring_bones(springs: Value, above: Sequence[int], found: Bindings) -> None:
+    for number, collider in enumerate(springs.each("colliders")):
+        node = collider.need("node").index(len(above), "node")
+        pointer: Pointer = ("extensions", "VRMC_springBone", "colliders", number)
+        _shape(collider, node, pointer, found)
+        extensions = collider.get("extensions")
+        extended = extensions.get(EXTENDED) if extensions else None
+        if extended is not None:
+            _shape(extended, node, (*pointer, "extensions", EXTENDED), found)
+
+
+def _shape(holder: Value, node: int, pointer: Pointer, found: Bindings) -> None:
+    shape = holder.get("shape")
+    for kind, keys in (("sphere", ["offset"]), ("capsule", ["offset", "tail"]), ("plane", ["offset"])):
+        form = shape.get(kind) if shape else None
+        if form is None:
+            continue
+        for key in keys:
+            _bind(form, key, node, (*pointer, "shape", kind), found)
+        if kind == "plane":
+            # Unlike an offset, a normal that is not written is not zero.
+            _bind(form, "normal", node, (*pointer, "shape", kind), found, (0.0, 0.0, 1.0))
+
+
+def _animation(extension: Value, above: Sequence[int], found: Bindings) -> None:
+    _human_bones(extension, len(above), found)
+    _look_at(extension, "VRMC_vrm_animation", found)
+    data: dict[int, str] = {}
+    look, expressions = extension.get("lookAt"), extension.get("expressions")
+    if look is not None and "node" in look.object():
+        data[look.need("node").index(len(above), "node")] = "its rotation is where the character looks (VRMA)"
+    for kind in ("preset", "custom"):
+        group = expressions.get(kind) if expressions else None
+        for name, item in group.members() if group else ():
+            node = item.need("node").index(len(above), "node")
+            data[node] = f"its translation is the weight of the expression '{name}' (VRMA)"
+    for node, reason in data.items():
+        found.fix(node, reason)
+    for node in data:
+        found.fix(above[node], "a node below it holds VRMA data in its own axes")
+
+
+def _constrain(extension: Value, node: int, above: Sequence[int], found: Bindings) -> None:
+    """Freeze what a node constraint compares axes of.
+
+    rotation: exact while source and destination turn alike. roll: while their parents
+    do and the axis stays one of the six. aim: while the destination keeps its axes.
+    """
+    constraint = extension.need("constraint")
+    for kind, item in constraint.members():
+        if kind not in ("roll", "aim", "rotation"):
+            continue
+        source = item.need("source").index(len(above), "node")
+        found.fix(node, f"a {kind} constraint drives it")
+        if kind == "rotation":
+            found.fix(source, "a rotation constraint copies its rotation")
+        if kind == "roll" and above[node] != above[source]:
+            found.fix(above[node], "a node below it has a roll constraint")
+            found.fix(above[source], "a node below it is the source of a roll constraint")
+
+
+def mesh_references(extensions: Mapping[str, Any]) -> Iterator[Pointer]:
+    """Where VRM 1.0 refers to the node that shows a mesh: expressions and first-person annotations."""
+    vrm = extensions.get("VRMC_vrm")
+    vrm = vrm if isinstance(vrm, dict) else {}
+    expressions, person = vrm.get("expressions"), vrm.get("firstPerson")
+    for kind in ("preset", "custom"):
+        group = expressions.get(kind) if isinstance(expressions, dict) else None
+        for name, item in group.items() if isinstance(group, dict) else ():
+            path: Pointer = ("VRMC_vrm", "expressions", kind, name, "morphTargetBinds")
+            yield from _entries(item, path)
+    yield from _entries(person, ("VRMC_vrm", "firstPerson", "meshAnnotations"))
+
+
+def _entries(holder: Any, path: Pointer) -> Iterator[Pointer]:
+    entries = holder.get(path[-1]) if isinstance(holder, dict) else None
+    for number, entry in enumerate(entries if isinstance(entries, list) else ()):
+        if isinstance(entry, dict) and "node" in entry:
+            yield (*path, number, "node")
