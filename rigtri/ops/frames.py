@@ -8,9 +8,9 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError
-from rigtri.matrices import transform_directions
+from rigtri.matrices import determinant, orthonormal_axes, transform_directions
 from rigtri.naming import side, twin
-from rigtri.quaternions import conjugate, from_axes, norm, rotate, to_axes, turn_angle, unit
+from rigtri.quaternions import conjugate, from_axes, multiply, norm, rotate, to_axes, turn_angle, unit
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
@@ -48,16 +48,38 @@ def like_turns(
     if not pairs:
         raise GeometryError("--like: no joint of the two files has the same name")
     common = _common_rotation(tree, ref, theirs, pairs)
+    ours, other_turns = _rotations(tree, ref), _rotations(other, theirs)
     turns: dict[int, Floats] = {}
     missing = [tree.rig.title(joint) for joint in joints if joint not in pairs]
     for joint in joints:
-        if joint in pairs:
+        if joint not in pairs:
+            continue
+        if ours is not None and other_turns is not None:
+            wanted = multiply(common, other_turns[pairs[joint]])
+            turns[joint] = unit(multiply(conjugate(ours[joint]), wanted))
+        else:
             axes = rotate(common, normalise(theirs.world[pairs[joint], :3, :3]))
             turns[joint] = turn_onto(axes, ref, joint)
     if missing:
         shown = ", ".join(missing[:10]) + (" …" if len(missing) > 10 else "")
         report.warn("like-unmatched", f"{len(missing)} joints have no namesake: kept: {shown}")
     return turns
+
+
+def _rotations(tree: Skeleton, ref: Reference) -> Floats | None:
+    """World rotations, (n, 4), of the rest pose with scale left out; None where that is not the pose.
+
+    Turns go through these without loss, however a file's scales are rounded.
+    """
+    rig = tree.rig
+    if ref.rounding or (rig.scale < 0).any() or (determinant(rig.matrix) < 0).any():
+        return None
+    of_matrix = from_axes(orthonormal_axes(rig.matrix))
+    local = np.where(rig.has_matrix[:, np.newaxis], of_matrix, unit(rig.rotation))
+    world = local.copy()
+    for level in rig.levels[1:]:
+        world[level] = multiply(world[rig.parents[level]], local[level])
+    return world
 
 
 def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]) -> dict[int, int]:
@@ -116,10 +138,11 @@ def _common_rotation(tree: Skeleton, ref: Reference, theirs: Reference, pairs: M
 def _eigen(symmetric: Floats) -> tuple[Floats, Floats]:
     """Eigenvalues and eigenvectors (columns) of a small symmetric matrix by Jacobi rotations."""
     a, v = symmetric.copy(), np.eye(len(symmetric))
+    size = float(np.abs(a).max())
     for _ in range(30):
         for p in range(len(a)):
             for q in range(p + 1, len(a)):
-                if abs(a[p, q]) <= 1e-300:
+                if abs(a[p, q]) <= 1e-18 * size:
                     continue
                 theta = (a[q, q] - a[p, p]) / (2.0 * a[p, q])
                 t = (1.0 if theta >= 0 else -1.0) / (abs(theta) + np.sqrt(theta * theta + 1.0))

@@ -27,13 +27,15 @@ from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
 from rigtri.triangle import DEGENERATE_SINE, axis_of, frame
 from rigtri.trigonometry import Floats
-from rigtri.vectors import angle, cross, normalise
+from rigtri.vectors import angle, cross, length, normalise
 
 # A joint that would turn by less than this (radians) is left bit-exact: float32 storage
 # re-derives frames with up to this much noise (docs/exactness.md).
 UNCHANGED = 2e-6
 # … plus this over |sin bend| about the aim axis, where up comes from a plane.
 UNCHANGED_PLANE = 2e-7
+# Axes copied from a file (--like) hold no positions: only the rounding of rotations.
+UNCHANGED_LIKE = 5e-7
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,8 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
         turns[joint] = turn
     axis = {joint: axis_of(work.style(joint).aim)[0] for joint in wanted}
     turns = allowed_turns(rig, turns, options.on_nonuniform_scale, axis, report)
+    for joint in wanted if options.frames is None else ():
+        turns[joint] = work.quiet(joint, turns[joint])  # what the snap left over is noise too
     work.record(turns)
     return _noted(reframe(rig, turns), work)
 
@@ -159,7 +163,7 @@ class _Work:
                 plane=options.plane,
                 report=self.report,
             )
-        return {joint: self._quiet(joint, turn) for joint, turn in turns.items()}
+        return {joint: self.quiet(joint, turn) for joint, turn in turns.items()}
 
     def _finished(self, joint: int, turn: Floats) -> Floats:
         """``--snap`` and ``--offset``: after everything else."""
@@ -170,8 +174,10 @@ class _Work:
                 turn = multiply(turn, from_axis_angle(axis, angle_ * (np.pi / 180.0)))
         return turn
 
-    def _quiet(self, joint: int, turn: Floats) -> Floats:
+    def quiet(self, joint: int, turn: Floats) -> Floats:
         """Exactly the identity for a turn that is no more than the noise of storage."""
+        if self.options.like is not None:
+            return IDENTITY if float(turn_angle(turn)) <= UNCHANGED_LIKE else turn
         limit = UNCHANGED + self.noise.get(joint, 0.0)
         bone = self.aims[joint].length if joint in self.aims else 0.0
         limit += min(self.ref.rounding * self.ref.extent / max(bone, 1e-3 * self.ref.extent, 1e-30), 1e-3)
@@ -214,8 +220,11 @@ class _Work:
         bone = normalise(transform_directions(aim.direction, ref.world[joint]))
         up = self._up(joint, bone, hinges, turns)
         self.ups[joint] = up
+        # A direction near the bone tells the roll badly: its noise grows with 1/sine.
+        spread = float(length(cross(normalise(up.vector), bone)))
+        self.noise[joint] = UNCHANGED / max(spread, DEGENERATE_SINE) - UNCHANGED
         if up.step >= 2:
-            self.noise[joint] = UNCHANGED_PLANE / max(up.sine, DEGENERATE_SINE)
+            self.noise[joint] += UNCHANGED_PLANE / max(up.sine, DEGENERATE_SINE)
         axes = frame(
             aim.direction,
             carry_to_joint(ref, joint, up.vector),
@@ -226,7 +235,7 @@ class _Work:
 
     def _axes(self, joint: int, turns: dict[int, Floats]) -> Floats:
         """The world axes (rows) that a joint will have."""
-        axes = to_axes(self._quiet(joint, turns.get(joint, IDENTITY)))
+        axes = to_axes(self.quiet(joint, turns.get(joint, IDENTITY)))
         return normalise(transform_directions(axes, self.ref.world[joint]))
 
     def _up(self, joint: int, bone: Floats, hinges: Hinges, turns: dict[int, Floats]) -> Up:
@@ -254,7 +263,10 @@ class _Work:
                 joint=self._name(joint),
                 geometry=True,
             )
-        if style.up_from == "pole":
+        if style.up_from == "pole" and up.step == 8:
+            # The present axis is an up direction already, not a normal.
+            self.normals[joint] = replace(up, vector=cross(up.vector, bone))
+        elif style.up_from == "pole":
             return replace(up, vector=cross(bone, up.vector))
         return up
 
@@ -370,6 +382,8 @@ def _noted(rig: Rig, work: _Work) -> Rig:
         if own.get("type", "frame") != "frame" or joint not in work.aims:
             continue
         if up is not None and up.step >= 7:
+            if own.get("invented") and rig is work.tree.rig:
+                continue
             notes[joint] = {"v": 1, "type": "frame", "up": up.source, "invented": True}
         elif own.get("invented"):
             del notes[joint]
