@@ -8,7 +8,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLES = ROOT / "samples"
 GOLDENS = ROOT / "tests" / "goldens"
-SCHEMAS = ROOT / "schemas"
 ASSETS = Path(os.environ.get("RIGTRI_ASSETS") or ROOT.parent / "shared" / "assets")
 NO_ASSETS = "real files are not here: set RIGTRI_ASSETS"
 

@@ -1,4 +1,4 @@
-"""Judges that are not ours: the Khronos glTF validator and OpenUSD's own validation."""
+"""Judges that are not ours: the Khronos validator, OpenUSD's validation, and JSON Schema."""
 
 from __future__ import annotations
 
@@ -7,12 +7,17 @@ import os
 import shutil
 import subprocess
 from collections import Counter
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import pytest
+from jsonschema import Draft202012Validator
+from referencing import Registry, Resource
 
 # tests/README.md says what RIGTRI_VALIDATOR names.
 NO_VALIDATOR = "the Khronos validator is not here: set RIGTRI_VALIDATOR"
+SCHEMAS = ("frames", "node", "report")
 _SCRIPT = Path(__file__).parent / "validate.mjs"
 
 
@@ -36,3 +41,17 @@ def usd_errors(path: Path) -> Counter[str]:
     found = UsdValidation.ValidationContext(validators).Validate(stage)
     wrong = UsdValidation.ValidationErrorType.Error
     return Counter(error.GetName() for error in found if error.GetType() == wrong)
+
+
+def schema(name: str) -> dict[str, Any]:
+    """One of our schemas, as it is installed."""
+    text = files("rigtri.schemas").joinpath(f"{name}.schema.json").read_text("utf-8")
+    content: dict[str, Any] = json.loads(text)
+    return content
+
+
+def validator(name: str) -> Draft202012Validator:
+    """Says whether a document is what one of our schemas describes: ``.validate(document)``."""
+    known = [Resource.from_contents(schema(other)) for other in SCHEMAS]
+    registry = Registry().with_resources((resource.id() or "", resource) for resource in known)
+    return Draft202012Validator(schema(name), registry=registry)

@@ -1,0 +1,160 @@
+"""What the layout promises: imports point one way, the core needs numpy alone, and so on."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from places import ROOT
+
+import rigtri
+
+# Tests of the source run where the source is; an installed wheel has no folders to compare.
+pytestmark = pytest.mark.skipif(
+    Path(rigtri.__file__).parent != ROOT / "rigtri", reason="this is no checkout of the source"
+)
+
+# Each module may import from lines above its own, and from its own line what the comment says.
+ORDER = """
+errors
+trigonometry
+vectors
+quaternions
+matrices
+triangle
+rig
+pose
+reframe report
+naming
+limbs
+skeleton bend
+matching
+moving
+watched
+compare describe
+ops formats
+pipeline
+cli
+""".strip().splitlines()
+LONGEST = 60
+PACKAGES = {"cli": ROOT / "cli", "schemas": ROOT / "schemas"}
+
+
+def modules() -> list[Path]:
+    return sorted([*(ROOT / "rigtri").rglob("*.py"), *(ROOT / "cli").glob("*.py")])
+
+
+def place(path: Path) -> str:
+    """The line of ORDER that a module belongs to: ``ops`` for rigtri/ops/orient.py."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return parts[0] if parts[0] != "rigtri" else parts[1]
+
+
+def rank(name: str) -> int:
+    return next(k for k, line in enumerate(ORDER) if name in line.split())
+
+
+def imports(path: Path, *, annotations: bool = False) -> Iterator[str]:
+    """The dotted names of rigtri's modules that a module imports when it runs."""
+    tree = ast.parse(path.read_text("utf-8"))
+    unseen = set() if annotations else set(map(id, _only_for_types(tree)))
+    for node in ast.walk(tree):
+        if id(node) in unseen:
+            continue
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0 or place(path) == "cli", f"{path.name} imports relatively"
+            yield node.module or ""
+
+
+def _only_for_types(tree: ast.AST) -> Iterator[ast.AST]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            yield from ast.walk(node)
+
+
+def names(paths: list[Path]) -> list[str]:
+    return [str(path.relative_to(ROOT)) for path in paths]
+
+
+SOURCES = modules() if (ROOT / "rigtri").is_dir() else []
+INNER = [path for path in SOURCES if path != ROOT / "rigtri" / "__init__.py"]
+
+
+@pytest.mark.parametrize("path", INNER, ids=names(INNER))
+def test_imports_point_one_way(path: Path) -> None:
+    own = place(path)
+    for name in imports(path):
+        parts = name.split(".")
+        if parts[0] != "rigtri" or len(parts) == 1 or parts[1] == own:
+            continue
+        assert rank(parts[1]) < rank(own), f"{own} imports {name}"
+
+
+@pytest.mark.parametrize("path", INNER, ids=names(INNER))
+def test_formats_do_not_know_each_other(path: Path) -> None:
+    for mine, other in (("gltf", "usd"), ("usd", "gltf")):
+        if mine in path.parent.parts:
+            assert not [name for name in imports(path) if f"formats.{other}" in name]
+    if "usd" not in path.parent.parts:
+        assert "pxr" not in {name.split(".")[0] for name in imports(path)}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=names(SOURCES))
+def test_nobody_imports_the_program_or_the_schemas(path: Path) -> None:
+    """They are found by entry point and importlib.resources; commands know their siblings."""
+    for name in imports(path, annotations=True):
+        assert not name.startswith("rigtri.schemas")
+        assert not name.startswith("rigtri.cli") or place(path) == "cli"
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=names(SOURCES))
+def test_no_except_catches_everything(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ExceptHandler):
+            caught = ast.unparse(node.type) if node.type else "everything"
+            ends = isinstance(node.body[-1], ast.Raise)
+            assert caught not in ("everything", "Exception", "BaseException") or ends, caught
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=names(SOURCES))
+def test_a_function_fits_on_a_screen(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.FunctionDef):
+            lines = (node.end_lineno or 0) - node.body[0].lineno + 1
+            assert lines <= LONGEST, f"{node.name} has {lines} lines"
+
+
+def test_the_packages_of_the_wheel_are_the_folders_of_the_source() -> None:
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"]
+    folders = {p.parent for p in SOURCES if p.name == "__init__.py"} | {ROOT / "schemas"}
+    found = {".".join(folder.relative_to(ROOT).parts) for folder in folders}
+    wanted = {name if name.startswith("rigtri") else f"rigtri.{name}" for name in found}
+    assert set(listed["packages"]) == wanted
+    python = {path.parent for path in [*SOURCES, ROOT / "schemas" / "__init__.py"]}
+    assert python == folders, "a folder with modules has no __init__.py"
+
+
+def loaded(statement: str) -> set[str]:
+    """The top-level modules that a fresh Python has loaded after a statement."""
+    code = f"{statement}\nimport sys\nprint(*{{name.split('.')[0] for name in sys.modules}})"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(run.stdout.split())
+
+
+CORE = "rigtri.reframe, rigtri.triangle, rigtri.report, rigtri.compare"
+
+
+@pytest.mark.parametrize("statement", ["import rigtri", f"import {CORE}"])
+def test_the_core_needs_numpy_alone(statement: str) -> None:
+    assert not loaded(statement) & {"click", "pxr", "pygltflib", "jsonschema"}
+
+
+def test_help_waits_for_no_numpy() -> None:
+    assert "numpy" not in loaded("import rigtri.cli.main")
