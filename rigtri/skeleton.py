@@ -47,12 +47,15 @@ class Skeleton:
 def skeleton(rig: Rig, root: str | None = None) -> Skeleton:
     """The joints of all skins, or with ``root`` that node and everything below it.
 
-    Raises FileError where there is no skin and no root is named.
+    A file without skins but with a VRM humanoid map (a .vrma) has the nodes below its hips.
+    Raises FileError where there is neither and no root is named.
     """
     if root is not None:
         joints = [node for node in rig.below(rig.find(root, "node")) if rig.payload[node] < 0]
     else:
         joints = np.flatnonzero(rig.is_joint).tolist()
+        if not joints and "hips" in rig.humanoid:
+            joints = rig.below(rig.humanoid["hips"])
     if not joints:
         raise FileError(
             "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "

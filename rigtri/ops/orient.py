@@ -34,6 +34,8 @@ from rigtri.vectors import angle, cross, length, normalise
 UNCHANGED = 2e-6
 # … plus this over |sin bend| about the aim axis, where up comes from a plane.
 UNCHANGED_PLANE = 2e-7
+# However poor the positions are, a turn of more than this (0.06°) is meant.
+MOST_NOISE = 1e-3
 # Axes copied from a file (--like) hold no positions: only the rounding of rotations.
 UNCHANGED_LIKE = 5e-7
 
@@ -179,9 +181,13 @@ class _Work:
         if self.options.like is not None:
             return IDENTITY if float(turn_angle(turn)) <= UNCHANGED_LIKE else turn
         limit = UNCHANGED + self.noise.get(joint, 0.0)
-        bone = self.aims[joint].length if joint in self.aims else 0.0
-        limit += min(self.ref.rounding * self.ref.extent / max(bone, 1e-3 * self.ref.extent, 1e-30), 1e-3)
+        limit = min(limit + self._position_noise(joint), MOST_NOISE)
         return IDENTITY if float(turn_angle(turn)) <= limit else turn
+
+    def _position_noise(self, joint: int) -> float:
+        """What float32 positions (inverse binds) leave uncertain about a bone's direction, in radians."""
+        bone = self.aims[joint].length if joint in self.aims else 0.0
+        return self.ref.rounding * self.ref.extent / max(bone, 1e-3 * self.ref.extent, 1e-30)
 
     def _oriented(self) -> dict[int, Floats]:
         hinges = Hinges(
@@ -224,7 +230,8 @@ class _Work:
         spread = float(length(cross(normalise(up.vector), bone)))
         self.noise[joint] = UNCHANGED / max(spread, DEGENERATE_SINE) - UNCHANGED
         if up.step >= 2:
-            self.noise[joint] += UNCHANGED_PLANE / max(up.sine, DEGENERATE_SINE)
+            of_plane = UNCHANGED_PLANE + self._position_noise(joint)
+            self.noise[joint] += of_plane / max(up.sine, DEGENERATE_SINE)
         axes = frame(
             aim.direction,
             carry_to_joint(ref, joint, up.vector),
