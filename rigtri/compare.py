@@ -29,10 +29,11 @@ from rigtri.watched import (
     Moment,
     Rows,
     Watched,
+    frames,
     mesh_title,
     origins,
-    payload_corners,
     points_of,
+    rigid_corners,
     skin_corners,
 )
 
@@ -76,7 +77,8 @@ class Comparison:
     diagonal: of the box of all points at rest. denormalisation: max | |q|−1 | of
     the source's rotations; raw_deviation: what renderers show that do not
     normalise them (equal to ``deviation`` where all are unit). per_mesh, per_clip:
-    deviation by title. lost, added, changed: `rigtri.matching.Matching`.
+    deviation by title. poses: how many were looked at; 0 where both are the same to
+    the bit. lost, added, changed: `rigtri.matching.Matching`.
     """
 
     deviation: float
@@ -126,7 +128,7 @@ class Comparison:
     def describe(self, *, verbose: bool = False) -> str:
         """All of it for people, the number first; ``verbose`` names every mesh, clip and change."""
         lines = [
-            f"deviation   {self.deviation:.2g} of the size, in {self.poses} poses",
+            f"deviation   {self.deviation:.2g} of the size, {self._extent()}",
             f"absolute    {self.absolute:.2g} of {self.diagonal:.6g}, in file units",
         ]
         if self.worst is not None and self.deviation > 0:
@@ -143,6 +145,9 @@ class Comparison:
             lines += [f"{word:<12}{what}" for what in _first(getattr(self, word), verbose)]
         return "\n".join(lines)
 
+    def _extent(self) -> str:
+        return f"in {self.poses} poses" if self.poses else "for nothing can have moved"
+
 
 def self_check(before: Source, after: Source) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
@@ -158,7 +163,8 @@ def self_check(before: Source, after: Source) -> Comparison:
     moving = moving_nodes(before.rig, after.rig, matching)
     watched: list[Watched] = [
         *skin_corners(before.rig, after.rig, matching, meshes, moving),
-        *payload_corners(before.rig, matching, meshes, moving, diagonal),
+        *rigid_corners(before.rig, matching, meshes, moving),
+        *frames(before.rig, matching, meshes, moving, diagonal),
         origins(before.rig, matching, moving),
     ]
     return _compare(before.rig, after.rig, matching, [w for w in watched if len(w.titles)], diagonal)
@@ -178,13 +184,7 @@ def verify(before: Source, after: Source) -> Comparison:
     pairs, lost = _mesh_pairs(before.rig, matching, meshes, others)
     watched: list[Watched] = [
         *(points_of(before.rig, after.rig, mine, theirs) for mine, theirs in pairs),
-        *payload_corners(
-            before.rig,
-            matching,
-            [replace(m, points=m.points[:0]) for m in meshes],
-            everything,
-            diagonal,
-        ),
+        *frames(before.rig, matching, meshes, everything, diagonal),
         origins(before.rig, matching, everything),
     ]
     if not meshes:

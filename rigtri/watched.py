@@ -58,17 +58,16 @@ class Rows:
     owners: Sequence[str]
 
     def apart(self, moment: Moment) -> Floats:
-        """The points' difference, (r, k, f, 3). One matrix product a row: [P, −P']·[W; W']."""
-        worlds = [
-            world[:, nodes, :, :3].transpose(1, 2, 0, 3)
-            for world, nodes in zip((moment.before, moment.after), self.nodes, strict=True)
-        ]
-        stacked = np.concatenate(worlds, axis=1)
-        points = np.concatenate([self.points[0], -self.points[1]], axis=2)
-        rows, _, times, _ = stacked.shape
-        with np.errstate(invalid="ignore", over="ignore"):
-            apart = points @ stacked.reshape(rows, 8, times * 3)
-        return np.asarray(apart.reshape(rows, -1, times, 3))
+        """The points' differences, (r, k, f, 3): one matrix product a row and side."""
+        mine, theirs = (
+            _placed(world[:, nodes], points)
+            for world, nodes, points in zip(
+                (moment.before, moment.after), self.nodes, self.points, strict=True
+            )
+        )
+        # The same numbers give the same products, so what is equal is apart by exactly 0.
+        with np.errstate(invalid="ignore"):
+            return np.asarray(mine - theirs)
 
     def distances(self, moment: Moment) -> Floats:
         apart = self.apart(moment)
@@ -84,6 +83,14 @@ class Rows:
         )
         gone = np.logical_and(*broken)
         return np.where(gone, 0.0, np.where(np.isfinite(distance), distance, np.inf))
+
+
+def _placed(world: Floats, points: Floats) -> Floats:
+    """Points (r, k, 4) in the frames of rows, (f, r, 4, 4) → (r, k, f, 3)."""
+    times, rows = world.shape[:2]
+    side_by_side = world[..., :3].transpose(1, 2, 0, 3).reshape(rows, 4, times * 3)
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray((points @ side_by_side).reshape(rows, -1, times, 3))
 
 
 def _broken(world: Floats, nodes: Integers, points: Floats) -> Booleans:
@@ -289,33 +296,44 @@ def _corners(low: Floats, high: Floats) -> Floats:
     return np.concatenate([points, np.ones((len(low), 8, 1))], axis=2)
 
 
-def payload_corners(
-    before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
-) -> Iterator[Rows]:
-    """Corners of rigid meshes; the whole frame, a diagonal long, of cameras, lights and such."""
-    rigid = [mesh for mesh in meshes if mesh.skin is None or not mesh.joints.shape[1]]
-    drawn = {mesh.node for mesh in meshes}
-    boxes: list[tuple[int, Floats, str]] = []
-    for mesh in rigid:
+def rigid_corners(before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans) -> Iterator[Rows]:
+    """The corners of the boxes of rigid meshes, in the frames of the nodes that show them."""
+    for mesh in meshes:
+        if (mesh.skin is not None and mesh.joints.shape[1]) or not _to_watch(mesh.node, m, moving):
+            continue
         near, far = _extent(mesh)
         fit = np.isfinite(near).all(axis=1) & np.isfinite(far).all(axis=1)
         if fit.any():
-            corners = _corners(near[fit].min(axis=0)[np.newaxis], far[fit].max(axis=0)[np.newaxis])
-            boxes.append((mesh.node, corners, mesh_title(before, mesh)))
-    world = pose.worlds(before)
-    for node in np.flatnonzero(before.payload >= 0).tolist():
-        if node not in drawn:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                size = np.nan_to_num(diagonal / length(world[node, :3, :3]), nan=0.0, posinf=0.0, neginf=0.0)
-            boxes.append((node, _corners(-size[np.newaxis], size[np.newaxis]), ""))
-    boxes = [
-        box for box in boxes if m.shown[box[0]] >= 0 and (moving[box[0]] or m.shown[box[0]] != m.node[box[0]])
-    ]
-    if boxes:
-        nodes = np.array([node for node, _, _ in boxes])
-        points = np.concatenate([corners for _, corners, _ in boxes])
-        titles = [f"mesh {owner}" if owner else f"frame of {before.title(node)}" for node, _, owner in boxes]
-        yield Rows((nodes, m.shown[nodes]), (points, points), titles, [owner for _, _, owner in boxes])
+            low, high = near[fit].min(axis=0), far[fit].max(axis=0)
+            title = mesh_title(before, mesh)
+            yield _framed(
+                [mesh.node], m, _corners(low[np.newaxis], high[np.newaxis]), [f"mesh {title}"], [title]
+            )
+
+
+def frames(
+    before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
+) -> Iterator[Rows]:
+    """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such."""
+    drawn = {mesh.node for mesh in meshes}
+    showing = np.flatnonzero(before.payload >= 0).tolist()
+    nodes = [node for node in showing if node not in drawn and _to_watch(node, m, moving)]
+    if nodes:
+        axes = length(pose.worlds(before)[nodes, :3, :3])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            size = diagonal / axes
+        size = np.where(np.isfinite(size), size, 0.0)
+        titles = [f"frame of {before.title(node)}" for node in nodes]
+        yield _framed(nodes, m, _corners(-size, size), titles, [""] * len(nodes))
+
+
+def _to_watch(node: int, m: Matching, moving: Booleans) -> bool:
+    there = m.shown[node]
+    return bool(there >= 0 and (moving[node] or there != m.node[node]))
+
+
+def _framed(nodes: Sequence[int], m: Matching, points: Floats, titles: list[str], owners: list[str]) -> Rows:
+    return Rows((np.array(nodes), m.shown[nodes]), (points, points), titles, owners)
 
 
 def origins(before: Rig, m: Matching, moving: Booleans) -> Rows:

@@ -1,0 +1,340 @@
+"""How far two rigs are apart: laws, then numbers one can check by hand."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from characters import ARM, CAMERA, HAND, HIPS, SPINE, SWORD, Held, character, stored, with_track
+from numpy.testing import assert_allclose
+from rigs import chain, random_rig, random_turns, rig_of
+
+from rigtri.compare import (
+    TOLERANCE,
+    Comparison,
+    Source,
+    between_keys,
+    denormalisation,
+    self_check,
+    verify,
+)
+from rigtri.errors import FileError
+from rigtri.pose import Motion, worlds
+from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.reframe import reframe
+from rigtri.rig import Mesh, Rig
+from rigtri.watched import LinearPoints, Moment, Points, points_of
+
+BOTH = pytest.mark.parametrize("compare", [self_check, verify])
+Compare = Callable[[Source, Source], Comparison]
+
+
+def turned(held: Held, seed: int = 1) -> Held:
+    return replace(held, rig=reframe(held.rig, random_turns(seed, len(held.rig))))
+
+
+def opened_again(held: Held) -> Held:
+    """As after writing and reading: nodes that were new have keys and show something of their own."""
+    rig, count = held.rig, len(held.rig)
+    was = rig.payload
+    payload = np.where(was >= 0, np.arange(count), -1)
+    shows = {int(old): new for new, old in enumerate(was) if old >= 0}
+    drawn = tuple(replace(mesh, node=shows.get(mesh.node, mesh.node)) for mesh in held.drawn)
+    return Held(replace(rig, payload=payload, keys=tuple(range(count))), drawn)
+
+
+def nudged(rig: Rig, node: int, by: float = 0.01) -> Rig:
+    translation = rig.translation.copy()
+    translation[node, 0] += by
+    return replace(rig, translation=translation)
+
+
+@BOTH
+@pytest.mark.parametrize("seed", range(4))
+def test_a_rig_is_nowhere_apart_from_itself(compare: Compare, seed: int) -> None:
+    held = character(seed)
+    result = compare(held, held)
+    assert result.deviation == result.raw_deviation == 0
+    assert result.passes(0.0)
+    assert result.lost + result.added + result.changed == ()
+
+
+@BOTH
+@pytest.mark.parametrize("seed", range(8))
+def test_new_axes_move_nothing(compare: Compare, seed: int) -> None:
+    before = character(seed)
+    result = compare(before, opened_again(turned(before, seed)))
+    assert result.deviation < 1e-12
+    assert not result.lost
+    # At rest; 6 keys, 2 x 5 times between them, 2 beyond the ends.
+    assert result.poses == 19
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_new_axes_move_nothing_whatever_scales_and_matrices_there_are(seed: int) -> None:
+    rig = random_rig(seed)
+    after = reframe(rig, random_turns(seed, len(rig)))
+    result = self_check(Held(rig), Held(after))
+    assert result.deviation < 1e-12
+    assert not result.lost
+
+
+@BOTH
+def test_storing_as_float32_costs_far_less_than_the_tolerance(compare: Compare) -> None:
+    before = character()
+    after = opened_again(turned(before))
+    result = compare(before, replace(after, rig=stored(after.rig)))
+    assert 1e-9 < result.deviation < TOLERANCE / 10
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("node", [HIPS, SPINE, ARM, HAND])
+def test_the_self_check_is_never_below_what_points_show(seed: int, node: int) -> None:
+    before = character(seed)
+    for rig in (nudged(before.rig, node), turned_inverse_bind(before.rig)):
+        after = replace(before, rig=rig)
+        assert self_check(before, after).deviation >= verify(before, after).deviation * (1 - 1e-12) > 0
+
+
+def turned_inverse_bind(rig: Rig) -> Rig:
+    matrices = rig.skins[0].inverse_bind.copy()
+    matrices[2, 0] += 0.01
+    return replace(rig, skins=(replace(rig.skins[0], inverse_bind=matrices),))
+
+
+@pytest.mark.parametrize("mesh", range(3))
+def test_the_fast_way_to_move_points_is_the_plain_way(mesh: int) -> None:
+    before, after = character(), replace(character(), rig=nudged(turned(character()).rig, SPINE))
+    pair = before.drawn[mesh], replace(before.drawn[mesh])
+    fast = points_of(before.rig, after.rig, *pair)
+    assert isinstance(fast, LinearPoints)
+    clips = before.rig.clips[0], after.rig.clips[0]
+    for times in (np.array([0.0, 0.1]), np.array([0.6, 1.9, 2.5])):
+        motions = Motion(before.rig, clips[0]), Motion(after.rig, clips[1])
+        moment = Moment(*(worlds(m.rig, m.locals_at(times)) for m in motions), clips, times)
+        plain = Points((before.rig, after.rig), pair)
+        assert_allclose(fast.distances(moment), plain.distances(moment), rtol=1e-9, atol=1e-12)
+
+
+@BOTH
+def test_what_is_not_a_number_in_both_is_the_same(compare: Compare) -> None:
+    held = character()
+    weights = held.drawn[0].weights.copy()
+    weights[3] = np.nan
+    body = replace(held.drawn[0], weights=weights)
+    before = replace(held, drawn=(body, *held.drawn[1:]))
+    assert compare(before, opened_again(turned(before))).deviation < 1e-12
+
+
+def test_what_is_not_a_number_in_one_only_is_infinitely_apart() -> None:
+    before = character()
+    points = before.drawn[0].points.copy()
+    points[3, 1] = np.nan
+    body = replace(before.drawn[0], points=points)
+    result = verify(before, replace(before, drawn=(body, *before.drawn[1:])))
+    assert result.deviation == np.inf
+    assert not result.passes(1e9)
+    assert result.as_json()["deviation"] is None
+
+
+def test_a_joint_that_is_not_a_number_in_one_only_is_infinitely_apart() -> None:
+    before = character()
+    assert self_check(before, replace(before, rig=nudged(before.rig, ARM, np.nan))).deviation == np.inf
+
+
+@BOTH
+def test_numbers_come_from_the_box_of_all_points(compare: Compare) -> None:
+    rig = rig_of(["box"], [-1], np.zeros((1, 3)), payload=np.array([0]))
+    mesh = Mesh("box", 0, np.array([[0.0, 0, 0], [2, 3, 6]]))  # diagonal 7
+    result = compare(Held(rig, (mesh,)), Held(nudged(rig, 0, 0.7), (mesh,)))
+    assert_allclose([result.diagonal, result.absolute, result.deviation], [7, 0.7, 0.1])
+    assert result.per_mesh == pytest.approx({"box": 0.1})
+    assert result.worst is not None
+    assert str(result.worst) == "mesh box, at rest"
+
+
+@BOTH
+def test_without_meshes_joints_are_measured(compare: Compare) -> None:
+    rig = chain((0, 0, 0), (3, 4, 0))
+    result = compare(Held(rig), Held(nudged(rig, 1, 0.5)))
+    assert result.diagonal == pytest.approx(5)
+    assert result.deviation >= 0.1
+    assert not result.passes()
+
+
+@BOTH
+def test_a_turned_joint_without_children_and_meshes_is_seen(compare: Compare) -> None:
+    rig = chain((0, 0, 0), (3, 4, 0))
+    rotation = rig.rotation.copy()
+    rotation[1] = from_axis_angle([0, 0, 1], 0.01)
+    assert not compare(Held(rig), Held(replace(rig, rotation=rotation))).passes()
+
+
+@BOTH
+def test_a_rig_without_anything_is_like_itself(compare: Compare) -> None:
+    empty = Held(rig_of([], [], np.zeros((0, 3)), np.zeros((0, 4))))
+    result = compare(empty, empty)
+    assert (result.deviation, result.diagonal, result.worst) == (0, 1, None)
+    assert result.passes()
+    assert not compare(character(), empty).passes()
+
+
+@BOTH
+def test_meshes_that_cannot_be_read_leave_the_joints(compare: Compare) -> None:
+    class Unreadable(Held):
+        def meshes(self) -> Sequence[Mesh]:
+            raise FileError("the points are compressed")
+
+    before = character()
+    after = turned(before)
+    fine = compare(Unreadable(before.rig), Unreadable(opened_again(after).rig))
+    assert fine.passes()
+    assert not compare(Unreadable(before.rig), Unreadable(nudged(after.rig, ARM))).passes()
+
+
+@BOTH
+def test_a_mesh_that_names_joints_the_skin_does_not_have_is_left_out(compare: Compare) -> None:
+    held = character()
+    body = replace(held.drawn[0], joints=held.drawn[0].joints + 9)
+    broken = replace(held, drawn=(body, *held.drawn[1:]))
+    assert compare(broken, opened_again(turned(broken))).passes()
+
+
+@BOTH
+def test_rotations_that_are_not_unit_are_told_apart(compare: Compare) -> None:
+    held = character()
+    rotation = held.rig.rotation * 1.001
+    before = replace(held, rig=replace(held.rig, rotation=rotation))
+    result = compare(before, opened_again(turned(before)))
+    assert result.denormalisation == pytest.approx(1e-3)
+    assert result.deviation < 1e-12 < 1e-6 < result.raw_deviation
+    assert result.passes()
+    assert "off unit length by 0.001" in result.describe()
+
+
+@BOTH
+def test_rotations_that_lose_their_unit_length_are_a_loss(compare: Compare) -> None:
+    before = character()
+    stretched = replace(before, rig=replace(before.rig, rotation=before.rig.rotation * 1.1))
+    result = compare(before, stretched)
+    assert result.deviation < 1e-12
+    assert not result.passes()
+    assert "unit rotations" in result.lost[0]
+
+
+@BOTH
+@pytest.mark.parametrize("again", [False, True], ids=["in memory", "opened again"])
+def test_what_a_turned_node_shows_is_found_at_its_new_node(compare: Compare, again: bool) -> None:
+    before = character()
+    turns = random_turns(1, len(before.rig))
+    turns[[SWORD, CAMERA]] = random_turns(2, 5)[1:3]
+    rig = reframe(before.rig, turns)
+    after = opened_again(replace(before, rig=rig))
+    if not again:
+        after = replace(after, rig=rig)
+    result = compare(before, after)
+    assert result.deviation < 1e-12
+    assert not result.lost
+
+
+def test_nodes_found_by_name_need_no_keys() -> None:
+    before = character()
+    order = np.array([6, 0, 1, 2, 3, 5, 4, 7])
+    back = np.argsort(order)
+    rig = before.rig
+    shuffled = replace(
+        rig,
+        names=tuple(rig.names[k] for k in order),
+        parents=np.where(rig.parents[order] >= 0, back[rig.parents[order]], -1),
+        translation=rig.translation[order],
+        rotation=rig.rotation[order],
+        payload=np.where(rig.payload[order] >= 0, np.arange(8), -1),
+        skins=(replace(rig.skins[0], joints=back[rig.skins[0].joints]),),
+        clips=tuple(
+            replace(c, tracks=tuple(replace(t, node=int(back[t.node])) for t in c.tracks)) for c in rig.clips
+        ),
+    )
+    drawn = tuple(replace(mesh, node=int(back[mesh.node])) for mesh in before.drawn)
+    result = verify(before, Held(shuffled, drawn))
+    assert result.deviation < 1e-12
+    assert result.lost + result.added + result.changed == ()
+
+
+def test_what_is_new_is_said() -> None:
+    before = character()
+    rig = before.rig.with_nodes(["pole"], [-1], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
+    for result in (self_check(before, replace(before, rig=rig)), verify(before, replace(before, rig=rig))):
+        assert result.added == ("node pole",)
+        assert result.passes()
+
+
+def test_other_key_times_are_said() -> None:
+    before = character()
+    moved = with_track(before.rig, ARM, "rotation", times=np.array([0.0, 0.6, 1.25, 2.0]))
+    result = verify(before, replace(before, rig=moved))
+    assert result.changed == ("clip walk: rotation of arm has other key times",)
+    assert result.worst is not None
+    assert result.worst.clip == "walk"
+    assert 0.5 <= result.worst.time < 0.6
+
+
+def test_only_the_branch_that_changed_is_evaluated(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[int] = []
+    plain = Motion.locals_at
+
+    def counting(self: Motion, times: object, *, normalised: bool = True) -> object:
+        seen.append(len(self.rig))
+        return plain(self, times, normalised=normalised)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Motion, "locals_at", counting)
+    before = character()
+    self_check(before, replace(before, rig=nudged(before.rig, ARM)))
+    assert max(seen) == 6  # hips, spine, arm and what hangs on it; not body and face
+    seen.clear()
+    assert self_check(before, replace(before, rig=replace(before.rig))).poses == 0
+    assert not seen
+
+
+def test_blocks_of_times_do_not_change_the_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = character()
+    after = replace(before, rig=nudged(before.rig, ARM))
+    whole = [compare(before, after).as_json() for compare in (self_check, verify)]
+    monkeypatch.setattr("rigtri.compare._BLOCK", 1)
+    split = [compare(before, after).as_json() for compare in (self_check, verify)]
+    for one, other in zip(whole, split, strict=True):
+        assert one["deviation"] == pytest.approx(other["deviation"], rel=1e-12)
+        assert (one["poses"], one["worst"]) == (other["poses"], other["worst"])
+
+
+def test_times_lie_at_keys_between_them_and_beyond() -> None:
+    assert_allclose(between_keys(np.array([1.0, 2.0])), [0.9, 1.0, 1.29, 1.5, 2.0, 2.1])
+    assert_allclose(between_keys(np.array([3.0])), [2.999, 3.0, 3.001])
+    assert_allclose(between_keys(np.zeros(0)), [0.0])
+
+
+def test_tangents_do_not_count_as_rotations() -> None:
+    assert denormalisation(character().rig) < 1e-12
+
+
+def test_the_result_is_told_in_words_and_as_json() -> None:
+    before = character()
+    after = replace(before, rig=nudged(before.rig, ARM), drawn=before.drawn[:1])
+    result = verify(before, after)
+    text = result.describe(verbose=True)
+    assert text.startswith("deviation ")
+    assert "lost        mesh sword" in text
+    assert "sword" in result.summary()
+    assert json.loads(json.dumps(result.as_json(), allow_nan=False))["lost"] == ["mesh sword", "mesh face"]
+
+
+def test_turning_in_the_world_is_seen_although_no_joint_origin_moves() -> None:
+    before = character()
+    rotation = before.rig.rotation.copy()
+    rotation[CAMERA] = multiply(rotation[CAMERA], from_axis_angle([0, 1, 0], 1e-3))
+    result = self_check(before, replace(before, rig=replace(before.rig, rotation=rotation)))
+    assert result.worst is not None
+    assert result.worst.what == "frame of camera"
+    assert 1e-3 < result.deviation < 2e-3
