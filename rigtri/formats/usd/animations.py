@@ -1,0 +1,187 @@
+"""UsdSkel animations as tracks: every joint's column of every array, samples and default.
+
+A SkelAnimation keeps one array per property for all its joints. Its samples
+become a clip of tracks, its default values a clip ``NAME@default`` with one
+key; each track knows the column it came from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.stage import DEFAULT
+from rigtri.report import Notice
+from rigtri.rig import Clip, Interpolation, Path, Track
+from rigtri.trigonometry import Floats
+
+# The key of tracks that only show a default during a clip; the default's own clip writes it.
+HELD = "held"
+
+PROPERTIES: Mapping[str, Path] = {
+    "translations": "translation",
+    "rotations": "rotation",
+    "scales": "scale",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Property:
+    """One array of an animation, in its stored precision; quaternions are xyzw.
+
+    times: (k,) without the blocked ones. samples: (k, j, c). default: (j, c) or None.
+    kind: the Vt array class.
+    """
+
+    times: Floats
+    samples: np.ndarray
+    blocked: tuple[float, ...]
+    default: np.ndarray | None
+    kind: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Animation:
+    """One SkelAnimation prim. tokens: its own joints, in its own order."""
+
+    path: str
+    name: str
+    tokens: tuple[str, ...]
+    properties: Mapping[str, Property]
+
+
+def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
+    """The animation of a SkelAnimation prim; None, with a notice, where UsdSkel ignores it.
+
+    FileError where only some of its samples are usable, or hold what is no number.
+    """
+    path = str(prim.GetPath())
+    tokens = tuple(str(token) for token in prim.GetAttribute("joints").Get(DEFAULT) or ())
+    if not tokens:
+        if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
+            return Animation(path, prim.GetName(), (), {})
+        if any(prim.GetAttribute(name).HasAuthoredValue() for name in PROPERTIES):
+            warnings.append(_ignored(path, "it names no joints"))
+        return None
+    found = {name: _property(prim, name, len(tokens)) for name in PROPERTIES}
+    present = {name: value for name, value in found.items() if value is not None}
+    for name, value in present.items():
+        if value.default is None and not len(value.times):
+            warnings.append(_ignored(path, f"no value of {name} has as many items as it has joints"))
+            return None
+    missing = [name for name in PROPERTIES if name not in present]
+    if missing:
+        warnings.append(
+            Notice(
+                "animation-ignored",
+                f"UsdSkel ignores animation <{path}>: it has no {' and no '.join(missing)}. "
+                "What it has is turned all the same.",
+            )
+        )
+    return Animation(path, prim.GetName(), tokens, present)
+
+
+def _ignored(path: str, why: str) -> Notice:
+    return Notice("animation-ignored", f"UsdSkel ignores animation <{path}>: {why}. It is left as it is.")
+
+
+def _property(prim: Any, name: str, count: int) -> Property | None:
+    attribute = prim.GetAttribute(name)
+    if not attribute or not attribute.HasAuthoredValue():
+        return None
+    default = attribute.Get(DEFAULT)
+    values = [(time, attribute.Get(time)) for time in attribute.GetTimeSamples()]
+    present = [(time, value) for time, value in values if value is not None]
+    blocked = tuple(time for time, value in values if value is None)
+    where = f"<{prim.GetPath()}>.{name}"
+    lengths = {len(value) for _, value in present} | ({len(default)} if default else set())
+    if not lengths:
+        return None
+    kind = type(present[0][1] if present else default)
+    if count not in lengths:
+        return Property(np.zeros(0), np.zeros((0, count, 0)), blocked, None, kind)
+    for time, value in present:
+        if len(value) != count:
+            raise FileError(
+                f"{where} has {len(value)} items at time {time:g}, but the animation has {count} joints."
+            )
+    samples = np.stack([np.array(value) for _, value in present]) if present else np.zeros((0, count, 0))
+    # An empty default is no default: it drives nothing.
+    single = np.array(default) if default and len(default) == count else None
+    if default and single is None:
+        raise FileError(f"{where} has {len(default)} items by default for {count} joints.")
+    for array in (samples, single):
+        if array is not None and not np.isfinite(array).all():
+            raise FileError(f"{where} holds values that are no numbers (NaN or infinite). Export it again.")
+    return Property(np.array([time for time, _ in present]), samples, blocked, single, kind)
+
+
+def clips(
+    animation: Animation,
+    name: str,
+    nodes: Iterable[Mapping[str, int]],
+    weights: Sequence[Track],
+    interpolation: Interpolation,
+) -> list[Clip]:
+    """The clips of an animation: its samples, and its defaults as ``NAME@default``.
+
+    nodes: for each skeleton it drives, the node of each joint token. Tokens that
+    no skeleton has stay in the file. A property without samples holds its
+    default during the clip.
+    """
+    columns = [
+        (column, known[token])
+        for known in nodes
+        for column, token in enumerate(animation.tokens)
+        if token in known
+    ]
+    timed = [p.times for p in animation.properties.values() if len(p.times)]
+    result = []
+    if timed or weights:
+        start = np.array([min([t[0] for t in timed] + [track.times[0] for track in weights])])
+        tracks = [
+            track
+            for property_name, item in animation.properties.items()
+            for track in _tracks(property_name, item, columns, start, interpolation)
+        ]
+        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path)))
+    held = [
+        Track(node, PROPERTIES[property_name], "STEP", _ZERO, values[:, column], (property_name, column))
+        for property_name, item in animation.properties.items()
+        if (values := _as_key(item.default)) is not None
+        for column, node in columns
+    ]
+    if held:
+        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path)))
+    return result
+
+
+_ZERO: Floats = np.zeros(1)
+
+
+def _as_key(default: np.ndarray | None) -> Floats | None:
+    return None if default is None else default[np.newaxis].astype(np.float64)
+
+
+def _tracks(
+    name: str,
+    item: Property,
+    columns: Sequence[tuple[int, int]],
+    start: Floats,
+    interpolation: Interpolation,
+) -> list[Track]:
+    path = PROPERTIES[name]
+    if len(item.times):
+        values = item.samples.astype(np.float64)
+        return [
+            Track(node, path, interpolation, item.times, values[:, column], (name, column))
+            for column, node in columns
+        ]
+    held = _as_key(item.default)
+    if held is None:
+        return []
+    return [Track(node, path, "STEP", start, held[:, column], HELD) for column, node in columns]

@@ -1,0 +1,164 @@
+"""A USD file: read into a rig, and written again with only what changed in it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf, Usd
+
+from rigtri.errors import FileError, UsageError
+from rigtri.formats import Companion, Options
+from rigtri.formats.usd import layers, meshes, package, writer
+from rigtri.formats.usd.reader import Source, read_source
+from rigtri.formats.usd.stage import first_line, quiet
+from rigtri.report import Notice
+from rigtri.rig import Mesh, Rig
+
+# An override of ours says so here; editing it again edits this layer.
+MARK = "rigtri"
+
+
+class UsdDocument:
+    """A .usd, .usda, .usdc or .usdz file. Edits are opinions of its root layer."""
+
+    def __init__(self, source: Source, options: Options) -> None:
+        self._source, self._options = source, options
+        self._notices = list(source.warnings)
+
+    @classmethod
+    def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
+        """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
+        options = options or Options()
+        try:
+            return cls(read_source(path, options), options)
+        except Tf.ErrorException as error:
+            raise FileError(f"{path}: USD cannot read it: {first_line(error)}") from None
+
+    @property
+    def rig(self) -> Rig:
+        return self._source.rig
+
+    @property
+    def warnings(self) -> Sequence[Notice]:
+        """What the reader noticed; after `write`, also what the writer had to do."""
+        return tuple(self._notices)
+
+    def meshes(self) -> Sequence[Mesh]:
+        """Skinned and rigid points, blend shapes as morphs without inbetweens."""
+        rig, source = self.rig, self._source
+        nodes = {label: node for node, label in enumerate(rig.labels) if _is_prim(rig, node)}
+        skins = {skin.key[1]: k for k, skin in enumerate(rig.skins) if _of_skeleton(skin.key)}
+        tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
+        with quiet():
+            return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+
+    def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
+        """Write the file, or with ``override`` only the opinions; see `formats.Document`.
+
+        Relative asset paths are anchored anew where ``target`` lies in another folder.
+        UsageError for a target of another format.
+        """
+        self._check(target)
+        notices: list[Notice] = []
+        try:
+            with quiet():
+                edits = writer.edits(
+                    self._source, rig, bake=self._options.bake_xform, warnings=notices
+                )
+                self._write(edits, part, target)
+        except Tf.ErrorException as error:
+            raise FileError(f"{target}: USD cannot write it: {first_line(error)}") from None
+        self._notices += [notice for notice in notices if notice not in self._notices]
+        return ()
+
+    def reopen(self, part: Path) -> UsdDocument:
+        """Read what was written; bare opinions are read over the file they were made for."""
+        if self._options.override != "layer" or self._is_override():
+            return UsdDocument.read(part, self._options)
+        over = layers.empty()
+        over.subLayerPaths = [str(part.resolve()), str(self._source.path.resolve())]
+        layers.copy_metadata(self._source.layer, over)
+        with quiet():
+            stage = Usd.Stage.Open(over)
+        return UsdDocument(read_source(part, self._options, stage), self._options)
+
+    def _is_override(self) -> bool:
+        return "override" in dict(self._source.layer.customLayerData.get(MARK, {}))
+
+    def _write(self, edits: list[writer.Edit], part: Path, target: Path) -> None:
+        source, override = self._source, self._options.override
+        if override and not self._is_override():
+            layer = self._override(target) if override == "stage" else layers.empty()
+            _apply(edits, layer)
+            part.write_bytes(layers.to_bytes(layer, _encoding(target.suffix)))
+            return
+        packed = source.path.suffix.lower() == ".usdz"
+        rename = None if packed else layers.from_folder(source.path.parent, target.parent)
+        if not edits and rename is None:
+            shutil.copyfile(source.path, part)
+            return
+        layer = layers.copy_of(source.layer)
+        # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
+        _apply(edits, layer)
+        renamed = rename is not None and layers.rename_assets(layer, rename)
+        if not edits and not renamed:
+            shutil.copyfile(source.path, part)
+        elif packed:
+            whole = package.read(source.path)
+            encoding = _by_content(whole.bytes_of(whole.root))
+            package.write(whole, layers.to_bytes(layer, encoding), part)
+        else:
+            part.write_bytes(layers.to_bytes(layer, layers.encoding_of(source.layer)))
+
+    def _override(self, target: Path) -> Any:
+        """A layer over the source: its stage metadata, and the source as its only sublayer."""
+        source = self._source
+        layer = layers.empty()
+        layers.copy_metadata(source.layer, layer)
+        rename = layers.from_folder(source.path.parent, target.parent)
+        if rename is not None:
+            layers.rename_assets(layer, rename)
+        below = os.path.relpath(source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
+        layer.subLayerPaths = [below if below.startswith("../") else f"./{below}"]
+        layer.customLayerData = {**layer.customLayerData, MARK: {"override": "stage"}}
+        return layer
+
+    def _check(self, target: Path) -> None:
+        own, wanted = self._source.path.suffix.lower(), target.suffix.lower()
+        if self._options.override not in ("", "layer", "stage"):
+            raise ValueError(f"override is '', 'layer' or 'stage', not {self._options.override!r}")
+        if self._options.override and not self._is_override():
+            if wanted in (".usda", ".usd", ".usdc"):
+                return
+            raise UsageError(f"{target.name}: an override is a .usda, .usd or .usdc file")
+        encoding = "usdz" if own == ".usdz" else layers.encoding_of(self._source.layer)
+        fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
+        if wanted != own and wanted not in fits:
+            raise UsageError(f"{target.name}: the output's format is the input's, {own}")
+
+
+def _apply(edits: list[writer.Edit], layer: Any) -> None:
+    with Sdf.ChangeBlock():
+        for edit in edits:
+            edit(layer)
+
+
+def _encoding(suffix: str) -> str:
+    return "usda" if suffix.lower() == ".usda" else "usdc"
+
+
+def _by_content(content: bytes) -> str:
+    return "usdc" if content.startswith(b"PXR-USDC") else "usda"
+
+
+def _is_prim(rig: Rig, node: int) -> bool:
+    key: Any = rig.keys[node]
+    return key is not None and key[0] == "prim"
+
+
+def _of_skeleton(key: Any) -> bool:
+    return key is not None and key[0] == "skeleton"

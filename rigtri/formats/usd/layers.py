@@ -1,0 +1,173 @@
+"""Layers: an editable copy of one, its bytes, and its asset paths seen from another folder."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, UsdUtils
+
+Rename = Callable[[str], str]
+
+
+def encoding_of(layer: Any) -> str:
+    """``usda`` or ``usdc``: how a layer's file is really written, whatever its suffix."""
+    found = Sdf.UsdFileFormat.GetUnderlyingFormatForLayer(layer)
+    name = str(found or layer.GetFileFormat().formatId)
+    return name if name in ("usda", "usdc") else "usdc"
+
+
+def copy_of(layer: Any) -> Any:
+    """An anonymous layer with the same content, which no other stage sees."""
+    twin = Sdf.Layer.CreateAnonymous(".usda")
+    twin.TransferContent(layer)
+    return twin
+
+
+def empty() -> Any:
+    """An anonymous layer without content."""
+    return Sdf.Layer.CreateAnonymous(".usda")
+
+
+def copy_metadata(source: Any, target: Any) -> None:
+    """Give a layer the stage metadata of another (up axis, units, time range, default prim …)."""
+    UsdUtils.CopyLayerMetadata(source, target, True)
+
+
+def to_bytes(layer: Any, encoding: str) -> bytes:
+    """A layer as the bytes of a file in ``usda`` or ``usdc``."""
+    if encoding == "usda":
+        return str(layer.ExportToString()).encode("utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "layer.usdc")
+        layer.Export(str(path))
+        return path.read_bytes()
+
+
+def from_folder(source: Path, target: Path) -> Rename | None:
+    """How asset paths of a layer in ``source`` read from ``target``; None where they are the same.
+
+    Absolute paths, URLs, expressions and names on a search path stay as they are.
+    """
+    source, target = source.resolve(), target.resolve()
+    if source == target:
+        return None
+
+    def rename(path: str) -> str:
+        outer, bracket, inner = path.partition("[")
+        if not outer or outer.startswith(("/", "`", "\\")) or ":" in outer.split("/")[0]:
+            return path
+        # Without a dot in front it is relative only if it is there; else the resolver searches.
+        if not outer.startswith(("./", "../")) and not (source / outer).exists():
+            return path
+        moved = os.path.relpath(source / outer, target).replace(os.sep, "/")
+        return (moved if moved.startswith("../") else f"./{moved}") + bracket + inner
+
+    return rename
+
+
+def rename_assets(layer: Any, rename: Rename) -> bool:
+    """Rename every asset path in a layer, in place; says whether any changed.
+
+    UsdUtils.ModifyAssetPaths would do, but it loses the offsets of sublayers
+    and the empty elements of asset arrays (26.11).
+    """
+    changed = [_rename_sublayers(layer, rename)]
+
+    def visit(path: Any) -> None:
+        spec = layer.GetObjectAtPath(path)
+        if spec is not None:
+            changed.append(_rename_fields(layer, spec, rename))
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    return any(changed)
+
+
+def _rename_sublayers(layer: Any, rename: Rename) -> bool:
+    paths, offsets = list(layer.subLayerPaths), list(layer.subLayerOffsets)
+    moved = [rename(path) for path in paths]
+    if moved == paths:
+        return False
+    layer.subLayerPaths = moved
+    for number, offset in enumerate(offsets):
+        layer.subLayerOffsets[number] = offset
+    return True
+
+
+def _rename_fields(layer: Any, spec: Any, rename: Rename) -> bool:
+    changed = False
+    for key in spec.ListInfoKeys():
+        if key in ("subLayers", "subLayerOffsets"):
+            continue
+        if key == "timeSamples":
+            changed |= _rename_samples(layer, spec, rename)
+            continue
+        value = spec.GetInfo(key)
+        moved = _renamed(value, rename, template=key == "clips")
+        if moved is not value:
+            spec.SetInfo(key, moved)
+            changed = True
+    return changed
+
+
+def _rename_samples(layer: Any, spec: Any, rename: Rename) -> bool:
+    if not str(spec.typeName).startswith("asset"):
+        return False
+    changed = False
+    for time in layer.ListTimeSamplesForPath(spec.path):
+        value = layer.QueryTimeSample(spec.path, time)
+        moved = _renamed(value, rename)
+        if moved is not value:
+            layer.SetTimeSample(spec.path, time, moved)
+            changed = True
+    return changed
+
+
+def _renamed(value: Any, rename: Rename, template: bool = False) -> Any:
+    """A value with its asset paths renamed; the very same object where there is nothing to do."""
+    if isinstance(value, Sdf.AssetPath):
+        moved = rename(value.path)
+        return value if moved == value.path else Sdf.AssetPath(moved)
+    if isinstance(value, Sdf.AssetPathArray):
+        paths = [rename(item.path) for item in value]
+        same = paths == [item.path for item in value]
+        return value if same else Sdf.AssetPathArray([Sdf.AssetPath(path) for path in paths])
+    if isinstance(value, dict):
+        items = {key: _renamed_item(key, item, rename, template) for key, item in value.items()}
+        return items if any(items[key] is not item for key, item in value.items()) else value
+    if isinstance(value, Sdf.ReferenceListOp | Sdf.PayloadListOp):
+        return _renamed_list(value, rename)
+    return value
+
+
+def _renamed_item(key: str, item: Any, rename: Rename, template: bool) -> Any:
+    if template and key == "templateAssetPath" and isinstance(item, str):
+        folder, slash, name = item.rpartition("/")
+        # '#' stands for digits, so the name itself cannot be looked for.
+        return rename(f"{folder}/_").removesuffix("_") + name if slash else item
+    return _renamed(item, rename, template)
+
+
+def _renamed_list(value: Any, rename: Rename) -> Any:
+    moved, changed = type(value)(), False
+    fields = ("explicitItems",) if value.isExplicit else (
+        "addedItems", "prependedItems", "appendedItems", "deletedItems", "orderedItems")  # fmt: skip
+    for field in fields:
+        items = list(getattr(value, field))
+        new = [_renamed_arc(item, rename) for item in items]
+        changed = changed or new != items
+        if new or field == "explicitItems":
+            setattr(moved, field, new)
+    return moved if changed else value
+
+
+def _renamed_arc(item: Any, rename: Rename) -> Any:
+    if not item.assetPath:
+        return item
+    path = rename(item.assetPath)
+    if isinstance(item, Sdf.Reference):
+        return Sdf.Reference(path, item.primPath, item.layerOffset, item.customData)
+    return Sdf.Payload(path, item.primPath, item.layerOffset)

@@ -1,0 +1,186 @@
+"""Prims of our own: locators under a Scope ``rigtri`` of the top-level prim that holds a skeleton."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Tf
+
+from rigtri.errors import FileError
+from rigtri.formats.usd import notes
+from rigtri.formats.usd.reader import GROUP, Source
+from rigtri.formats.usd.stage import why_locked
+from rigtri.formats.usd.values import Edit, apply_schema, set_value
+from rigtri.formats.usd.xform import stand
+from rigtri.matrices import inverse, multiply
+from rigtri.pose import worlds
+from rigtri.rig import Rig
+
+SCHEMAS = {"poleVector": "RigtriPoleVectorAPI"}
+
+
+def is_ours(rig: Rig, node: int) -> bool:
+    """Whether a prim was made by rigtri: it carries a note, and its place is ours to set."""
+    return "type" in rig.notes.get(node, {})
+
+
+def edits(source: Source, rig: Rig) -> list[Edit]:
+    """New nodes as prims, and prims of ours brought up to date."""
+    return [*_update(source, rig), *_Additions(source, rig).edits()]
+
+
+def _update(source: Source, rig: Rig) -> list[Edit]:
+    before, found = source.rig, []
+    for node, key in enumerate(before.keys):
+        if key[0] != "prim":  # type: ignore[index]
+            continue
+        path, note = before.labels[node], rig.notes.get(node, {})
+        if dict(note) != dict(before.notes.get(node, {})):
+            old, new = notes.attributes_of(before.notes.get(node, {})), notes.attributes_of(note)
+            found += [_remove(path, name) for name in old if name not in new]
+            found += _attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
+        if not is_ours(before, node):
+            continue
+        if (before.local[node] != rig.local[node]).any():
+            locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
+            if locked:
+                raise FileError(f"{locked}.")
+            found += stand(path, rig.local[node])
+        if before.names[node] != rig.names[node]:
+            found.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
+    # Renaming comes last: all other edits know a prim by the path it had.
+    return sorted(found, key=lambda edit: edit.__name__ == "rename")
+
+
+class _Additions:
+    """The prims of new nodes: where each goes, what it is called, and where it stands."""
+
+    def __init__(self, source: Source, rig: Rig) -> None:
+        self.source, self.rig = source, rig
+        self.world = worlds(rig)
+        self.paths: dict[int, Any] = {}
+        self.made: dict[Any, Edit] = {}
+        self.taken: set[Any] = set()
+
+    def edits(self) -> list[Edit]:
+        found: list[Edit] = []
+        groups = set()
+        for node in range(len(self.source.rig), len(self.rig)):
+            if self.rig.payload[node] >= 0:
+                raise FileError(
+                    f"'{self.rig.title(node)}': a USD prim cannot hand its shape to another prim."
+                )
+            if self._is_group(node):
+                groups.add(node)
+                continue
+            found += self._locator(node)
+        # A group nobody hangs under would be an empty Scope.
+        return [*self.made.values(), *found]
+
+    def _is_group(self, node: int) -> bool:
+        return node >= len(self.source.rig) and self.rig.notes.get(node, {}).get("type") == "group"
+
+    def _locator(self, node: int) -> list[Edit]:
+        parent, above = self._parent(node)
+        name = Tf.MakeValidIdentifier(self.rig.names[node] or "locator")
+        path, count = parent.AppendChild(name), 2
+        while path in self.taken or self.source.stage.GetPrimAtPath(path):
+            path, count = parent.AppendChild(f"{name}_{count}"), count + 1
+        self.taken.add(path)
+        self.paths[node] = path
+        local = multiply(self.world[node], inverse(above))
+        # 1e-16 of a position is the noise of this product, not a place.
+        local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
+        note = self.rig.notes.get(node, {})
+        found = [_define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
+        schema = SCHEMAS.get(str(note.get("type")))
+        return [*found, apply_schema(path, schema)] if schema else found
+
+    def _parent(self, node: int) -> tuple[Any, Any]:
+        """The prim that a new node goes under, and that prim's world matrix."""
+        parent = int(self.rig.parents[node])
+        if parent in self.paths:
+            return self.paths[parent], self.world[parent]
+        if 0 <= parent < len(self.source.rig) and is_ours(self.source.rig, parent):
+            return Sdf.Path(self.rig.labels[parent]), self.world[parent]
+        return self._scope(self._top(node), parent)
+
+    def _top(self, node: int) -> Any:
+        """The top-level prim that holds the skeleton a node is about."""
+        rig, wanted = self.rig, self.rig.notes.get(node, {}).get("chain", ())
+        about = [
+            rig.keys[joint][1]  # type: ignore[index]
+            for joint in range(len(self.source.rig))
+            if wanted and rig.keys[joint][0] == "joint" and wanted[0] in _addresses(rig, joint)  # type: ignore[index]
+        ]
+        if not about:
+            about = list(self.source.skeletons) or [skin.key[1] for skin in rig.skins]  # type: ignore[index]
+        path = Sdf.Path(about[0]).GetPrefixes()[0]
+        prim = self.source.stage.GetPrimAtPath(path)
+        return None if prim.IsInstance() or prim.IsInstanceProxy() else path
+
+    def _scope(self, top: Any, group: int) -> tuple[Any, Any]:
+        """The Scope of ours below ``top`` (at the root where ``top`` is an instance)."""
+        parent = Sdf.Path.absoluteRootPath if top is None else top
+        path, count = parent.AppendChild(GROUP), 2
+        stage = self.source.stage
+        while (prim := stage.GetPrimAtPath(path)) and not prim.HasAttribute("rigtri:type"):
+            path, count = parent.AppendChild(f"{GROUP}_{count}"), count + 1
+        if path not in self.made and not stage.GetPrimAtPath(path):
+            note = self.rig.notes.get(group, {}) if self._is_group(group) else {}
+            self.made[path] = _all(
+                [
+                    _define(path, "Scope"),
+                    *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
+                ]
+            )
+        nodes = {label: node for node, label in enumerate(self.rig.labels)}
+        above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
+        return path, above
+
+
+def _addresses(rig: Rig, node: int) -> tuple[str, ...]:
+    return (rig.names[node], rig.labels[node], str(rig.keys[node][2]))  # type: ignore[index]
+
+
+def _all(parts: list[Edit]) -> Edit:
+    def edit(layer: Any) -> None:
+        for part in parts:
+            part(layer)
+
+    return edit
+
+
+def _define(path: Any, kind: str) -> Edit:
+    def edit(layer: Any) -> None:
+        spec = Sdf.CreatePrimInLayer(layer, path)
+        spec.specifier, spec.typeName = Sdf.SpecifierDef, kind
+
+    return edit
+
+
+def _attributes(path: Any, wanted: dict[str, tuple[Any, Any]]) -> list[Edit]:
+    return [
+        set_value(path, name, kind, value, custom=True, uniform=name.startswith(notes.PREFIX))
+        for name, (kind, value) in wanted.items()
+    ]
+
+
+def _remove(path: str, name: str) -> Edit:
+    def edit(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is not None and name in spec.properties:
+            del spec.properties[name]
+
+    return edit
+
+
+def _rename(path: str, name: str) -> Edit:
+    def rename(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is None or spec.specifier != Sdf.SpecifierDef:
+            raise FileError(f"<{path}> is defined in another layer, so it cannot be renamed here.")
+        spec.name = name
+
+    return rename

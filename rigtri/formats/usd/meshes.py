@@ -1,0 +1,179 @@
+"""What skeletons move: skinned meshes, blend shapes and rigid points, read to measure.
+
+Inbetweens of blend shapes are not read: their targets count as reached in a
+straight line. Points are those of the Default time, else of the earliest sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdSkel
+
+from rigtri.formats.usd.stage import DEFAULT, quiet
+from rigtri.rig import Booleans, Integers, Mesh, Track
+from rigtri.trigonometry import Floats
+
+EARLIEST = Usd.TimeCode.EarliestTime()
+ALL_PRIMS = Usd.TraverseInstanceProxies()
+
+
+class Bindings:
+    """What is bound to which skeleton, found when first asked for: it walks the whole stage."""
+
+    def __init__(self, stage: Any) -> None:
+        self._stage = stage
+
+    @cached_property
+    def every(self) -> list[tuple[str, Any]]:
+        """Skinned prims as (skeleton path, UsdSkel skinning query), those of instances included."""
+        with quiet():
+            return _bindings(self._stage)
+
+    def of(self, skeletons: Collection[str]) -> list[Any]:
+        """The skinning queries of some skeletons."""
+        return [query for path, query in self.every if path in skeletons]
+
+
+def _bindings(stage: Any) -> list[tuple[str, Any]]:
+    cache, found = UsdSkel.Cache(), []
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
+        if prim.IsA(UsdSkel.Root):
+            root = UsdSkel.Root(prim)
+            cache.Populate(root, ALL_PRIMS)
+            for binding in cache.ComputeSkelBindings(root, ALL_PRIMS):
+                path = str(binding.GetSkeleton().GetPath())
+                found += [(path, query) for query in binding.GetSkinningTargets()]
+    return found
+
+
+def weighted(queries: Sequence[Any], tokens: Sequence[str]) -> Booleans:
+    """Which joints of a skeleton move any point, (n,); all where nothing is bound to it."""
+    mask = np.zeros(len(tokens), dtype=bool)
+    bound = False
+    for query in queries:
+        if query.HasJointInfluences():
+            joints, weights = _influences(query, tokens, None)
+            bound = True
+            mask[joints[weights != 0.0]] = True
+    return mask if bound else np.ones(len(tokens), dtype=bool)
+
+
+def read_meshes(
+    stage: Any,
+    found: Sequence[tuple[str, Any]],
+    node_of: Mapping[str, int],
+    skins: Mapping[str, int],
+    tokens: Mapping[str, Sequence[str]],
+) -> list[Mesh]:
+    """All points of a stage. node_of: nodes by prim path; skins: by skeleton path."""
+    by_prim = {str(query.GetPrim().GetPath()): (path, query) for path, query in found}
+    meshes = []
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
+        path = str(prim.GetPath())
+        if not prim.IsA(UsdGeom.PointBased) or path not in node_of:
+            continue
+        points = at_start(UsdGeom.PointBased(prim).GetPointsAttr())
+        if not points:
+            continue
+        mesh = Mesh(path, node_of[path], np.array(points, dtype=np.float64))
+        skeleton, query = by_prim.get(path, ("", None))
+        if query is not None and skeleton in skins:
+            mesh = _skinned(mesh, query, skins[skeleton], tokens[skeleton])
+        meshes.append(mesh)
+    return meshes
+
+
+def at_start(attribute: Any) -> Any:
+    """An attribute's value at the Default time, else at its earliest sample; None without either."""
+    value = attribute.Get(DEFAULT)
+    return attribute.Get(EARLIEST) if value is None else value
+
+
+def blend_tracks(
+    animation: Any, queries: Sequence[Any], node_of: Mapping[str, int], interpolation: Any
+) -> list[Track]:
+    """The morph weights that an animation drives, as one track for each mesh it moves."""
+    attribute = animation.GetAttribute("blendShapeWeights")
+    names = [str(name) for name in animation.GetAttribute("blendShapes").Get(DEFAULT) or ()]
+    keys = [(time, attribute.Get(time)) for time in attribute.GetTimeSamples()]
+    keys = [(time, value) for time, value in keys if value is not None and len(value) == len(names)]
+    if not keys:
+        return []
+    times = np.array([time for time, _ in keys])
+    values = np.array([np.array(value, dtype=np.float64) for _, value in keys])
+    values = np.concatenate([values, np.zeros((len(keys), 1))], axis=1)  # the last: not driven
+    tracks = []
+    for query in queries:
+        path = str(query.GetPrim().GetPath())
+        if query.HasBlendShapes() and path in node_of:
+            order = [str(name) for name in query.GetBlendShapeOrder() or ()]
+            columns = [names.index(name) if name in names else -1 for name in order]
+            tracks.append(Track(node_of[path], "weights", interpolation, times, values[:, columns]))
+    return tracks
+
+
+def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
+    morphs = _morphs(query, len(mesh.points)) if query.HasBlendShapes() else mesh.morphs
+    rest = np.zeros(len(morphs))
+    if not query.HasJointInfluences():
+        return Mesh(mesh.name, mesh.node, mesh.points, morphs=morphs, morph_weights=rest)
+    joints, weights = _influences(query, tokens, len(mesh.points))
+    return Mesh(
+        name=mesh.name,
+        node=mesh.node,
+        points=mesh.points,
+        skin=skin,
+        joints=joints,
+        weights=weights,
+        bind=np.array(query.GetGeomBindTransform(DEFAULT), dtype=np.float64),
+        morphs=morphs,
+        morph_weights=rest,
+        dual_quaternion=str(query.GetSkinningMethod()) == "dualQuaternion",
+    )
+
+
+def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[Integers, Floats]:
+    """Joint indices of the skeleton and weights, (v, k); unmatched influences weigh nothing.
+
+    points: how many, to spread constant influences over; None leaves one row for all.
+    """
+    for time in (DEFAULT, EARLIEST):
+        if points is None:
+            pair = query.ComputeJointInfluences(time)
+        else:
+            pair = query.ComputeVaryingJointInfluences(points, time)
+        if pair and len(pair[0]):
+            break
+    width = max(query.GetNumInfluencesPerComponent(), 1)
+    if not pair or len(pair[0]) % width or len(pair[0]) != len(pair[1]):
+        return np.zeros((points or 0, 1), dtype=np.int64), np.zeros((points or 0, 1))
+    indices = np.array(pair[0], dtype=np.int64).reshape(-1, width)
+    weights = np.array(pair[1], dtype=np.float64).reshape(-1, width)
+    index = {token: number for number, token in enumerate(tokens)}
+    own = query.GetJointOrder()
+    order = np.array([index.get(str(t), -1) for t in own]) if own else np.arange(len(tokens))
+    usable = (indices >= 0) & (indices < len(order))
+    indices = order[np.where(usable, indices, 0)]
+    usable &= indices >= 0
+    return np.where(usable, indices, 0), np.where(usable, weights, 0.0)
+
+
+def _morphs(query: Any, count: int) -> Floats:
+    """Offsets of a mesh's blend shapes, (t, v, 3), in the mesh's own order."""
+    prim = query.GetPrim()
+    targets = prim.GetRelationship("skel:blendShapeTargets").GetForwardedTargets()
+    morphs = np.zeros((len(targets), count, 3))
+    for row, target in zip(morphs, targets, strict=True):
+        shape = prim.GetStage().GetPrimAtPath(target)
+        offsets = at_start(shape.GetAttribute("offsets")) if shape else None
+        if not offsets:
+            continue
+        where = at_start(shape.GetAttribute("pointIndices"))
+        rows = np.array(where, dtype=np.int64) if where else np.arange(len(offsets))
+        if len(rows) == len(offsets) and rows.max(initial=0) < count:
+            row[rows] = np.array(offsets, dtype=np.float64)
+    return morphs

@@ -1,0 +1,142 @@
+"""What rigtri knows about a prim or joint, as ``rigtri:*`` attributes or customData, and back.
+
+A note is a plain JSON object. On prims its keys are custom attributes with
+fitting types, which USD tools show and Blender imports as custom properties
+(`userProperties:` twins included); objects become namespaces. On joints, which
+are no prims, it lies in the Skeleton's ``customData.rigtri``. What neither can
+hold (lists of objects) is kept as JSON text under the extra name ``json``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from pxr import Gf, Sdf, Tf, Vt
+
+PREFIX = "rigtri:"
+TWIN = "userProperties:"
+# Words from a fixed list are tokens, in USD's own way; all other words are strings.
+TOKENS = ("type",)
+
+Note = Mapping[str, Any]
+
+
+def read_prim(prim: Any) -> dict[str, Any]:
+    """The note that a prim's ``rigtri:*`` attributes hold; empty where there are none."""
+    note: dict[str, Any] = {}
+    for attribute in prim.GetAuthoredPropertiesInNamespace("rigtri"):
+        value = attribute.Get() if hasattr(attribute, "Get") else None
+        if value is not None:
+            *spaces, key = attribute.GetName().split(":")[1:]
+            place = note
+            for space in spaces:
+                place = place.setdefault(space, {})
+            place[key] = _plain(value)
+    return {key: _unpacked(value) for key, value in note.items()}
+
+
+def read_joints(skeleton: Any) -> dict[str, dict[str, Any]]:
+    """The notes of a Skeleton's joints by their tokens."""
+    stored = skeleton.GetCustomDataByKey("rigtri") or {}
+    found = {}
+    for entry in stored.values():
+        if isinstance(entry, dict) and "joint" in entry:
+            note = {key: _unpacked(_plain(v)) for key, v in entry.items() if key != "joint"}
+            found[str(entry["joint"])] = note
+    return found
+
+
+def to_custom_data(notes: Mapping[str, Note]) -> dict[str, Any]:
+    """Notes by joint token as the dictionary ``customData.rigtri`` of a Skeleton."""
+    stored: dict[str, Any] = {}
+    for token, note in notes.items():
+        # Keys of USD dictionaries are identifiers; the entry itself says which joint it means.
+        wanted = name = Tf.MakeValidIdentifier(token)
+        count = 2
+        while name in stored:
+            name, count = f"{wanted}_{count}", count + 1
+        stored[name] = {"joint": token, **{key: _storable(value) for key, value in note.items()}}
+    return stored
+
+
+def attributes_of(note: Note, prefix: str = PREFIX) -> dict[str, tuple[Any, Any]]:
+    """A note as attributes: name → (type, value), with readable twins for words and lists."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for key, value in note.items():
+        name = prefix + Tf.MakeValidIdentifier(key)
+        value = _packed(value)
+        if isinstance(value, Mapping):
+            found.update(attributes_of(value, f"{name}:"))
+            continue
+        found[name] = _typed(key, value)
+        if prefix == PREFIX and isinstance(value, str):
+            found[TWIN + name.replace(":", "_")] = (Sdf.ValueTypeNames.String, value)
+        elif prefix == PREFIX and _all(value, str):
+            found[TWIN + name.replace(":", "_")] = (Sdf.ValueTypeNames.String, ", ".join(value))
+    return found
+
+
+def _typed(key: str, value: Any) -> tuple[Any, Any]:
+    types = Sdf.ValueTypeNames
+    if isinstance(value, bool):
+        return types.Bool, value
+    if isinstance(value, int):
+        return types.Int, value
+    if isinstance(value, float):
+        return types.Double, value
+    if isinstance(value, str):
+        return (types.Token if key in TOKENS else types.String), value
+    if _all(value, str):
+        return types.TokenArray, Vt.TokenArray(list(value))
+    if len(value) == 3:
+        return types.Double3, Gf.Vec3d(*map(float, value))
+    return types.DoubleArray, Vt.DoubleArray([float(number) for number in value])
+
+
+def _storable(value: Any) -> Any:
+    """A value for customData, which has no tokens and no vectors of ours."""
+    value = _packed(value)
+    if isinstance(value, Mapping):
+        return {Tf.MakeValidIdentifier(key): _storable(item) for key, item in value.items()}
+    if _all(value, str):
+        return Vt.StringArray(list(value))
+    if isinstance(value, list | tuple):
+        return Vt.DoubleArray([float(number) for number in value])
+    return value
+
+
+def _packed(value: Any) -> Any:
+    """The value itself, or {"json": text} where USD has no type for it."""
+    if isinstance(value, Mapping):
+        return value if value else {"json": "{}"}
+    if isinstance(value, bool | float | str):
+        return value
+    if isinstance(value, int) and -(2**31) <= value < 2**31:
+        return value
+    if isinstance(value, list | tuple) and (_all(value, str) or (value and _all(value, (int, float)))):
+        return value
+    return {"json": json.dumps(value, ensure_ascii=False)}
+
+
+def _unpacked(value: Any) -> Any:
+    if isinstance(value, dict):
+        if set(value) == {"json"} and isinstance(value["json"], str):
+            return json.loads(value["json"])
+        return {key: _unpacked(item) for key, item in value.items()}
+    return value
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, bool | int | float | str):
+        return value
+    return list(value)
+
+
+def _all(value: Any, kind: Any) -> bool:
+    return isinstance(value, list | tuple) and all(
+        isinstance(item, kind) and not isinstance(item, bool) for item in value
+    )

@@ -1,0 +1,188 @@
+"""The .usdz package: an uncompressed zip whose entries start at multiples of 64 bytes.
+
+Packages are rewritten entry by entry: names, order, dates, comments and extra
+fields stay; only the padding that the alignment needs is made anew.
+
+Source: USDZ specification (openusd.org/release/spec_usdz.html); PKWARE APPNOTE
+6.3, sections 4.3.7, 4.3.12, 4.3.16.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from rigtri.errors import FileError
+
+ALIGNMENT = 64
+# The id under which USD keeps its padding in an extra field.
+PADDING = 0x1986
+
+_LOCAL = struct.Struct("<4s5H3I2H")
+_CENTRAL = struct.Struct("<4s6H3I5H2I")
+_END = struct.Struct("<4s4H2IH")
+_BLOCK = struct.Struct("<2H")
+_ENCRYPTED, _DESCRIPTOR, _UTF8 = 0x0001, 0x0008, 0x0800
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One file of a package; ``start`` and ``size`` say where its bytes lie."""
+
+    name: str
+    raw_name: bytes
+    start: int
+    size: int
+    crc: int
+    made_by: int
+    needed: int
+    flags: int
+    time: int
+    date: int
+    extra: bytes
+    central_extra: bytes
+    comment: bytes
+    internal: int
+    external: int
+
+
+@dataclass(frozen=True)
+class Package:
+    """The entries of a package in the order of its directory; the first is the root layer."""
+
+    content: bytes
+    entries: tuple[Entry, ...]
+    comment: bytes
+
+    @property
+    def root(self) -> Entry:
+        return self.entries[0]
+
+    def bytes_of(self, entry: Entry) -> bytes:
+        return self.content[entry.start : entry.start + entry.size]
+
+
+def read(path: Path) -> Package:
+    """Read the directory of a package.
+
+    FileError for what is no .usdz: not a zip, compressed or encrypted entries,
+    names that lead outside, entries that overlap or end outside the file.
+    """
+    content = path.read_bytes()
+    at = content.rfind(b"PK\5\6", max(0, len(content) - 65557))
+    if not content.startswith(b"PK") or at < 0 or at + _END.size > len(content):
+        raise FileError(f"{path}: no .usdz package (not a zip file, or cut off at the end).")
+    _, disk, _, _, count, size, start, _ = _END.unpack_from(content, at)
+    if disk or 0xFFFF in (count, disk) or 0xFFFFFFFF in (size, start) or start + size > at:
+        raise FileError(f"{path}: its zip directory is damaged or a Zip64 one, which .usdz forbids.")
+    entries, offset = [], start
+    for number in range(count):
+        try:
+            entry, offset = _entry(content, offset, start)
+        except (struct.error, ValueError) as error:
+            raise FileError(f"{path}: entry {number + 1} of the package: {error}.") from None
+        entries.append(entry)
+    _check(path, entries)
+    return Package(content, tuple(entries), content[at + _END.size :])
+
+
+def _entry(content: bytes, offset: int, limit: int) -> tuple[Entry, int]:
+    (mark, made_by, needed, flags, method, time, date, crc, packed, size, name_size, extra_size,
+     comment_size, _, internal, external, local) = _CENTRAL.unpack_from(content, offset)  # fmt: skip
+    if mark != b"PK\1\2" or content[local : local + 4] != b"PK\3\4":
+        raise ValueError("its record is damaged")
+    after = offset + _CENTRAL.size
+    raw_name = content[after : after + name_size]
+    central_extra = content[after + name_size : after + name_size + extra_size]
+    end = after + name_size + extra_size + comment_size
+    name = raw_name.decode("utf-8" if flags & _UTF8 else "cp437")
+    if method != 0 or packed != size:
+        raise ValueError(f"'{name}' is compressed, which .usdz forbids; pack it again without")
+    if flags & _ENCRYPTED:
+        raise ValueError(f"'{name}' is encrypted")
+    *_, local_name_size, local_extra_size = _LOCAL.unpack_from(content, local)
+    named = local + _LOCAL.size
+    if content[named : named + local_name_size] != raw_name:
+        raise ValueError(f"'{name}' has another name in its own header")
+    start = named + local_name_size + local_extra_size
+    if start + size > limit:
+        raise ValueError(f"'{name}' ends outside the package")
+    extra = content[named + local_name_size : start]
+    comment = content[end - comment_size : end]
+    return (
+        Entry(name, raw_name, start, size, crc, made_by, needed, flags, time, date,
+              _without_padding(extra), _without_padding(central_extra), comment, internal, external),
+        end,
+    )  # fmt: skip
+
+
+def _check(path: Path, entries: list[Entry]) -> None:
+    if not entries:
+        raise FileError(f"{path}: the package is empty.")
+    if PurePosixPath(entries[0].name).suffix.lower() not in (".usd", ".usda", ".usdc"):
+        raise FileError(f"{path}: the package starts with '{entries[0].name}', not with a USD layer.")
+    names = [entry.name for entry in entries]
+    for name in names:
+        parts = name.replace("\\", "/").split("/")
+        if name.startswith(("/", "\\")) or ".." in parts or ":" in parts[0] or "\0" in name:
+            raise FileError(f"{path}: entry '{name}' leads outside the package.")
+    if len(set(names)) != len(names):
+        double = next(name for name in names if names.count(name) > 1)
+        raise FileError(f"{path}: two entries are named '{double}'.")
+    ordered = sorted(entries, key=lambda entry: entry.start)
+    for one, other in zip(ordered, ordered[1:], strict=False):
+        if one.start + one.size > other.start:
+            raise FileError(f"{path}: entries '{one.name}' and '{other.name}' overlap.")
+
+
+def _without_padding(extra: bytes) -> bytes:
+    """An extra field without USD's padding; one that is not made of blocks stays as it is."""
+    kept, at = b"", 0
+    while at + _BLOCK.size <= len(extra):
+        block, size = _BLOCK.unpack_from(extra, at)
+        end = at + _BLOCK.size + size
+        if end > len(extra):
+            return extra
+        if block != PADDING:
+            kept += extra[at:end]
+        at = end
+    return kept + (extra[at:] if extra[at:].strip(b"\0") else b"")
+
+
+def write(package: Package, root: bytes, part: Path) -> None:
+    """Write the package to ``part`` with other bytes for its root layer."""
+    directory, written = [], 0
+    with part.open("wb") as sink:
+        for entry in package.entries:
+            data = root if entry is package.root else package.bytes_of(entry)
+            crc = zlib.crc32(data) if entry is package.root else entry.crc
+            flags = entry.flags & ~_DESCRIPTOR
+            extra = entry.extra + _pad(written + _LOCAL.size + len(entry.raw_name) + len(entry.extra))
+            header = (b"PK\3\4", entry.needed, flags, 0, entry.time, entry.date, crc, len(data),
+                      len(data), len(entry.raw_name), len(extra))  # fmt: skip
+            record = (b"PK\1\2", entry.made_by, entry.needed, flags, 0, entry.time, entry.date, crc,
+                      len(data), len(data), len(entry.raw_name), len(entry.central_extra),
+                      len(entry.comment), 0, entry.internal, entry.external, written)  # fmt: skip
+            directory.append(
+                _CENTRAL.pack(*record) + entry.raw_name + entry.central_extra + entry.comment
+            )
+            local = _LOCAL.pack(*header) + entry.raw_name + extra
+            sink.write(local)
+            sink.write(data)
+            written += len(local) + len(data)
+        listing, count = b"".join(directory), len(directory)
+        sink.write(listing)
+        end = (b"PK\5\6", 0, 0, count, count, len(listing), written, len(package.comment))
+        sink.write(_END.pack(*end) + package.comment)
+
+
+def _pad(unpadded: int) -> bytes:
+    """An extra block that makes what follows start at a multiple of 64; none where it does already."""
+    missing = -unpadded % ALIGNMENT
+    if missing == 0:
+        return b""
+    if missing < _BLOCK.size:
+        missing += ALIGNMENT
+    return _BLOCK.pack(PADDING, missing - _BLOCK.size) + bytes(missing - _BLOCK.size)

@@ -1,0 +1,281 @@
+"""A USD stage as a rig: prims that have a place, the joints of skeletons, and what drives them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdSkel
+
+from rigtri.errors import FileError
+from rigtri.formats import Options
+from rigtri.formats.usd import meshes, notes, xform
+from rigtri.formats.usd.animations import Animation, clips, read_animation
+from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
+from rigtri.formats.usd.stage import DEFAULT, open_stage, quiet
+from rigtri.matrices import compose, decompose, identity, inverse
+from rigtri.pose import worlds
+from rigtri.report import Notice
+from rigtri.rig import Clip, Interpolation, Rig, Skin
+
+# The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
+GROUP = "rigtri"
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A stage as it was read: what the writer compares with and takes values from."""
+
+    path: Path
+    stage: Any
+    rig: Rig
+    skeletons: Mapping[str, Skeleton]
+    animations: Mapping[str, Animation]
+    warnings: list[Notice]
+    bindings: meshes.Bindings
+
+    @property
+    def layer(self) -> Any:
+        return self.stage.GetRootLayer()
+
+
+def read_source(path: Path, options: Options, stage: Any = None) -> Source:
+    """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton."""
+    warnings: list[Notice] = []
+    if stage is None:
+        stage, warnings = open_stage(path)
+    with quiet():
+        return _Reader(path, stage, options, warnings).read()
+
+
+class _Reader:
+    """One pass over a stage; nodes are collected in columns."""
+
+    def __init__(self, path: Path, stage: Any, options: Options, warnings: list[Notice]) -> None:
+        self.path, self.stage, self.options, self.warnings = path, stage, options, warnings
+        self.names: list[str] = []
+        self.parents: list[int] = []
+        self.matrices: list[np.ndarray] = []
+        self.keys: list[tuple[str, ...]] = []
+        self.labels: list[str] = []
+        self.payload: list[int] = []
+        self.own: list[int] = []  # prims of ours, which keep their place as TRS
+        self.notes: dict[int, dict[str, Any]] = {}
+        self.fixed: dict[int, str] = {}
+        self.node_of: dict[str, int] = {}
+        self.joint_nodes: dict[str, dict[str, int]] = {}
+        self.skeletons: dict[str, Skeleton] = {}
+        self.animations: dict[str, Animation] = {}
+        self.bindings = meshes.Bindings(stage)
+
+    def read(self) -> Source:
+        prims = self._prims()
+        self._skeletons(prims)
+        self._animations(prims)
+        if not self.skeletons and self.options.root is None:
+            raise FileError(
+                f"{self.path}: there is no skeleton in it{self._excuse()}. If its joints are plain "
+                "Xform prims, name the topmost with --root, e.g. --root "
+                f"{self.labels[0] if self.labels else '/Root'}"
+            )
+        rig = self._rig()
+        rig = replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins()))
+        if self.options.root is not None:
+            rig = self._rooted(rig, xform.find_root(rig, self.options.root))
+        return Source(
+            self.path,
+            self.stage,
+            rig,
+            self.skeletons,
+            self.animations,
+            self.warnings,
+            self.bindings,
+        )
+
+    def _excuse(self) -> str:
+        missing = [notice.text for notice in self.warnings if notice.code == "unresolved"]
+        return f" ({missing[0].rstrip('.')})" if missing else ""
+
+    def _prims(self) -> list[Any]:
+        """Every prim with a place as a node; returns the Skeleton and SkelAnimation prims."""
+        others = []
+        above: dict[Any, int] = {}
+        for prim in Usd.PrimRange(self.stage.GetPseudoRoot(), meshes.ALL_PRIMS):
+            path = prim.GetPath()
+            parent = above.get(path.GetParentPath(), -1)
+            above[path] = parent
+            kind = prim.GetTypeName()
+            if kind in ("Skeleton", "SkelAnimation"):
+                others.append(prim)
+            group = kind == "Scope" and prim.HasAttribute("rigtri:type")
+            if prim.IsA(UsdGeom.Xformable) or group:
+                above[path] = self._add_prim(prim, parent, group)
+        return others
+
+    def _add_prim(self, prim: Any, parent: int, group: bool) -> int:
+        node, path = len(self.names), str(prim.GetPath())
+        if group:
+            local = np.eye(4)
+        else:
+            xformable = UsdGeom.Xformable(prim)
+            local = np.array(xformable.GetLocalTransformation(DEFAULT), dtype=np.float64)
+            parent = -1 if xformable.GetResetXformStack() else parent
+        self._add(prim.GetName(), parent, local, ("prim", path), path)
+        self.node_of[path] = node
+        if _shows(prim):
+            self.payload[node] = node
+        note = notes.read_prim(prim)
+        if note:
+            self.notes[node] = note
+            self.own.append(node)
+        return node
+
+    def _add(self, name: str, parent: int, local: np.ndarray, key: tuple[str, ...], label: str) -> None:
+        self.names.append(name)
+        self.parents.append(parent)
+        self.matrices.append(local)
+        self.keys.append(key)
+        self.labels.append(label)
+        self.payload.append(-1)
+
+    def _skeletons(self, others: list[Any]) -> None:
+        prims = [prim for prim in others if prim.GetTypeName() == "Skeleton"]
+        if not prims:
+            return
+        world = worlds(self._rig())
+        for prim in prims:
+            path = str(prim.GetPath())
+            animation = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
+            skeleton = read_skeleton(prim, animation, world[self.node_of[path]], self.warnings)
+            if skeleton is not None:
+                self.skeletons[path] = skeleton
+        counts: dict[str, int] = {}
+        for skeleton in self.skeletons.values():
+            for token in skeleton.tokens:
+                counts[token] = counts.get(token, 0) + 1
+        for path, skeleton in self.skeletons.items():
+            self._add_joints(skeleton, self.node_of[path], counts)
+            self._read_joint_notes(self.stage.GetPrimAtPath(path), self.joint_nodes[path])
+
+    def _add_joints(self, skeleton: Skeleton, owner: int, counts: Mapping[str, int]) -> None:
+        first = len(self.names)
+        nodes = {token: first + number for number, token in enumerate(skeleton.tokens)}
+        self.joint_nodes[skeleton.path] = nodes
+        for number, token in enumerate(skeleton.tokens):
+            parent = int(skeleton.parents[number])
+            self._add(
+                token.rpartition("/")[2],
+                owner if parent < 0 else first + parent,
+                skeleton.rest[number],
+                ("joint", skeleton.path, token),
+                f"{skeleton.path}:{token}" if counts[token] > 1 else token,
+            )
+            if skeleton.locked:
+                self.fixed[first + number] = skeleton.locked
+
+    def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
+        for token, note in notes.read_joints(prim).items():
+            if token in nodes:
+                self.notes[nodes[token]] = note
+
+    def _animations(self, others: list[Any]) -> None:
+        bound = {skeleton.animation for skeleton in self.skeletons.values()} - {""}
+        for path in sorted(bound):
+            animation = read_animation(self.stage.GetPrimAtPath(path), self.warnings)
+            if animation is not None:
+                self.animations[path] = animation
+        paths = [str(prim.GetPath()) for prim in others if prim.GetTypeName() == "SkelAnimation"]
+        loose = [path for path in paths if path not in bound]
+        if loose and self.skeletons:
+            shown = ", ".join(f"<{path}>" for path in loose[:3]) + (" …" if len(loose) > 3 else "")
+            self.warnings.append(
+                Notice("unbound-animation", f"No skeleton uses {shown}: left as they were, in the old axes.")
+            )
+
+    def _clips(self) -> list[Clip]:
+        held = self.stage.GetInterpolationType() == Usd.InterpolationTypeHeld
+        interpolation: Interpolation = "STEP" if held else "LINEAR"
+        names = [animation.name for animation in self.animations.values()]
+        found = []
+        for path, animation in self.animations.items():
+            users = [s.path for s in self.skeletons.values() if s.animation == path]
+            name = animation.name if names.count(animation.name) == 1 else path
+            prim, weights = self.stage.GetPrimAtPath(path), []
+            if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
+                queries = self.bindings.of(users)
+                weights = meshes.blend_tracks(prim, queries, self.node_of, interpolation)
+            driven = [self.joint_nodes[user] for user in users]
+            found += clips(animation, name, driven, weights, interpolation)
+        return found
+
+    def _skins(self) -> list[Skin]:
+        return [self._skin(skeleton) for skeleton in self.skeletons.values()]
+
+    def _skin(self, skeleton: Skeleton) -> Skin:
+        def weigh() -> np.ndarray:
+            return meshes.weighted(self.bindings.of({skeleton.path}), skeleton.tokens)
+
+        nodes = self.joint_nodes[skeleton.path]
+        return Skin(
+            name=skeleton.path.rpartition("/")[2],
+            joints=np.array([nodes[token] for token in skeleton.tokens], dtype=np.int64),
+            inverse_bind=inverse(skeleton.bind),
+            weigh=weigh,
+            key=("skeleton", skeleton.path),
+        )
+
+    def _rig(self) -> Rig:
+        count = len(self.names)
+        matrix = np.array(self.matrices, dtype=np.float64).reshape(-1, 4, 4)
+        has_matrix = np.ones(count, dtype=bool)
+        with np.errstate(invalid="ignore"):
+            translation, rotation, scale = decompose(matrix)
+        # A frame that is flat or sheared has no rotation; the matrix says all there is.
+        rotation = np.where(np.isfinite(rotation).all(axis=1)[:, np.newaxis], rotation, (0.0, 0, 0, 1))
+        has_matrix[self.own] = np.abs(compose(translation, rotation, scale) - matrix)[self.own].max(
+            axis=(1, 2), initial=0.0
+        ) > 1e-9
+        up = (0.0, 0.0, 1.0) if UsdGeom.GetStageUpAxis(self.stage) == "Z" else (0.0, 1.0, 0.0)
+        return Rig(
+            names=tuple(self.names),
+            parents=np.array(self.parents, dtype=np.int64),
+            translation=translation,
+            rotation=rotation,
+            scale=scale,
+            matrix=np.where(has_matrix[:, np.newaxis, np.newaxis], matrix, identity(count)),
+            has_matrix=has_matrix,
+            payload=np.array(self.payload, dtype=np.int64),
+            keys=tuple(self.keys),
+            labels=tuple(self.labels),
+            fixed=dict(self.fixed),
+            notes=dict(self.notes),
+            up=up,
+        )
+
+    def _rooted(self, rig: Rig, root: int) -> Rig:
+        """The prims below ``root`` as joints, those that cannot be turned marked as fixed."""
+        skin = xform.pseudo_skin(rig, root)
+        fixed = dict(rig.fixed)
+        bodies = xform.jointed_bodies(self.stage)
+        for node in skin.joints.tolist():
+            prim = self.stage.GetPrimAtPath(rig.labels[node])
+            why = bodies.get(rig.labels[node]) or xform.why_fixed(prim)
+            if why:
+                fixed[node] = why
+            elif UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
+                self.warnings.append(
+                    Notice("animated-xform", f"<{prim.GetPath()}> is animated; only its rest is measured.")
+                )
+        return replace(rig, skins=(*rig.skins, skin), fixed=fixed)
+
+
+def _shows(prim: Any) -> bool:
+    return bool(
+        prim.IsA(UsdGeom.Gprim)
+        or prim.IsA(UsdGeom.Camera)
+        or prim.IsA(UsdGeom.PointInstancer)
+        or prim.GetTypeName().endswith("Light")
+    )

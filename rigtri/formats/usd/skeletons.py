@@ -1,0 +1,180 @@
+"""UsdSkel skeletons as arrays, checked: joint tokens, parents, bind and rest matrices.
+
+Source: UsdSkel schemas: bindTransforms are in world space at bind time,
+restTransforms are joint-local, a joint's parent is its nearest *listed* ancestor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.stage import DEFAULT, why_locked
+from rigtri.matrices import determinant, inverse, multiply
+from rigtri.report import Notice
+from rigtri.rig import Integers
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+# A frame whose volume is a smaller share of its axes' lengths has no inverse worth the name.
+SINGULAR = 1e-12
+
+# What exporters that multiply in float32 leave in a column that should be 0, 0, 0, 1.
+PERSPECTIVE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """One Skeleton prim. parents: (n,), −1 for a root. bind, rest: (n, 4, 4).
+
+    locked: why it cannot be edited, "" where it can. animation: the path of the
+    SkelAnimation that is bound to it, or "".
+    """
+
+    path: str
+    tokens: tuple[str, ...]
+    parents: Integers
+    bind: Floats
+    rest: Floats
+    has_rest: bool
+    locked: str
+    animation: str
+
+
+def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notice]) -> Skeleton | None:
+    """The skeleton of a Skeleton prim whose world matrix is ``world``; None if it has no joints.
+
+    FileError where its joints or matrices break UsdSkel's rules, naming them.
+    """
+    path = str(prim.GetPath())
+    tokens = tuple(str(token) for token in prim.GetAttribute("joints").Get(DEFAULT) or ())
+    if not tokens:
+        warnings.append(Notice("no-joints", f"Skeleton <{path}> has no joints; it is left alone."))
+        return None
+    parents = joint_parents(path, tokens)
+    bind = _matrices(prim, "bindTransforms", tokens)
+    if bind is None:
+        raise FileError(
+            f"Skeleton <{path}> has no bindTransforms, so what its skin looks like is undefined. "
+            "Export it again with a bind pose."
+        )
+    _check_bind(path, tokens, bind)
+    rest = _matrices(prim, "restTransforms", tokens)
+    found = _animation_of(prim, animation)
+    if rest is None:
+        _check_covered(path, tokens, found)
+        warnings.append(
+            Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
+        )
+    locked = why_locked(prim, ("joints", "bindTransforms", "restTransforms"))
+    if not locked and found is not None:
+        locked = why_locked(found, ("joints", "translations", "rotations", "scales"))
+    return Skeleton(
+        path=path,
+        tokens=tokens,
+        parents=parents,
+        bind=bind,
+        rest=_local(bind, parents, world) if rest is None else rest,
+        has_rest=rest is not None,
+        locked=locked,
+        animation="" if found is None else str(found.GetPath()),
+    )
+
+
+def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
+    """The index of each joint's nearest listed ancestor, (n,), −1 for roots.
+
+    FileError where a joint is listed twice, or before its parent.
+    """
+    index: dict[str, int] = {}
+    for number, token in enumerate(tokens):
+        if token in index:
+            raise FileError(
+                f"Skeleton <{path}> lists joint '{token}' twice. Every joint needs a path of its own."
+            )
+        index[token] = number
+    parents = np.full(len(tokens), -1, dtype=np.int64)
+    for number, token in enumerate(tokens):
+        above = token.rpartition("/")[0]
+        while above and above not in index:
+            above = above.rpartition("/")[0]
+        parents[number] = index[above] if above else -1
+        if parents[number] > number:
+            # A parent before its children: one pass is enough, and UsdSkel accepts nothing else.
+            raise FileError(
+                f"Skeleton <{path}> lists joint '{token}' before its parent '{above}'. "
+                "UsdSkel wants parents first; sort the joints, their matrices and their influences."
+            )
+    return parents
+
+
+def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
+    attribute, path = prim.GetAttribute(name), prim.GetPath()
+    if attribute and attribute.GetNumTimeSamples():
+        raise FileError(
+            f"<{path}>.{name} has time samples, which UsdSkel reads as empty. Write one value without time."
+        )
+    value = attribute.Get(DEFAULT) if attribute else None
+    if not value:
+        return None
+    matrices = np.array(value, dtype=np.float64)
+    if len(matrices) != len(tokens):
+        raise FileError(
+            f"<{path}>.{name} has {len(matrices)} matrices for {len(tokens)} joints. Export it again."
+        )
+    odd = ~np.isfinite(matrices).all(axis=(1, 2))
+    if odd.any():
+        raise FileError(f"<{path}>.{name}: the matrix of joint '{tokens[int(odd.argmax())]}' is not finite.")
+    odd = (np.abs(matrices[:, :, 3] - (0.0, 0.0, 0.0, 1.0)) > PERSPECTIVE).any(axis=1)
+    if odd.any():
+        raise FileError(
+            f"<{path}>.{name}: the last column of the matrix of joint '{tokens[int(odd.argmax())]}' "
+            "is not 0, 0, 0, 1."
+        )
+    return matrices
+
+
+def _check_bind(path: str, tokens: Sequence[str], bind: Floats) -> None:
+    size = length(bind[:, :3, :3]).prod(axis=1)
+    singular = ~(np.abs(determinant(bind)) > SINGULAR * size)
+    if singular.any():
+        raise FileError(
+            f"<{path}>.bindTransforms: the matrix of joint '{tokens[int(singular.argmax())]}' has no "
+            "inverse (an axis is zero or two coincide), so its skin is undefined."
+        )
+
+
+def _animation_of(prim: Any, animation: Any) -> Any:
+    """The SkelAnimation prim that is bound here or above; a target that is none counts as missing."""
+    if animation and animation.GetTypeName() == "SkelAnimation":
+        return animation
+    relation = prim.GetRelationship("skel:animationSource")
+    targets = relation.GetTargets() if relation else []
+    if targets and not animation:
+        raise FileError(
+            f"Skeleton <{prim.GetPath()}> is bound to the animation <{targets[0]}>, which is not there. "
+            "Put the layer that holds it beside the file, or remove the binding."
+        )
+    return None
+
+
+def _check_covered(path: str, tokens: Sequence[str], animation: Any) -> None:
+    if animation is None:
+        return
+    driven = {str(token) for token in animation.GetAttribute("joints").Get(DEFAULT) or ()}
+    missing = [token for token in tokens if token not in driven]
+    if missing:
+        raise FileError(
+            f"Skeleton <{path}> has no restTransforms and its animation <{animation.GetPath()}> drives "
+            f"no joint '{missing[0]}', so where that joint stands is undefined. Add restTransforms."
+        )
+
+
+def _local(bind: Floats, parents: Integers, world: Floats) -> Floats:
+    """Bind matrices (of the world) seen from the parents, (n, 4, 4)."""
+    above = np.where((parents >= 0)[:, np.newaxis, np.newaxis], bind[parents], world)
+    return multiply(bind, inverse(above))

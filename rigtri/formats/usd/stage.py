@@ -1,0 +1,100 @@
+"""Opening USD stages without noise, and telling what in them can be edited.
+
+pxr prints its diagnostics to stderr; here they are caught, and what matters
+becomes one notice or the text of a `FileError`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf, Usd, UsdUtils
+
+from rigtri.errors import FileError
+from rigtri.formats.usd import package
+from rigtri.report import Notice
+
+DEFAULT = Usd.TimeCode.Default()
+
+
+@contextmanager
+def quiet() -> Iterator[list[str]]:
+    """Catch what pxr would print; the list holds the texts once the block has ended."""
+    texts: list[str] = []
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield texts
+    finally:
+        texts.extend(str(item.commentary) for item in delegate.TakeUncoalescedDiagnostics())
+        del delegate
+
+
+def open_stage(path: Path) -> tuple[Any, list[Notice]]:
+    """The composed stage of a file, payloads loaded, and what could not be found for it.
+
+    FileError where there is no file, no USD file, or one that is cut off.
+    """
+    if not path.is_file():
+        raise FileError(f"{path}: there is no such file.")
+    if path.stat().st_size == 0:
+        raise FileError(f"{path}: the file is empty.")
+    if path.suffix.lower() == ".usdz":
+        package.read(path)  # refuses odd packages before pxr maps them
+    try:
+        with quiet() as texts:
+            known = Sdf.Layer.Find(str(path))
+            if known is not None:
+                # pxr keeps layers that someone holds; the file may have been replaced since.
+                known.Reload(True)
+            stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
+    except Tf.ErrorException as error:
+        raise FileError(f"{path}: no USD file, or a damaged one: {first_line(error)}") from None
+    if not stage:
+        raise FileError(f"{path}: no USD file, or a damaged one.")
+    return stage, _unresolved(texts)
+
+
+def first_line(error: Exception) -> str:
+    """What a pxr error says, without the place in pxr's own sources."""
+    text = " ".join(str(error).split())
+    return text.rpartition(" : ")[2].strip("' ") or type(error).__name__
+
+
+def _unresolved(texts: list[str]) -> list[Notice]:
+    found = [text for text in texts if "@" in text and "open" in text.lower()]
+    names = list(dict.fromkeys(text.split("@")[1] for text in found))
+    if not names:
+        return []
+    shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
+    return [
+        Notice("unresolved", f"{len(names)} files that this one refers to were not found: {shown}")
+    ]
+
+
+def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:
+    """Why opinions on a prim cannot be edited from the root layer; "" where they can.
+
+    An opinion of the root layer wins over sublayers, references and payloads,
+    is ignored inside instances, and would leak into every variant.
+    """
+    path = prim.GetPath()
+    if prim.IsInstanceProxy() or prim.IsInPrototype():
+        return f"<{path}> lies inside an instance; edit the file that the instance refers to"
+    for name in attributes:
+        attribute = prim.GetAttribute(name)
+        if not attribute or not attribute.HasAuthoredValue():
+            continue
+        strongest = attribute.GetPropertyStack(DEFAULT)[0]
+        if strongest.path.ContainsPrimVariantSelection():
+            return (
+                f"<{path}>.{name} is written inside the variant {strongest.path.GetPrimPath()} of "
+                f"layer {strongest.layer.identifier}; edit a file without that variant"
+            )
+        times = attribute.GetTimeSamples()
+        source = attribute.GetResolveInfo(times[0] if times else DEFAULT).GetSource()
+        if source == Usd.ResolveInfoSourceValueClips:
+            return f"<{path}>.{name} comes from value clips; flatten them first"
+    return ""

@@ -1,0 +1,72 @@
+"""Edits: small changes to a layer, worked out before the first is made.
+
+An edit holds all the values it will write, so that none is read back from a
+layer that another edit has already changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pxr import Sdf
+
+Edit = Callable[[Any], None]
+
+
+def set_value(
+    prim: Any,
+    name: str,
+    kind: Any,
+    value: Any,
+    *,
+    samples: Mapping[float, Any] | None = None,
+    uniform: bool = False,
+    custom: bool = False,
+    alone: bool = False,
+) -> Edit:
+    """Set an attribute's default (None leaves it) and time samples (None is a blocked one).
+
+    The layer gets an ``over`` where it has no opinion on the prim. alone: take
+    away time samples the layer has, which would hide the default.
+    """
+    path = Sdf.Path(prim).AppendProperty(name)
+
+    def edit(layer: Any) -> None:
+        spec = layer.GetAttributeAtPath(path)
+        if spec is not None and spec.typeName != kind:
+            # An attribute cannot change its type in place.
+            del spec.owner.properties[name]
+            spec = None
+        if spec is None:
+            owner = Sdf.CreatePrimInLayer(layer, path.GetPrimPath())
+            variability = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
+            spec = Sdf.AttributeSpec(owner, name, kind, variability, declaresCustom=custom)
+        if alone:
+            for time in layer.ListTimeSamplesForPath(path):
+                layer.EraseTimeSample(path, time)
+        if value is not None:
+            spec.default = value
+        for time, sample in (samples or {}).items():
+            layer.SetTimeSample(path, time, Sdf.ValueBlock() if sample is None else sample)
+
+    return edit
+
+
+def apply_schema(prim: Any, name: str) -> Edit:
+    """Add an API schema to a prim's list, behind those it has; nothing where it is there."""
+    path = Sdf.Path(prim)
+
+    def edit(layer: Any) -> None:
+        spec = Sdf.CreatePrimInLayer(layer, path)
+        schemas = spec.GetInfo("apiSchemas") if spec.HasInfo("apiSchemas") else Sdf.TokenListOp()
+        listed = [*schemas.explicitItems, *schemas.prependedItems, *schemas.appendedItems]
+        if name in listed:
+            return
+        if schemas.isExplicit:
+            schemas.explicitItems = [*schemas.explicitItems, name]
+        else:
+            schemas.prependedItems = [*schemas.prependedItems, name]
+        spec.SetInfo("apiSchemas", schemas)
+
+    return edit

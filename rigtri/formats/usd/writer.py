@@ -1,0 +1,288 @@
+"""What differs between the rig that was read and the one to write, as edits to a layer.
+
+Only what changed is named: rows of matrices, columns of animation arrays.
+Everything else keeps its bits, and every value is known before the first edit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Vt
+
+from rigtri.errors import FileError
+from rigtri.formats.usd import locators, notes, xform
+from rigtri.formats.usd.animations import HELD, Animation, Property
+from rigtri.formats.usd.reader import Source
+from rigtri.formats.usd.skeletons import Skeleton
+from rigtri.formats.usd.values import Edit, apply_schema, set_value
+from rigtri.matrices import inverse
+from rigtri.quaternions import norm
+from rigtri.report import Notice
+from rigtri.rig import Clip, Rig
+from rigtri.trigonometry import Floats
+
+# Rotations this near to unit length were unit before they were rounded to float32.
+UNIT = 1e-6
+
+# For each property of an animation: column → new samples (k, c), or the new default (1, c).
+Columns = dict[tuple[str, str, int], Floats]
+
+
+def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> list[Edit]:
+    """All edits that turn the file that was read into one that says ``rig``.
+
+    FileError where the file's composition does not let an edit take effect.
+    """
+    before = source.rig
+    if rig is before:
+        return []
+    if before.keys != rig.keys[: len(before)]:
+        raise ValueError("nodes of a file keep their order, and new ones come last")
+    moved = np.zeros(len(before), dtype=bool)
+    moved |= (before.local != rig.local[: len(before)]).any(axis=(1, 2))
+    return [
+        *_skin_edits(source, rig, moved),
+        *_animation_edits(source, rig, warnings),
+        *_prim_edits(source, rig, moved, bake, warnings),
+        *locators.edits(source, rig),
+        *_joint_notes(source, rig),
+    ]
+
+
+def _prim_edits(
+    source: Source, rig: Rig, moved: np.ndarray, bake: bool, warnings: list[Notice]
+) -> list[Edit]:
+    before = source.rig
+    prims = [
+        node
+        for node in np.flatnonzero(moved).tolist()
+        if before.keys[node][0] == "prim" and not locators.is_ours(before, node)  # type: ignore[index]
+    ]
+    if not prims:
+        return []
+    return xform.turn_edits(source.stage, before, rig, prims, bake, warnings)
+
+
+def _skin_edits(source: Source, rig: Rig, moved: np.ndarray) -> list[Edit]:
+    found = []
+    for old, new in zip(source.rig.skins, rig.skins, strict=True):
+        kind, path = old.key  # type: ignore[misc]
+        if kind != "skeleton":
+            continue
+        skeleton = source.skeletons[path]
+        prim = source.stage.GetPrimAtPath(path)
+        turned = (old.inverse_bind != new.inverse_bind).any(axis=(1, 2))
+        if turned.any():
+            bind = skeleton.bind.copy()
+            bind[turned] = inverse(new.inverse_bind[turned])
+            found.append(_set_matrices(skeleton, prim, "bindTransforms", bind))
+        carried = moved[old.joints]
+        if carried.any() and skeleton.has_rest:
+            rest = np.where(carried[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
+            found.append(_set_matrices(skeleton, prim, "restTransforms", rest))
+    return found
+
+
+def _set_matrices(skeleton: Skeleton, prim: Any, name: str, matrices: Floats) -> Edit:
+    if skeleton.locked:
+        raise FileError(f"{skeleton.locked}.")
+    value = Vt.Matrix4dArray.FromNumpy(np.ascontiguousarray(matrices))
+    return set_value(prim.GetPath(), name, Sdf.ValueTypeNames.Matrix4dArray, value, uniform=True)
+
+
+def _animation_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]:
+    """Arrays of animations with the changed columns in them, one set for each way they changed."""
+    changes: dict[str, dict[str, Columns]] = {}
+    if len(rig.clips) != len(source.rig.clips):
+        raise FileError(f"{source.path}: clips cannot be added to USD files or taken out of them.")
+    for old, new in zip(source.rig.clips, rig.clips, strict=True):
+        if new is not old:
+            _collect(source, old, new, changes)
+    found: list[Edit] = []
+    for path, wanted in changes.items():
+        found += _write_animation(source, source.animations[path], wanted, warnings)
+    return found
+
+
+def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Columns]]) -> None:
+    """Note the changed columns of a clip's tracks, by animation and by skeleton."""
+    moment, path = old.key  # type: ignore[misc]
+    if len(old.tracks) != len(new.tracks):
+        raise FileError(f"Clip '{old.name}': tracks cannot be added to USD files or taken out of them.")
+    for was, now in zip(old.tracks, new.tracks, strict=True):
+        if now is was or was.key in (None, HELD) or np.array_equal(was.values, now.values):
+            continue
+        if not np.array_equal(was.times, now.times):
+            raise FileError(f"Clip '{old.name}': key times of USD animations cannot be changed.")
+        name, column = was.key  # type: ignore[misc]
+        skeleton = source.rig.keys[was.node][1]  # type: ignore[index]
+        into.setdefault(path, {}).setdefault(skeleton, {})[moment, name, column] = now.values
+
+
+def _write_animation(
+    source: Source, animation: Animation, wanted: Mapping[str, Columns], warnings: list[Notice]
+) -> list[Edit]:
+    """Write one animation; where its skeletons want different values, each of them its own."""
+    found: list[Edit] = []
+    for number, (skeletons, columns) in enumerate(_groups(source, animation, wanted)):
+        for skeleton in skeletons:
+            if columns and source.skeletons[skeleton].locked:
+                raise FileError(f"{source.skeletons[skeleton].locked}.")
+        if number == 0:
+            found += _array_edits(source, animation, animation.path, columns)
+            continue
+        twin, made = _twin(source, animation, number + 1)
+        found += [*made, *_array_edits(source, animation, twin, columns)]
+        for skeleton in skeletons:
+            found += [_bind(skeleton, twin), apply_schema(skeleton, "SkelBindingAPI")]
+        warnings.append(
+            Notice(
+                "animation-split",
+                f"Animation <{animation.path}> drives skeletons that were turned differently; "
+                f"{', '.join(f'<{s}>' for s in skeletons)} got a copy of it, <{twin}>.",
+            )
+        )
+    return found
+
+
+def _groups(
+    source: Source, animation: Animation, wanted: Mapping[str, Columns]
+) -> list[tuple[list[str], Columns]]:
+    """Skeletons that can share one set of values, with that set; those that cannot be edited first."""
+    users = [s for s in source.skeletons.values() if s.animation == animation.path]
+    groups: list[tuple[list[str], Columns, Columns]] = []
+    for skeleton in sorted(users, key=lambda s: not s.locked):
+        own = wanted.get(skeleton.path, {})
+        known = set(skeleton.tokens)
+        mine: Columns = {}
+        for moment, name, column in _slots(animation):
+            if animation.tokens[column] in known:
+                # What this skeleton sees in the column, changed or not, is what it needs there.
+                mine[moment, name, column] = own.get((moment, name, column), _NOTHING)
+        for paths, seen, columns in groups:
+            if all(np.array_equal(seen[slot], value) for slot, value in mine.items() if slot in seen):
+                paths.append(skeleton.path)
+                seen.update(mine)
+                columns.update(own)
+                break
+        else:
+            groups.append(([skeleton.path], mine, dict(own)))
+    return [(paths, columns) for paths, _, columns in groups]
+
+
+_NOTHING: Floats = np.zeros((0, 0))
+
+
+def _slots(animation: Animation) -> list[tuple[str, str, int]]:
+    return [
+        (moment, name, column)
+        for name, item in animation.properties.items()
+        for moment in ("samples", "default")
+        if (len(item.times) if moment == "samples" else item.default is not None)
+        for column in range(len(animation.tokens))
+    ]
+
+
+def _array_edits(source: Source, animation: Animation, path: str, columns: Columns) -> list[Edit]:
+    """The arrays of an animation that changed, complete: samples, blocked samples and default.
+
+    A stronger sample hides all weaker ones, so none may be left out.
+    """
+    prim, found = source.stage.GetPrimAtPath(animation.path), []
+    for name, item in animation.properties.items():
+        mine = {slot: values for slot, values in columns.items() if slot[1] == name}
+        if not mine:
+            continue
+        samples, default = item.samples.copy(), item.default
+        default = None if default is None else default.copy()
+        for (moment, _, column), values in mine.items():
+            if moment == "samples":
+                _put(samples, column, item.samples[:, column], values)
+            elif default is not None and item.default is not None:
+                _put(default[np.newaxis], column, item.default[np.newaxis, column], values)
+        timed = {float(time): _array(item, row) for time, row in zip(item.times, samples, strict=True)}
+        timed.update(dict.fromkeys(item.blocked))
+        kind = prim.GetAttribute(name).GetTypeName()
+        single = None if default is None else _array(item, default)
+        found.append(set_value(path, name, kind, single, samples=dict(sorted(timed.items()))))
+    return found
+
+
+def _put(into: np.ndarray, column: int, stored: np.ndarray, values: Floats) -> None:
+    """Put one joint's values, (k, c), into an array (k, j, c); rows that did not change keep their bits."""
+    changed = (values != stored.astype(np.float64)).any(axis=1)
+    if values.shape[-1] == 4:
+        size = norm(values)[:, np.newaxis]
+        values = np.where(np.abs(size - 1.0) < UNIT, values / np.where(size == 0, 1.0, size), values)
+    into[changed, column] = values[changed].astype(into.dtype)
+
+
+def _array(item: Property, values: np.ndarray) -> Any:
+    return item.kind.FromNumpy(np.ascontiguousarray(values))
+
+
+def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[Edit]]:
+    """A copy of an animation prim beside it, with all that is composed on it."""
+    stage, prim = source.stage, source.stage.GetPrimAtPath(animation.path)
+    parent, name = prim.GetPath().GetParentPath(), f"{prim.GetName()}_{number}"
+    while stage.GetPrimAtPath(parent.AppendChild(name)):
+        name += "_"
+    path = parent.AppendChild(name)
+
+    def define(layer: Any) -> None:
+        spec = Sdf.CreatePrimInLayer(layer, path)
+        spec.specifier, spec.typeName = Sdf.SpecifierDef, prim.GetTypeName()
+
+    found: list[Edit] = [define]
+    for attribute in prim.GetAuthoredAttributes():
+        found.append(
+            set_value(
+                path,
+                attribute.GetName(),
+                attribute.GetTypeName(),
+                attribute.Get(),
+                samples={time: attribute.Get(time) for time in attribute.GetTimeSamples()},
+                uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
+                custom=attribute.IsCustom(),
+            )
+        )
+    return str(path), found
+
+
+def _bind(skeleton: str, animation: str) -> Edit:
+    def edit(layer: Any) -> None:
+        prim = Sdf.CreatePrimInLayer(layer, skeleton)
+        name = "skel:animationSource"
+        relation = prim.relationships.get(name) or Sdf.RelationshipSpec(prim, name, custom=False)
+        relation.targetPathList.ClearEditsAndMakeExplicit()
+        relation.targetPathList.explicitItems = [animation]
+
+    return edit
+
+
+def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
+    """customData.rigtri of the skeletons whose joints have other notes than before."""
+    before, wanted, changed = source.rig, {}, set()
+    for node, key in enumerate(before.keys):
+        if key[0] == "joint":  # type: ignore[index]
+            _, path, token = key  # type: ignore[misc]
+            note = rig.notes.get(node, {})
+            if dict(note) != dict(before.notes.get(node, {})):
+                changed.add(path)
+            if note:
+                wanted.setdefault(path, {})[token] = note
+    return [_set_custom_data(path, notes.to_custom_data(wanted.get(path, {}))) for path in sorted(changed)]
+
+
+def _set_custom_data(path: str, stored: dict[str, Any]) -> Edit:
+    def edit(layer: Any) -> None:
+        prim = Sdf.CreatePrimInLayer(layer, path)
+        if stored:
+            prim.customData["rigtri"] = stored
+        elif "rigtri" in prim.customData:
+            del prim.customData["rigtri"]
+
+    return edit

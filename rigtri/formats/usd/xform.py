@@ -1,0 +1,217 @@
+"""Plain Xform hierarchies as rigs: prims that stand in for joints, and turning them.
+
+A prim is turned by two constant ops, without a change to any op it has::
+
+    local' = C·local·Cp⁻¹    frame op C innermost (last), Cp⁻¹ outermost (first)
+
+which is exact whatever scale or animation lies between, and which a second
+turn multiplies into. ``bake`` writes translate, orient and scale instead.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, UsdGeom, Vt
+
+from rigtri.errors import FileError, UsageError
+from rigtri.formats.usd.stage import DEFAULT, why_locked
+from rigtri.formats.usd.values import Edit, set_value
+from rigtri.matrices import (
+    SKEW,
+    compose,
+    decompose,
+    from_frame,
+    inverse,
+    multiply,
+    orthonormal_axes,
+    skew,
+)
+from rigtri.pose import worlds
+from rigtri.quaternions import IDENTITY, conjugate, from_axes
+from rigtri.quaternions import multiply as product
+from rigtri.report import Notice
+from rigtri.rig import Rig, Skin
+from rigtri.trigonometry import Floats
+
+FRAME = "xformOp:orient:rigtriFrame"
+PARENT_INVERSE = "xformOp:orient:rigtriParentInv"
+# Two rotations that differ by less are one that went through a few products.
+SAME_TURN = 1e-12
+# What a turn may leave unexplained of a matrix, as a share of its largest number.
+SAME_PLACE = 1e-9
+
+
+def find_root(rig: Rig, root: str) -> int:
+    """The prim that ``--root`` names: by path, or by a name that only one has."""
+    node = rig.find(root, "prim")
+    if rig.keys[node][0] != "prim":  # type: ignore[index]
+        raise UsageError(f"--root '{root}' is a joint; name a prim, e.g. {rig.labels[0]}")
+    return node
+
+
+def pseudo_skin(rig: Rig, root: int) -> Skin:
+    """The prims at and below ``root`` as joints, bound where they stand at rest."""
+    joints = [node for node in rig.below(root) if rig.keys[node][0] == "prim"]  # type: ignore[index]
+    return Skin(
+        name=rig.names[root],
+        joints=np.array(joints, dtype=np.int64),
+        inverse_bind=inverse(worlds(rig)[joints]),
+        stored=False,
+        key=("root", rig.labels[root]),
+    )
+
+
+def why_fixed(prim: Any) -> str:
+    """Why a prim must keep its axes; "" where it may be turned."""
+    if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Camera) or prim.IsA(UsdGeom.PointInstancer):
+        return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be turned"
+    if prim.GetTypeName().endswith("Light"):
+        return f"<{prim.GetPath()}> is itself a light; only prims above it can be turned"
+    held = [name for name in prim.GetAuthoredPropertyNames() if name.startswith("constraintTargets:")]
+    held += ["extentsHint"] if prim.HasAuthoredModel() and _has(prim, "extentsHint") else []
+    if held:
+        return f"<{prim.GetPath()}>.{held[0]} is kept in its axes"
+    return why_locked(prim, ("xformOpOrder",))
+
+
+def _has(prim: Any, name: str) -> bool:
+    attribute = prim.GetAttribute(name)
+    return bool(attribute and attribute.HasAuthoredValue())
+
+
+def jointed_bodies(stage: Any) -> dict[str, str]:
+    """Prims that physics joints keep frames for, by path, with the reason to leave them."""
+    found = {}
+    for prim in stage.Traverse():
+        if prim.GetTypeName().startswith("Physics") and prim.GetTypeName().endswith("Joint"):
+            for name in ("physics:body0", "physics:body1"):
+                relation = prim.GetRelationship(name)
+                for target in relation.GetTargets() if relation else ():
+                    found[str(target)] = f"the physics joint <{prim.GetPath()}> keeps a frame in its axes"
+    return found
+
+
+def turn_edits(
+    stage: Any, before: Rig, after: Rig, nodes: list[int], bake: bool, warnings: list[Notice]
+) -> list[Edit]:
+    """Edits that give the prims ``nodes`` (all whose local matrix changed) their new axes."""
+    turn = np.broadcast_to(IDENTITY, (len(before), 4)).copy()
+    edits: list[Edit] = []
+    wanted = set(nodes)
+    for node in range(len(before)):
+        if before.keys[node][0] != "prim":  # type: ignore[index]
+            continue
+        parent = int(before.parents[node])
+        above = turn[parent] if parent >= 0 else IDENTITY
+        if node not in wanted and (above == IDENTITY).all():
+            continue
+        turn[node] = _turn(before, after, node, above)
+        edits += _prim_edits(stage, after, node, turn[node], above, bake, warnings)
+    return edits
+
+
+def _turn(before: Rig, after: Rig, node: int, above: Floats) -> Floats:
+    """C of one prim from local' = C·local·Cp⁻¹; FileError where no rotation explains the change."""
+    old, new = before.local[node], after.local[node]
+    axes = from_frame(np.eye(3), np.zeros(3))
+    lifted = multiply(new, compose(np.zeros(3), above, np.ones(3)))
+    change = multiply(lifted, inverse(old))
+    q = from_axes(orthonormal_axes(change))
+    axes = compose(np.zeros(3), q, np.ones(3))
+    left = np.abs(multiply(axes, old) - lifted).max()
+    if not left <= SAME_PLACE * max(1.0, float(np.abs(lifted).max())):
+        raise FileError(f"<{before.labels[node]}>: prims can be turned, but not moved or scaled.")
+    return np.asarray(IDENTITY) if np.abs(q - IDENTITY).max() < SAME_TURN else q
+
+
+def _prim_edits(
+    stage: Any, after: Rig, node: int, turn: Floats, above: Floats, bake: bool, warnings: list[Notice]
+) -> list[Edit]:
+    prim = stage.GetPrimAtPath(after.labels[node])
+    locked = why_locked(prim, ("xformOpOrder", FRAME, PARENT_INVERSE))
+    if locked:
+        raise FileError(f"{locked}.")
+    xformable = UsdGeom.Xformable(prim)
+    if bake:
+        if not xformable.TransformMightBeTimeVarying() and skew(after.local[node]) < SKEW:
+            return _baked(prim, after.local[node])
+        warnings.append(
+            Notice("not-baked", f"<{prim.GetPath()}> is animated or sheared; its ops stay, two are added.")
+        )
+    order = [str(op) for op in prim.GetAttribute("xformOpOrder").Get(DEFAULT) or ()]
+    edits: list[Edit] = []
+    for name, change, last in ((FRAME, turn, True), (PARENT_INVERSE, conjugate(above), False)):
+        old = _orient(prim, name) if name in order else IDENTITY
+        # Row matrices: what stands nearer to the points comes first, in Hamilton's product last.
+        new = product(old, change) if last else product(change, old)
+        order = [op for op in order if op != name]
+        if np.abs(np.abs(new[3]) - 1.0) > SAME_TURN or np.abs(new[:3]).max() > SAME_TURN:
+            place = len(order) if last else int(bool(order) and order[0] == "!resetXformStack!")
+            order.insert(place, name)
+            edits.append(_set_orient(prim, name, new))
+        elif not np.array_equal(old, IDENTITY):
+            edits.append(_remove(prim, name))
+    return [*edits, _set_order(prim, order)]
+
+
+def _orient(prim: Any, name: str) -> Floats:
+    value = prim.GetAttribute(name).Get(DEFAULT)
+    return np.array([*value.GetImaginary(), value.GetReal()], dtype=np.float64)
+
+
+def quaternion(q: Floats) -> Any:
+    """xyzw as a Gf quaternion of doubles."""
+    return Gf.Quatd(float(q[3]), Gf.Vec3d(*q[:3].tolist()))
+
+
+def _set_orient(prim: Any, name: str, q: Floats) -> Edit:
+    return set_value(prim.GetPath(), name, Sdf.ValueTypeNames.Quatd, quaternion(q))
+
+
+def _set_order(prim: Any, order: list[str]) -> Edit:
+    return set_value(
+        prim.GetPath(), "xformOpOrder", Sdf.ValueTypeNames.TokenArray, Vt.TokenArray(order), uniform=True
+    )
+
+
+def _remove(prim: Any, name: str) -> Edit:
+    path = prim.GetPath()
+
+    def edit(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is not None and name in spec.properties:
+            spec.RemoveProperty(spec.properties[name])
+
+    return edit
+
+
+def _baked(prim: Any, local: Floats) -> list[Edit]:
+    """The local matrix as translate, orient, scale; the ops it had stay as unused attributes."""
+    resets = UsdGeom.Xformable(prim).GetResetXformStack()
+    order = (["!resetXformStack!"] if resets else []) + stand_order(local)
+    return [*stand(prim.GetPath(), local), _set_order(prim, order)]
+
+
+def stand_order(local: Floats) -> list[str]:
+    """The ops that `stand` writes, in order: those that are not the identity, translate always."""
+    _, rotation, scale = decompose(local)
+    order = ["xformOp:translate"]
+    order += ["xformOp:orient"] if np.abs(rotation[:3]).max() > SAME_TURN else []
+    return order + (["xformOp:scale"] if np.abs(scale - 1.0).max() > SAME_TURN else [])
+
+
+def stand(path: Any, local: Floats) -> list[Edit]:
+    """Edits that put a prim at a local matrix by translate, orient and scale ops."""
+    translation, rotation, scale = decompose(local)
+    types = Sdf.ValueTypeNames
+    values = {
+        "xformOp:translate": (types.Double3, Gf.Vec3d(*translation.tolist())),
+        "xformOp:orient": (types.Quatd, quaternion(rotation)),
+        "xformOp:scale": (types.Double3, Gf.Vec3d(*scale.tolist())),
+    }
+    order = stand_order(local)
+    edits = [set_value(path, name, *values[name], alone=True) for name in order]
+    tokens = Vt.TokenArray(order)
+    return [*edits, set_value(path, "xformOpOrder", types.TokenArray, tokens, uniform=True)]
