@@ -5,8 +5,7 @@ Source: glTF 2.0 §3.6.2; EXT_meshopt_compression.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,13 +36,12 @@ class CompressedError(FileError):
     """An accessor whose bytes are compressed in a way that rigtri does not decode."""
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """Where the numbers of an accessor lie. buffer −1: nowhere, they are zero. start: in the buffer."""
 
     component: int
     width: int
-    count: int
+    rows: int
     normalized: bool
     sparse: bool
     view: int = -1
@@ -59,7 +57,7 @@ class Layout:
     @property
     def end(self) -> int:
         """Where the last element ends, in the buffer."""
-        return self.start + self.stride * (self.count - 1) + self.size
+        return self.start + self.stride * (self.rows - 1) + self.size
 
     @property
     def plain(self) -> bool:
@@ -106,8 +104,8 @@ class Accessors:
         if layout.plain:
             return self._read_plain(layout)
         accessor = self.value(index)
-        if layout.buffer < 0 and layout.count * layout.width > MOST_ZEROS:
-            accessor.fail(f"claims {layout.count} elements without bytes for them")
+        if layout.buffer < 0 and layout.rows * layout.width > MOST_ZEROS:
+            accessor.fail(f"claims {layout.rows} elements without bytes for them")
         numbers = self._elements(layout)
         if layout.sparse:
             numbers = self._replaced(numbers, accessor.need("sparse"), layout)
@@ -126,8 +124,8 @@ class Accessors:
             content = self.buffers.content(layout.buffer)
             whole = np.frombuffer(content, "<f4", len(content) // 4)
             self._floats[layout.buffer] = whole
-        part = whole[start : start + layout.count * layout.width]
-        return part.astype(np.float64).reshape(layout.count, layout.width)
+        part = whole[start : start + layout.rows * layout.width]
+        return part.astype(np.float64).reshape(layout.rows, layout.width)
 
     def _lay(self, accessor: Value) -> Layout:
         raw = accessor.object()
@@ -136,47 +134,37 @@ class Accessors:
             accessor.fail(f"componentType {component!r} is none that glTF knows")
         if width is None:
             accessor.fail(f"type {raw.get('type')!r} is none that rigtri can read here")
-        count = accessor.need("count").count(1)
+        count = accessor.natural("count") or accessor.need("count").count(1)
         normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
         if raw.get("bufferView") is None:
             return Layout(component, width, count, normalized, sparse)
-        view = accessor.need("bufferView").index(len(self._views), "bufferView")
-        offset = accessor.need("byteOffset").count() if raw.get("byteOffset") is not None else 0
-        return self._within(
-            accessor, Layout(component, width, count, normalized, sparse, view), offset
-        )
+        view = accessor.natural("bufferView")
+        layout = Layout(component, width, count, normalized, sparse, view)
+        return self._within(accessor, layout, accessor.natural("byteOffset", 0))
 
     def _within(self, accessor: Value, layout: Layout, offset: int) -> Layout:
         """``layout`` at ``offset`` of its view, which must hold all of it."""
         buffer, start, length, stride = self._view(layout.view)
         stride = stride or layout.size
-        need = offset + stride * (layout.count - 1) + layout.size
+        need = offset + stride * (layout.rows - 1) + layout.size
         if stride < layout.size:
             accessor.fail(f"byteStride {stride} is less than the {layout.size} bytes of an element")
         if need > length:
             accessor.fail(f"needs {need} bytes of bufferView {layout.view}, which has {length}")
-        return Layout(
-            layout.component,
-            layout.width,
-            layout.count,
-            layout.normalized,
-            layout.sparse,
-            layout.view,
-            buffer,
-            start + offset,
-            stride,
-        )
+        return layout._replace(buffer=buffer, start=start + offset, stride=stride)
 
     def _view(self, index: int) -> tuple[int, int, int, int]:
         """Buffer, offset, length and stride (0: none) of a buffer view."""
+        if index >= len(self._views):
+            raise FileError(f"{self._file} there is no bufferView {index}, the file has {len(self._views)}")
         view = Value(self._views[index], f"{self._file} bufferViews[{index}]")
-        raw = view.object()
-        buffer = view.need("buffer").index(len(self.buffers), "buffer")
-        if self.buffers.place(buffer) == "none":
-            self._refuse_compressed(view, raw)
-        start = view.need("byteOffset").count() if raw.get("byteOffset") is not None else 0
-        length = view.need("byteLength").count()
-        stride = view.need("byteStride").count() if raw.get("byteStride") is not None else 0
+        buffer = view.natural("buffer")
+        if buffer >= len(self.buffers):
+            view.fail(f"there is no buffer {buffer}, the file has {len(self.buffers)}")
+        if "extensions" in view.raw and self.buffers.place(buffer) == "none":
+            self._refuse_compressed(view, view.raw)
+        start, length = view.natural("byteOffset", 0), view.natural("byteLength")
+        stride = view.natural("byteStride", 0)
         whole = len(self.buffers.content(buffer))
         if start + length > whole:
             view.fail(f"ends at {start + length}, outside buffer {buffer} of {whole} bytes")
@@ -194,7 +182,7 @@ class Accessors:
     def _elements(self, layout: Layout) -> np.ndarray:
         """The elements as stored, (count, width), zeros where there are no bytes."""
         kind = COMPONENTS[layout.component]
-        shape = (layout.count, layout.width)
+        shape = (layout.rows, layout.width)
         if layout.buffer < 0:
             return np.zeros(shape, kind)
         content = self.buffers.content(layout.buffer)
@@ -204,23 +192,21 @@ class Accessors:
     def _replaced(self, numbers: np.ndarray, sparse: Value, layout: Layout) -> np.ndarray:
         """``numbers`` with the elements that a sparse accessor names put in."""
         count = sparse.need("count").count(1)
-        if count > layout.count:
-            sparse.fail(f"replaces {count} of {layout.count} elements")
+        if count > layout.rows:
+            sparse.fail(f"replaces {count} of {layout.rows} elements")
         where, what = sparse.need("indices"), sparse.need("values")
         component = where.need("componentType").count()
         if component not in (5121, 5123, 5125):
             where.fail(f"componentType {component} is none for indices")
         indices = self._part(where, Layout(component, 1, count, False, False))[:, 0].astype(np.int64)
-        if indices.max() >= layout.count:
-            where.fail(f"there is no element {indices.max()}, the accessor has {layout.count}")
+        if indices.max() >= layout.rows:
+            where.fail(f"there is no element {indices.max()}, the accessor has {layout.rows}")
         numbers = numbers.copy()
-        numbers[indices] = self._part(
-            what, Layout(layout.component, layout.width, count, False, False)
-        )
+        numbers[indices] = self._part(what, Layout(layout.component, layout.width, count, False, False))
         return numbers
 
     def _part(self, value: Value, layout: Layout) -> np.ndarray:
-        view = value.need("bufferView").index(len(self._views), "bufferView")
-        start = value.get("byteOffset")
-        placed = Layout(layout.component, layout.width, layout.count, False, False, view)
-        return self._elements(self._within(value, placed, start.count() if start else 0))
+        value.object()
+        view = value.natural("bufferView")
+        placed = Layout(layout.component, layout.width, layout.rows, False, False, view)
+        return self._elements(self._within(value, placed, value.natural("byteOffset", 0)))

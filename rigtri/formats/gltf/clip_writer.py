@@ -20,6 +20,7 @@ from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import Singles, round_tracks, to_singles
 from rigtri.formats.gltf.storage import Role, Storage
 from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.trigonometry import Floats
 
 KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 
@@ -57,6 +58,7 @@ class ClipWriter:
 
     def write(self) -> None:
         """Put all differences into the draft and the storage."""
+        # A writer of new skins is not needed yet: no operation makes any.
         for skin, before in zip(self._rig.skins, self._source.skins, strict=True):
             self._write_skin(skin, before)
         self._write_clips()
@@ -97,7 +99,10 @@ class ClipWriter:
             number = int(str(clip.key)) if old is not None else self._add_animation(clip)
             changed += self._compare(number, clip, old)
         rows = round_tracks([now for now, _ in changed], [then for _, then in changed])
-        wanted = {now.key: values for (now, _), values in zip(changed, rows, strict=True)}
+        wanted = {
+            now.key: values.reshape(-1, 1) if now.path == "weights" else values
+            for (now, _), values in zip(changed, rows, strict=True)
+        }
         self._settle_samplers(wanted)
 
     def _compare(self, number: int, clip: Clip, old: Clip | None) -> list[tuple[Track, Track]]:
@@ -113,7 +118,9 @@ class ClipWriter:
                 continue
             if self._node_of(track, self._rig) != self._node_of(then, self._source):
                 self._retarget(then, self._index[track.node])
-            if track.values is not then.values and not np.array_equal(track.values, then.values):
+            if track.interpolation != then.interpolation or not _same(track.times, then.times):
+                self._retime(number, track)
+            elif not _same(track.values, then.values):
                 changed.append((track, then))
         if known:
             self._lost[number] = {_place(track)[1] for track in known.values()}
@@ -205,7 +212,7 @@ class ClipWriter:
         animations.append({**({"name": clip.name} if clip.name else {}), "samplers": [], "channels": []})
         return len(animations) - 1
 
-    def _input(self, number: int, track: Track) -> int:
+    def _input(self, track: Track) -> int:
         """The accessor with the times of a new track: one that is there, or a new one."""
         if not self._inputs:
             for clip in self._source.clips:
@@ -220,18 +227,32 @@ class ClipWriter:
         return self._inputs[id(track.times)]
 
     def _add_channel(self, number: int, track: Track) -> None:
-        (rows,) = round_tracks([track], [track])
-        kind = "SCALAR" if track.path == "weights" else KINDS[rows.shape[1]]
-        samplers = self._draft.need("animations", number, "samplers", empty=[])
-        sampler = {
-            "input": self._input(number, track),
-            "output": self._storage.add(rows.reshape(-1, 1) if kind == "SCALAR" else rows, kind, "animation"),
-            "interpolation": track.interpolation,
-        }
-        samplers.append(sampler)
         target = {"node": self._index[track.node], "path": track.path}
         channels = self._draft.need("animations", number, "channels", empty=[])
-        channels.append({"sampler": len(samplers) - 1, "target": target})
+        channels.append({"sampler": self._add_sampler(number, track), "target": target})
+
+    def _retime(self, number: int, track: Track) -> None:
+        """Give a channel other key times or another interpolation, in a sampler of its own."""
+        channel = _place(track)[1]
+        sampler = self._add_sampler(number, track)
+        self._draft.own("animations", number, "channels", channel)["sampler"] = sampler
+
+    def _add_sampler(self, number: int, track: Track) -> int:
+        (rows,) = round_tracks([track], [track])
+        rows = rows.reshape(-1, 1) if track.path == "weights" else rows
+        samplers = self._draft.need("animations", number, "samplers", empty=[])
+        samplers.append(
+            {
+                "input": self._input(track),
+                "output": self._storage.add(rows, KINDS[rows.shape[1]], "animation"),
+                "interpolation": track.interpolation,
+            }
+        )
+        return len(samplers) - 1
+
+
+def _same(now: Floats, then: Floats) -> bool:
+    return now is then or np.array_equal(now, then)
 
 
 def _place(track: Track) -> tuple[int, int]:
@@ -254,7 +275,9 @@ def _sharing(animations: list[Any], among: set[int]) -> dict[tuple[int, int], in
 
 def _drives_payload(channel: Any) -> int | None:
     """The node whose morph weights, lights or instances a channel drives."""
-    target = channel.get("target", {})
+    target = channel.get("target")
+    if not isinstance(target, dict):
+        return None
     if target.get("path") == "weights":
         node = target.get("node")
         return node if type(node) is int else None

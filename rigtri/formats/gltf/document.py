@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rigtri.errors import UsageError
+from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animations import ClipReader, animated_nodes
@@ -57,7 +57,11 @@ class GltfDocument:
     def read(cls, path: Path, options: Options | None = None) -> GltfDocument:
         """Read a file. Raises FileError, in the file's own names, for anything that is broken."""
         options = options or Options()
-        return cls(open_container(path, lenient=options.lenient), options)
+        container = open_container(path, lenient=options.lenient)
+        try:
+            return cls(container, options)
+        except RecursionError:
+            raise FileError(f"{path}: the JSON is nested too deep") from None
 
     @property
     def rig(self) -> Rig:
@@ -98,9 +102,7 @@ class GltfDocument:
         ordered = [nodes[index] for index in tree.order]
         names = [node.get("name") for node in ordered]
         extras = [node.get("extras") for node in ordered]
-        skins = read_skins(
-            gltf, self.accessors, tree, self.notices, self._weigh, lenient=options.lenient
-        )
+        skins = read_skins(gltf, self.accessors, tree, self.notices, self._weigh, lenient=options.lenient)
         clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
         bindings = read_bindings(gltf, tree.above)
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}

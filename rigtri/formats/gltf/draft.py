@@ -28,7 +28,7 @@ class Draft:
     def need(self, *path: str | int, empty: Any) -> Any:
         """Like `own`, but where the last step leads nowhere ``empty`` is put there."""
         holder = self.own(*path[:-1])
-        if path[-1] not in holder:
+        if holder.get(path[-1]) is None:
             holder[path[-1]] = empty
             self._own[id(empty)] = empty
         return self._owned(holder, path[-1])

@@ -84,7 +84,7 @@ class MeshReader:
 
     def _mesh(self, node: int, number: int, primitive: Value, skins: Sequence[Skin]) -> Mesh | None:
         raw = self._nodes[node]
-        mesh = self._meshes[raw["mesh"]]
+        mesh = self._meshes[int(raw["mesh"])]
         attributes = primitive.need("attributes").object()
         if "POSITION" not in attributes:
             return None
@@ -111,7 +111,8 @@ class MeshReader:
 
     def _read(self, primitive: Value, name: str, width: int) -> Floats:
         """The numbers of an attribute, (count, width)."""
-        if DRACO in primitive.object().get("extensions", {}):
+        extensions = primitive.get("extensions")
+        if extensions is not None and DRACO in extensions.object():
             primitive.fail(f"is compressed with {DRACO}")
         return self._numbers_of(primitive.need("attributes").need(name), width)
 
@@ -157,9 +158,7 @@ class MeshReader:
         return np.array(Value(raw, f"{self._gltf.where} weights of nodes[{node}]").numbers(count))
 
 
-def _within(
-    primitive: Value, joints: Integers, weights: Floats, count: int
-) -> tuple[Integers, Floats]:
+def _within(primitive: Value, joints: Integers, weights: Floats, count: int) -> tuple[Integers, Floats]:
     """Joint indices that all exist; those without weight may have been anything."""
     outside = joints >= count
     if (outside & (weights != 0)).any():

@@ -186,7 +186,7 @@ class NodeWriter:
     def _leave_scenes(self, index: int, instead: int) -> None:
         """A node that got a parent is no root of a scene; a new parent takes its place there."""
         for number, scene in enumerate(self._draft.gltf.get("scenes", [])):
-            roots = scene.get("nodes", [])
+            roots = scene.get("nodes") or []
             if index not in roots:
                 continue
             owned = self._draft.own("scenes", number, "nodes")
@@ -198,9 +198,9 @@ class NodeWriter:
     def _enter_scene(self, index: int) -> None:
         """Show a root in the default scene, if it is in none; without scenes nothing is shown anyway."""
         scenes = self._draft.gltf.get("scenes", [])
-        if not scenes or any(index in scene.get("nodes", []) for scene in scenes):
+        if not scenes or any(index in (scene.get("nodes") or []) for scene in scenes):
             return
-        default = self._draft.gltf.get("scene", 0)
+        default = int(self._draft.gltf.get("scene", 0))
         self._draft.need("scenes", default, "nodes", empty=[]).append(index)
 
     def _move_payload(self) -> None:
@@ -212,7 +212,8 @@ class NodeWriter:
         extensions = self._draft.gltf.get("extensions")
         for path in mesh_references(extensions) if self.moved and isinstance(extensions, dict) else ():
             holder = self._draft.own("extensions", *path[:-1])
-            holder["node"] = self.moved.get(holder["node"], holder["node"])
+            if isinstance(holder["node"], int):
+                holder["node"] = self.moved.get(holder["node"], holder["node"])
 
     def _hand_over(self, giver: dict[str, Any], taker: dict[str, Any]) -> None:
         for key in ("camera", "skin", "mesh", "weights"):

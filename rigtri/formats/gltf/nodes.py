@@ -89,9 +89,7 @@ class Rest:
     sheared: list[int] = field(default_factory=list)
 
 
-def read_rest(
-    gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice], *, lenient: bool
-) -> Rest:
+def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice], *, lenient: bool) -> Rest:
     """TRS and matrices as stored, defaults where there are none. animated: file indices."""
     count = len(tree.order)
     rest = Rest(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rigtri.quaternions import norm
-from rigtri.rig import Booleans, Track
+from rigtri.rig import Track
 from rigtri.trigonometry import Floats
 
 Singles = NDArray[np.float32]
@@ -22,6 +22,8 @@ Singles = NDArray[np.float32]
 NEARLY_UNIT = 1e-6
 # Quaternions whose dot product is nearer to 0 than this are half a turn apart up to rounding.
 HALF_TURN = 2.5e-7
+# No key is moved further than this to keep its way round.
+FAR = 1e-5
 
 
 def unit_rotations(q: Floats) -> Floats:
@@ -32,9 +34,12 @@ def unit_rotations(q: Floats) -> Floats:
 
 
 def to_singles(numbers: Floats) -> Singles:
-    """Numbers as float32; what does not fit becomes infinite, which a writer must refuse."""
+    """Numbers as float32. OverflowError where one does not fit."""
     with np.errstate(over="ignore"):
-        return np.ascontiguousarray(numbers, dtype="<f4")
+        singles = np.ascontiguousarray(numbers, dtype="<f4")
+    if not np.isfinite(singles).all():
+        raise OverflowError("a result is too large for 32-bit numbers")
+    return singles
 
 
 def round_tracks(tracks: Sequence[Track], before: Sequence[Track]) -> list[Singles]:
@@ -59,7 +64,7 @@ def round_tracks(tracks: Sequence[Track], before: Sequence[Track]) -> list[Singl
             rounded[k] = rows[start : start + count].reshape(-1, columns)
             start += count
         if turns:
-            _keep_ways_round([(rounded[k], before[k]) for k in mine], rows.reshape(-1, 4))
+            _keep_ways_round([before[k] for k in mine], rows.reshape(-1, 4))
     for k, track in enumerate(tracks):
         if track.interpolation == "CUBICSPLINE":
             rounded[k] = round_spline(track)
@@ -86,28 +91,30 @@ def round_spline(track: Track) -> Singles:
     return to_singles(stored.reshape(-1, exact.shape[2]))
 
 
-def _keep_ways_round(pairs: list[tuple[Singles | None, Track]], together: Singles) -> None:
+def _keep_ways_round(before: Sequence[Track], rows: Singles) -> None:
     """Let rounding not turn the way from one key to the next around, where it is half a turn.
 
-    together: all rows of ``pairs``, one after the other, which they are views of.
+    rows: the rotations of all tracks, one after the other; changed in place.
     """
-    exact = together.astype(np.float64)
-    near = np.abs(_dots(exact[:-1], exact[1:])) < HALF_TURN
-    if not near.any():
+    exact = rows.astype(np.float64)
+    near = np.flatnonzero(np.abs(_dots(exact[:-1], exact[1:])) < HALF_TURN)
+    if not len(near):
         return
-    for rows, track in pairs:
-        if rows is not None and track.interpolation == "LINEAR" and track.values.shape[-1] == 4:
-            _nudge(rows, _dots(track.values[:-1], track.values[1:]) < 0)
+    ends = np.cumsum([len(track.values) for track in before])
+    for which in np.unique(np.searchsorted(ends, near, side="right")).tolist():
+        track, end = before[which], int(ends[which])
+        if track.interpolation == "LINEAR":
+            _nudge(rows[end - len(track.values) : end], track.values)
 
 
-def _nudge(rows: Singles, negative: Booleans) -> None:
-    """Move keys by a rounding step or two until every dot product has its sign with some room."""
+def _nudge(rows: Singles, before: Floats) -> None:
+    """Move keys by a rounding step or two until every dot product has its sign, with some room."""
+    negative = _dots(before[:-1], before[1:]) < 0
     for k, below in enumerate(negative.tolist()):
         sign, step = -1.0 if below else 1.0, HALF_TURN
-        first = rows[k].astype(np.float64)
-        aim = rows[k + 1].astype(np.float64)
-        while sign * float(_dots(first, rows[k + 1].astype(np.float64))) < HALF_TURN and step < 1e-5:
-            rows[k + 1] = np.clip(aim + sign * step * first, -1.0, 1.0)
+        first, then = rows[k].astype(np.float64), rows[k + 1].astype(np.float64)
+        while sign * float(_dots(first, rows[k + 1].astype(np.float64))) < HALF_TURN and step < FAR:
+            rows[k + 1] = np.clip(then + sign * step * first, -1.0, 1.0)
             step += HALF_TURN
 
 

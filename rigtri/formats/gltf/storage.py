@@ -10,8 +10,6 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
-
 from rigtri.errors import FileError
 from rigtri.formats import Companion
 from rigtri.formats.gltf.accessors import FLOAT, Accessors, Layout
@@ -63,7 +61,7 @@ class Storage:
     def replace(self, accessor: int, rows: Singles) -> None:
         """Write ``rows`` over the bytes of an accessor that `owns` allows, in their old layout."""
         layout = self._accessors.layout(accessor)
-        self._patches.setdefault(layout.buffer, []).append((layout.start, _finite(self._container, rows)))
+        self._patches.setdefault(layout.buffer, []).append((layout.start, rows))
         raw = self._gltf["accessors"][accessor]
         if "min" in raw or "max" in raw:
             _set_bounds(self._draft.own("accessors", accessor), rows)
@@ -74,7 +72,7 @@ class Storage:
         """A new accessor, or the one that already got the same rows. like: whose name and bounds it takes."""
         source = self._gltf["accessors"][like] if like is not None else {}
         bounds = bounds or "min" in source or "max" in source
-        content = _finite(self._container, rows).tobytes()
+        content = rows.tobytes()
         key = (role, kind, content, bounds)
         if key not in self._added:
             self._added[key] = self._append(content, rows, kind, role, source, bounds)
@@ -190,14 +188,6 @@ class Storage:
         name = f"{stem}.rigtri-{hashlib.sha256(content).hexdigest()[:8]}.bin"
         buffer["uri"] = escape(name)
         return [Companion(name, bytes(content))]
-
-
-def _finite(container: Container, rows: Singles) -> Singles:
-    if not np.isfinite(rows).all():
-        raise FileError(
-            f"{container.path}: a result is too large for the 32-bit numbers of glTF; scale the file down"
-        )
-    return rows
 
 
 def _set_bounds(accessor: dict[str, Any], rows: Singles) -> None:

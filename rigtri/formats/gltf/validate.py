@@ -61,9 +61,12 @@ _HARMLESS_REQUIRED = (
 
 def check_lists(gltf: Value) -> None:
     """All top-level lists are lists of objects. FileError otherwise."""
-    for key in LISTS:
-        for item in gltf.each(key):
-            item.object()
+    for key in (*LISTS, "extensionsUsed", "extensionsRequired", "extensions", "scene"):
+        if key in gltf.object():
+            # A null is not the same as nothing, and no reader behind this one looks out for it.
+            value = gltf.need(key)
+            for item in value.items() if key in LISTS else ():
+                item.object()
 
 
 def check_references(gltf: Value) -> None:

@@ -33,11 +33,12 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
         relink(draft, container.path, target)
     if rig is not document.rig:
         nodes = NodeWriter(draft, document.rig, rig)
-        clips = ClipWriter(
-            draft, storage, document.accessors, document.rig, rig, nodes.index, nodes.moved
-        )
+        clips = ClipWriter(draft, storage, document.accessors, document.rig, rig, nodes.index, nodes.moved)
         nodes.write()
-        clips.write()
+        try:
+            clips.write()
+        except OverflowError as error:
+            raise FileError(f"{container.path}: {error}; scale the file down") from None
     binary, companions = storage.finish(target.stem)
     if rig is not document.rig and (draft.changed or binary is not None):
         nodes.repair(document.rest.repaired)
