@@ -142,7 +142,7 @@ def hand() -> Figure:
 def tail() -> Figure:
     """A tail that bends one way and then the other, so that its bend normals change side."""
     figure = Figure("tail")
-    figure.joint("pelvis", -1, (0, 1, 0))
+    figure.joint("pelvis", -1, (0, 1.02, 0.18))
     sine, _ = sin_cos(np.arange(8) * (2 * np.pi / 7))
     points = [(0.02 * k, 1 + 0.22 * s - 0.03 * k, -0.16 * k) for k, s in enumerate(sine.tolist(), 0)]
     names = [f"tail_{k + 1:02}" for k in range(8)]
@@ -160,14 +160,15 @@ def tail() -> Figure:
 def mirrored_pair() -> Figure:
     """A left arm, and a right arm that is the left one under a scale of −1 in x."""
     figure = Figure("mirrored_pair")
+    points = [np.array([0.035, 1.42, 0.01]), *_arm_points(bend=15)]
     for side, sign in SIDES:
         figure.space(f"side_{side}", scale=(sign, 1, 1))
-        axes = [figure.nodes[figure.index(n)].axes for n in _ARM] if side == "R" else [None] * 4
+        axes = [figure.nodes[figure.index(n)].axes for n in _ARM] if side == "R" else [None] * 5
         parent: int = len(figure.nodes) - 1
-        for name, at, turn in zip(_ARM, _arm_points(bend=15), axes, strict=True):
+        for name, at, turn in zip(_ARM, points, axes, strict=True):
             parent = figure.joint(name.replace("_L", f"_{side}"), parent, at, turn)
     names, radii = ["upper_arm_L", "forearm_L", "hand_L"], [0.055, 0.042, 0.035, 0.03]
-    figure.wrap(names, radii, tip=figure.at("fingers_L"))
+    figure.wrap(names, radii, above="clavicle_L", tip=figure.at("fingers_L"))
     _reflect(figure)
     for side in "LR":
         flex: Motion = lambda t: about((0.5, -0.6, 0), 50 * wave(t / 2))  # noqa: E731
@@ -175,7 +176,7 @@ def mirrored_pair() -> Figure:
     return figure
 
 
-_ARM = ("upper_arm_L", "forearm_L", "hand_L", "fingers_L")
+_ARM = ("clavicle_L", "upper_arm_L", "forearm_L", "hand_L", "fingers_L")
 
 
 def _reflect(figure: Figure) -> None:
