@@ -115,11 +115,18 @@ def _from_words(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> Lim
         ends = [node for node in roles["end"] if node != middle]
         under = [node for node in ends if _below(rig, node, middle)]
         ends = under or [node for node in ends if not _below(rig, middle, node)]
+        # A hand or foot of another name is still the one joint that follows.
+        ends = ends or [only for only in [_only_joint_below(rig, middle)] if only is not None]
         if starts and ends:
             # 'shoulder' above 'upperarm' is a clavicle: the start nearest to the middle is meant,
             # and of wrist and hand the one nearest to it.
             return Limb(max(starts), middle, min(ends), kind, which, "names")
     return None
+
+
+def _only_joint_below(rig: Rig, node: int) -> int | None:
+    joints = [child for child in rig.children[node] if rig.is_joint[child]]
+    return joints[0] if len(joints) == 1 else None
 
 
 def _from_numbers(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> Limb | None:

@@ -58,7 +58,7 @@ def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
 
     A lone child more than 30° off the incoming bone with no weight on or below it is
     a slot or a control, not a continuation. Of several, the only one within 30°
-    continues; of several such, the only one that has joints below it.
+    continues; of several such, the only one with weighted joints below it.
     """
     candidates = _candidates(tree, ref, joint)
     if len(candidates) == 1:
@@ -67,7 +67,7 @@ def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
         return None if off > CONTINUES and not tree.carries[child] else child
     ahead = [k for k in candidates if _off(tree, ref, joint, k) <= CONTINUES]
     if len(ahead) > 1:
-        ahead = [k for k in ahead if tree.below[k]]
+        ahead = [k for k in ahead if any(tree.carries[below] for below in tree.below[k])]
     return ahead[0] if len(ahead) == 1 and tree.above[joint] >= 0 else None
 
 

@@ -23,7 +23,7 @@ from rigtri.errors import UsageError
 from rigtri.limbs import Limb
 from rigtri.matrices import transform_directions
 from rigtri.naming import twin
-from rigtri.ops.aims import Aim, limb_path
+from rigtri.ops.aims import Aim, chain_child, limb_path
 from rigtri.quaternions import between, rotate
 from rigtri.report import Report
 from rigtri.skeleton import Reference, Skeleton
@@ -122,9 +122,12 @@ class Hinges:
         return chains
 
     def _points(self, chain: Sequence[int]) -> list[int]:
-        """A chain's joints and what its last one aims at."""
-        last = self.aims[chain[-1]].node
-        return [*chain, *([last] if last is not None and last not in chain else [])]
+        """A chain's joints, the kept joint that leads into it, and what its last one aims at."""
+        above, last = self.tree.above[chain[0]], self.aims[chain[-1]].node
+        leads = above >= 0 and above not in self.aims
+        leads = leads and chain_child(self.tree, self.ref, above) == chain[0]
+        ends = last is not None and last not in chain
+        return [*([above] if leads else []), *chain, *([int(last)] if ends and last is not None else [])]
 
     def _of_chain(self, chain: list[int]) -> None:
         nodes = self._points(chain)
@@ -135,7 +138,7 @@ class Hinges:
         areas = cross(bones[:-1], bones[1:])
         sines = bend_sine(points[:-2], points[1:-1], points[2:])
         clear = sines >= STRAIGHT_SINE
-        name = f"{self.tree.rig.title(chain[0])} … {self.tree.rig.title(nodes[-1])}"
+        name = f"{self.tree.rig.title(nodes[0])} … {self.tree.rig.title(nodes[-1])}"
         if not clear.any():
             found = self._moving(nodes)
             for joint in chain:
@@ -144,18 +147,19 @@ class Hinges:
                     self.found[joint] = found
             return
         if self.per_joint:
-            self._per_joint(chain, areas, sines)
+            self._per_joint(nodes, areas, sines)
             return
         normal, sine = _area_weighted(areas, sines)
         for joint in chain:
             self.found[joint] = Up(normal, 2, "plane of the chain", sine)
 
-    def _per_joint(self, chain: list[int], areas: Floats, sines: Floats) -> None:
+    def _per_joint(self, nodes: list[int], areas: Floats, sines: Floats) -> None:
         """Each inner joint its own plane; the first and last take their neighbour's."""
-        for place, joint in enumerate(chain):
+        for place, joint in enumerate(nodes):
             k = min(max(place - 1, 0), len(areas) - 1)
-            if sines[k] >= STRAIGHT_SINE:
-                self.found[joint] = Up(normalise(areas[k]), 2, "plane of the joint", float(sines[k]))
+            if joint in self.aims and sines[k] >= STRAIGHT_SINE:
+                normal = normalise(areas[k])
+                self.found[joint] = Up(normal, 2, "plane of the joint", float(sines[k]))
 
     def _moving(self, nodes: list[int]) -> Up | None:
         """The hinge of a straight chain as its clips show it: first, second and last point."""

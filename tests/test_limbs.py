@@ -1,0 +1,90 @@
+"""Arms and legs by VRM map and by names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import asset_files
+from rigs import chain, rig_of
+
+from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.formats import read
+from rigtri.limbs import along, given, recognise
+from rigtri.rig import Rig
+
+
+def named(names: list[str], parents: list[int]) -> Rig:
+    rig = chain(*((float(k), 0.0, 0.0) for k in range(len(names))))
+    return replace(rig, names=tuple(names), parents=np.array(parents))
+
+
+def triples(rig: Rig) -> list[list[str]]:
+    return [[rig.names[node] for node in limb.triple] for limb in recognise(rig)]
+
+
+def test_mixamo_names_make_an_arm_although_the_clavicle_is_called_shoulder() -> None:
+    names = ["Spine", "LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand"]
+    rig = named([f"mixamorig:{name}" for name in names], [-1, 0, 1, 2, 3])
+    assert triples(rig) == [[f"mixamorig:{name}" for name in names[2:]]]
+
+
+def test_the_foot_of_a_flat_rig_hangs_elsewhere_and_still_ends_the_leg() -> None:
+    rig = named(["root", "UpperLeg.L", "LowerLeg.L", "Foot.L"], [-1, 0, 1, 0])
+    assert triples(rig) == [["UpperLeg.L", "LowerLeg.L", "Foot.L"]]
+
+
+def test_controls_beside_the_joints_are_not_taken_for_limbs() -> None:
+    rig = named(["root", "upperarm.l", "lowerarm.l", "wrist.l", "hand.l", "handIK.l"], [-1, 0, 1, 2, 3, 0])
+    assert triples(rig) == [["upperarm.l", "lowerarm.l", "wrist.l"]]
+
+
+def test_a_humanoid_map_goes_before_names() -> None:
+    rig = named(["a", "b", "c", "d"], [-1, 0, 1, 2])
+    bones = {"leftUpperArm": 1, "leftLowerArm": 2, "leftHand": 3}
+    (limb,) = recognise(replace(rig, humanoid=bones))
+    assert (limb.triple, limb.kind, limb.side, limb.evidence) == ((1, 2, 3), "arm", "left", "vrm")
+
+
+def test_joints_that_are_only_numbered_make_a_limb_of_the_first_three() -> None:
+    rig = named(
+        ["torso", "leg_joint_L_1", "leg_joint_L_2", "leg_joint_L_3", "leg_joint_L_5"], [-1, 0, 1, 2, 3]
+    )
+    assert triples(rig) == [["leg_joint_L_1", "leg_joint_L_2", "leg_joint_L_3"]]
+
+
+def test_a_limb_has_three_different_joints() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+    with pytest.raises(UsageError, match="three different joints"):
+        given(rig, "a", "b", "b")
+    with pytest.raises(NameNotFoundError, match="'elbow'"):
+        given(rig, "a", "elbow", "b")
+
+
+def test_no_chain_leads_from_one_branch_to_another() -> None:
+    rig = rig_of(["root", "a", "b"], [-1, 0, 0], np.eye(3))
+    with pytest.raises(UsageError, match="does not lie below"):
+        along(rig, 1, 2)
+
+
+# Counted by hand in each file: arms and legs whose three joints the file has.
+LIMBS = {
+    "kaykit_Barbarian.glb": 4,
+    "gdquest_mannequiny-0.3.0.glb": 4,
+    "raylib_robot.glb": 4,
+    "gt_sparse_player.glb": 2,
+    "addon_Example_vrm1.vrm": 4,
+    "usdwg_RiggedFigure.usdz": 4,
+    "mayausd_HIK_Export.usda": 4,
+    "godot_enemy.glb": 0,
+}
+
+
+@pytest.mark.parametrize("name", LIMBS)
+def test_limbs_of_real_characters_are_found(name: str, assets: Path) -> None:
+    (path,) = (path for path in asset_files() if path.name == name)
+    limbs = recognise(read(path).rig)
+    assert len(limbs) == LIMBS[name]
+    assert all(len(set(limb.triple)) == 3 for limb in limbs)

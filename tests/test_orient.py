@@ -1,0 +1,422 @@
+"""orient-joints on small rigs whose numbers can be checked by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from rigs import chain, rig_of
+
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.limbs import given
+from rigtri.matrices import inverse
+from rigtri.ops.orient import Options, orient_joints
+from rigtri.ops.presets import PRESETS, Style
+from rigtri.ops.select import Selection
+from rigtri.pose import worlds
+from rigtri.quaternions import from_axis_angle
+from rigtri.report import Report
+from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.triangle import axis_of
+from rigtri.trigonometry import Floats
+from rigtri.vectors import cross, normalise
+
+# An arm that bends at the elbow towards −z: hinge n = AB × BC = −y … see each test.
+SHOULDER, ELBOW, WRIST, TIP = (0.0, 0.0, 0.0), (2.0, 0.0, -0.5), (4.0, 0.0, 0.0), (5.0, 0.0, 0.0)
+ALL = Selection(joints=("*",))
+
+
+def arm() -> Rig:
+    return chain(SHOULDER, ELBOW, WRIST, TIP)
+
+
+def axes(rig: Rig, name: str) -> Floats:
+    return normalise(worlds(rig)[rig.find(name), :3, :3])
+
+
+def rebound(rig: Rig) -> Rig:
+    """The rig with its rest pose as bind pose: after a test has moved its joints."""
+    (skin,) = rig.skins
+    return replace(rig, skins=(replace(skin, inverse_bind=inverse(worlds(rig))[skin.joints]),))
+
+
+def oriented(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
+    options.setdefault("selection", ALL)
+    return orient_joints(rig, options=Options(**options), report=report)
+
+
+def test_the_default_axes_are_those_of_the_article() -> None:
+    out = oriented(arm(), limbs=(given(arm(), "a", "b", "c"),))
+    upper = normalise(np.subtract(ELBOW, SHOULDER))
+    n = normalise(cross(np.subtract(ELBOW, SHOULDER), np.subtract(WRIST, ELBOW)))
+    assert_allclose(axes(out, "a"), [upper, n, cross(upper, n)], atol=1e-12)
+    assert_allclose(axes(out, "b")[0], normalise(np.subtract(WRIST, ELBOW)), atol=1e-12)
+    assert_allclose(axes(out, "a")[2] @ np.array([0, 0, -1]) > 0, True)  # z towards the bend
+
+
+PAIRS = [(a, u) for a, u in product(("x", "-x", "y", "-y", "z", "-z"), repeat=2) if a[-1] != u[-1]]
+
+
+@pytest.mark.parametrize(("aim", "up"), PAIRS)
+def test_each_of_the_24_axis_pairs_aims_and_stays_right_handed(aim: str, up: str) -> None:
+    out = oriented(arm(), style=Style(aim, up))
+    frames = normalise(worlds(out)[:, :3, :3])
+    assert_allclose(np.linalg.det(frames), 1, atol=1e-12)
+    letter, sign = axis_of(aim)
+    assert_allclose(frames[0, letter] * sign, normalise(ELBOW), atol=1e-12)
+    letter, sign = axis_of(up)
+    assert_allclose(frames[0, letter] * sign, frames[1, letter] * sign, atol=1e-12)
+
+
+N = normalise(cross(np.subtract(ELBOW, SHOULDER), np.subtract(WRIST, ELBOW)))
+AIM = normalise(np.subtract(ELBOW, SHOULDER))
+POLE = cross(AIM, N)  # in the plane, towards the bend
+HAND_CHECKED = {
+    "unreal-editor": [AIM, -N, -cross(AIM, N)],
+    "mgear": [AIM, cross(-N, AIM), -N],
+    "cmt": [AIM, POLE, -N],
+    "blender": [N, AIM, cross(N, AIM)],
+    "rigify": [N, AIM, cross(N, AIM)],
+    "talk": [AIM, -POLE, -cross(AIM, POLE)],
+    "article": [AIM, N, POLE],
+    "openxr": [cross(N, -AIM), N, -AIM],
+    "three-ik": [cross(N, AIM), N, AIM],
+    "vrm": np.eye(3),
+}
+
+
+@pytest.mark.parametrize("name", [*HAND_CHECKED, "maya"])
+def test_a_preset_gives_the_axes_it_is_named_for(name: str) -> None:
+    out = oriented(arm(), style=PRESETS[name], limbs=(given(arm(), "a", "b", "c"),))
+    found = axes(out, "a")
+    assert np.linalg.det(found) == pytest.approx(1)
+    if name == "maya":  # y as near to the world's y as x allows
+        assert_allclose(found[:2], [AIM, [0, 1, 0]], atol=1e-12)
+    else:
+        assert_allclose(found, HAND_CHECKED[name], atol=1e-12)
+
+
+def test_the_middle_joint_flexes_about_plus_n() -> None:
+    out = oriented(arm(), limbs=(given(arm(), "a", "b", "c"),))
+    flexed = replace(out, rotation=out.rotation.copy())
+    elbow = out.find("b")
+    from rigtri.quaternions import multiply
+
+    flexed.rotation[elbow] = multiply(out.rotation[elbow], from_axis_angle([0, 1, 0], 0.3))
+    straight, bent = worlds(out)[:3, 3, :3], worlds(flexed)[:3, 3, :3]
+    assert np.linalg.norm(bent[2] - bent[0]) < np.linalg.norm(straight[2] - straight[0])
+
+
+def test_a_second_run_changes_nothing() -> None:
+    once = oriented(arm())
+    assert oriented(once) is once
+
+
+def test_axes_come_from_the_joints_own_space_under_a_stretched_ancestor() -> None:
+    points = np.array([[0, 0, 0], [1, 2, 0.5], [2, 3, 1.5], [3, 3, 3]], dtype=float)
+    rig = chain((0, 0, 0), *map(tuple, points[1:].tolist()))
+    rig.scale[0] = [1.0, 1.33, 1.0]
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    out = oriented(rig, selection=Selection(joints=("b", "c")))
+    position = worlds(out)[:, 3, :3]
+    assert_allclose(axes(out, "b")[0], normalise(position[2] - position[1]), atol=1e-12)
+    assert_allclose(position, worlds(rig)[:, 3, :3], atol=1e-12)
+
+
+def test_unnamed_the_root_stays_and_says_why() -> None:
+    report = Report()
+    orient_joints(arm(), report=report)
+    assert [entry["status"] for entry in report.joints] == ["kept", "turned", "turned", "turned"]
+    assert "root" in report.joints[0]["reason"]
+
+
+def test_a_joint_without_weight_stays_unless_named() -> None:
+    rig = chain(SHOULDER, ELBOW, WRIST)
+    skin = Skin("s", np.arange(3), rig.skins[0].inverse_bind, weigh=lambda: np.array([True, True, False]))
+    rig, report = replace(rig, skins=(skin,)), Report()
+    orient_joints(rig, report=report)
+    assert report.joints[2]["reason"] == "no weight on or below it"
+    named = orient_joints(rig, options=Options(selection=Selection(joints=("c",)), end="incoming"))
+    assert_allclose(axes(named, "c")[0], normalise(np.subtract(WRIST, ELBOW)), atol=1e-12)
+
+
+def test_several_children_average_and_a_lone_slot_far_off_is_no_continuation() -> None:
+    positions = [(0, 0, 0), (1, 0, 0), (2, 0.2, 0), (2, -0.2, 0), (1, -0.4, 0)]
+    rig = rig_of(list("abcde"), [-1, 0, 1, 1, 2], np.array(positions, dtype=float))
+    rig.translation[1:] -= np.array([positions[p] for p in (0, 1, 1, 2)])
+    rig = replace(rig, skins=(Skin("s", np.arange(5), inverse(worlds(rig))),))
+    weights = np.array([True, True, True, True, False])
+    rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: weights),))
+    report = Report()
+    out = oriented(rig, report)
+    told = {entry["joint"]: entry.get("aim") for entry in report.joints}
+    assert told["b"] == "average"
+    assert told["c"] == "parent"  # its only child sits 30° off, unweighted
+    assert_allclose(axes(out, "b")[0], [1, 0, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("branch", "expected"),
+    [("first", (1, 0.2, 0)), ("longest", (2, -0.2, 0)), ("incoming", (1, 0, 0)), ("average", (1.5, 0, 0))],
+)
+def test_the_branch_rule_chooses_among_children(branch: Any, expected: Any) -> None:
+    rig = rig_of(list("abcd"), [-1, 0, 1, 1], np.array([[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [2, -0.2, 0]]))
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    assert_allclose(axes(oriented(rig, branch=branch), "b")[0], normalise(expected), atol=1e-12)
+
+
+def test_a_named_child_decides_its_branch_and_aim_at_goes_before_all() -> None:
+    rig = rig_of(list("abcd"), [-1, 0, 1, 1], np.array([[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [2, -0.2, 0]]))
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    out = oriented(rig, branch_to=("d",))
+    assert_allclose(axes(out, "b")[0], normalise([2, -0.2, 0]), atol=1e-12)
+    out = oriented(rig, branch_to=("d",), aim_at=(("b", "a"),))
+    assert_allclose(axes(out, "b")[0], [-1, 0, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("end", "expected"),
+    [("parent", (1, 0, 0)), ("incoming", (1, 0, 0)), ("world", (1, 0, 0)), ("keep", None)],
+)
+def test_the_end_rule_orients_the_last_joint(end: Any, expected: Any) -> None:
+    rig = arm()
+    rig.rotation[3] = from_axis_angle([0, 0, 1], 1.0)
+    rig = rebound(rig)
+    out = oriented(rig, end=end)
+    last = axes(out, "d")[0]
+    assert_allclose(last, axes(rig, "d")[0] if expected is None else expected, atol=1e-12)
+
+
+def test_an_end_joint_aims_at_its_bare_tip() -> None:
+    rig = rig_of(
+        list("abc") + ["c_end"], [-1, 0, 1, 2], np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 1]])
+    )
+    rig = replace(rig, skins=(Skin("s", np.arange(3), inverse(worlds(rig))[:3]),))
+    report = Report()
+    assert_allclose(axes(oriented(rig, report), "c")[0], [0, 0, 1], atol=1e-12)
+    assert report.joints[-1]["aims_at"] == "c_end"
+
+
+def test_a_shin_of_a_flat_rig_aims_at_the_foot_that_its_limb_names() -> None:
+    positions = np.array([[0, 0, 0], [0, 2, 0.1], [0, -1, 0.3], [0, 0, 0]], dtype=float)
+    rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], positions)
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    out = oriented(rig, limbs=(given(rig, "thigh", "shin", "foot"),))
+    place = worlds(rig)[:, 3, :3]
+    assert_allclose(axes(out, "shin")[0], normalise(place[3] - place[2]), atol=1e-12)
+
+
+def test_children_at_the_same_place_are_looked_through() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (1, 0, 0), (1, 2, 0))
+    report = Report()
+    out = oriented(rig, report)
+    assert_allclose(axes(out, "b")[0], [0, 1, 0], atol=1e-12)
+    assert report.joints[1]["aim"] == "descendant"
+
+
+def straight(clip: bool = False, names: str = "") -> Rig:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+    if names:
+        rig = replace(rig, names=tuple(names.split()))
+    if not clip:
+        return rig
+    bends = np.stack([from_axis_angle([0, 0, 1], a) for a in (0.0, 0.5, 1.0)])
+    return replace(rig, clips=(Clip("bend", (Track(1, "rotation", "LINEAR", np.arange(3.0), bends),)),))
+
+
+def test_a_straight_limb_takes_its_hinge_from_its_clips() -> None:
+    report = Report()
+    out = oriented(straight(clip=True), report, limbs=(given(straight(), "a", "b", "c"),))
+    assert_allclose(axes(out, "b")[1], [0, 0, 1], atol=1e-9)
+    assert report.joints[1]["up"] == "clips"
+    assert not any(notice.geometry for notice in report.warnings)
+
+
+def test_a_straight_knee_bends_forward_and_a_straight_elbow_back() -> None:
+    for names, kind in (("thigh_L shin_L foot_L", 1.0), ("upperarm_L forearm_L hand_L", -1.0)):
+        out = oriented(straight(names=names), facing=(0.0, 0.0, 1.0))
+        middle = axes(out, names.split()[1])
+        assert_allclose(middle[2], [0, 0, kind], atol=1e-12)  # z is the side of the bend
+
+
+def test_a_straight_limb_nobody_knows_is_marked_as_invented_and_strictly_refused() -> None:
+    report = Report()
+    out = oriented(straight(), report)
+    assert report.joints[1]["invented"]
+    assert any(notice.geometry for notice in report.warnings)
+    assert out.notes[1]["invented"] is True
+    assert np.isfinite(out.rotation).all()
+    assert oriented(out) is out
+
+
+def test_no_noise_is_taken_for_a_bend_plane() -> None:
+    for seed in range(8):
+        rig = straight()
+        rig.translation[2] += np.random.default_rng(seed).normal(size=3) * 1e-9
+        report = Report()
+        oriented(rig, report)
+        assert report.joints[1]["step"] > 2
+
+
+def test_a_side_that_is_straight_mirrors_the_other() -> None:
+    positions = np.array(
+        [[0, 0, 0], [1, 0, 0], [0.3, -1, 0], [-0.2, -1, 0], [-1, 0, 0], [0, -1, 0], [0, -1, 0]]
+    )
+    names = ["hips", "thigh_L", "shin_L", "foot_L", "thigh_R", "shin_R", "foot_R"]
+    rig = rig_of(names, [-1, 0, 1, 2, 0, 4, 5], positions.astype(float))
+    rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(worlds(rig))),))
+    report = Report()
+    out = oriented(rig, report)
+    # The left knee bends towards +x, so the right one towards −x: z is the bend's side.
+    assert axes(out, "shin_L")[2][0] > 0.9
+    assert_allclose(axes(out, "shin_R")[2], [-1, 0, 0], atol=1e-12)
+    assert {e["joint"]: e.get("up") for e in report.joints}["shin_R"] == "other side"
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("world:+z", (0, 0, 1)),
+        ("vector:0,1,1", (0, 1, 1)),
+        ("node:d", (0, 0, 1)),
+        ("noderot:-y:a", (0, -1, 0)),
+        ("keep", (0, 1, 0)),
+    ],
+)
+def test_up_comes_from_where_the_user_says(source: str, expected: Any) -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (2, 0, 5))
+    out = oriented(rig, style=Style("x", "y", source), selection=Selection(joints=("a",)))
+    wanted = normalise(np.asarray(expected, dtype=float) * [0, 1, 1])
+    assert_allclose(axes(out, "a")[1], wanted, atol=1e-12)
+
+
+def test_up_may_follow_the_parent_or_the_child() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0))
+    rig.rotation[0] = from_axis_angle([1, 0, 0], 0.7)
+    rig = rebound(rig)
+    only = Selection(joints=("b", "c"))
+    from_parent = oriented(rig, style=Style("x", "y", "parent"), selection=only)
+    assert_allclose(axes(from_parent, "c")[1], axes(rig, "a")[1], atol=1e-12)
+    rig.rotation[3] = from_axis_angle([1, 0, 0], 0.4)
+    from_child = oriented(rig, style=Style("x", "y", "child"), selection=only)
+    assert_allclose(axes(from_child, "b")[1], axes(rig, "d")[1], atol=1e-12)
+
+
+def test_an_up_along_the_bone_goes_down_the_ladder_and_says_so() -> None:
+    report = Report()
+    oriented(arm(), report, style=Style("x", "y", "vector:2,0,-0.5"))
+    assert report.joints[0]["step"] == 2
+    assert any(notice.code == "up-parallel" for notice in report.warnings)
+
+
+def test_chains_may_have_styles_of_their_own() -> None:
+    out = oriented(arm(), chain_styles=(("b", "c", Style("z", "y")),), selection=Selection(joints=("a",)))
+    assert_allclose(axes(out, "b")[2], normalise(np.subtract(WRIST, ELBOW)), atol=1e-12)
+    assert_allclose(axes(out, "a")[0], AIM, atol=1e-12)
+
+
+def test_snap_turns_to_the_nearest_cardinal_axes_only() -> None:
+    rig = arm()
+    out = oriented(rig, snap=True, style=Style("y", "x"))
+    turned = axes(out, "a") @ axes(rig, "a").T
+    assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
+
+
+def test_an_offset_turns_about_the_new_axes() -> None:
+    plain, offset = oriented(arm()), oriented(arm(), offset=(90.0, 0.0, 0.0))
+    before, after = axes(plain, "a"), axes(offset, "a")
+    assert_allclose(after, [before[0], before[2], -before[1]], atol=1e-12)
+
+
+def test_behaviour_mirroring_aims_the_other_side_backwards() -> None:
+    positions = np.array([[0, 0, 0], [1, 0, 0], [1, -0.2, 0], [-1, 0, 0], [-1, -0.2, 0]], dtype=float)
+    rig = rig_of(["root", "arm_L", "hand_L", "arm_R", "hand_R"], [-1, 0, 1, 0, 3], positions)
+    rig = replace(rig, skins=(Skin("s", np.arange(5), inverse(worlds(rig))),))
+    out = oriented(rig, mirror="behavior")
+    left, right = axes(out, "arm_L"), axes(out, "arm_R")
+    assert_allclose(right, -left * [-1, 1, 1], atol=1e-12)
+    assert_allclose(right[0], -normalise([-1, -0.2, 0]), atol=1e-12)
+
+
+def test_the_axes_of_another_file_come_back_exactly() -> None:
+    rig = arm()
+    rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
+    rig = rebound(rig)
+    away = oriented(rig, style=Style("-z", "y"))
+    home = oriented(away, like=rig)
+    assert_allclose(worlds(home), worlds(rig), atol=1e-9)
+
+
+def test_a_rotation_common_to_the_whole_skeleton_is_taken_out_of_like() -> None:
+    rig = chain((0, 0, 0), (1, 0.5, 0), (2, 0, 1), (3, 1, 1))
+    z_up = replace(rig, rotation=rig.rotation.copy())
+    z_up.rotation[0] = from_axis_angle([1, 0, 0], np.pi / 2)
+    z_up = rebound(z_up)
+    turned = oriented(z_up, style=Style("y", "z"))
+    home = oriented(rig, like=turned)
+    seen = axes(turned, "b") @ worlds(z_up)[0, :3, :3].T
+    assert_allclose(axes(home, "b"), seen, atol=1e-7)
+
+
+def test_stored_frames_are_applied_and_undone() -> None:
+    from rigtri.ops.frames import frames_json
+
+    report = Report()
+    out = oriented(arm(), report)
+    stored = frames_json(arm(), report)
+    again = oriented(arm(), frames=stored)
+    assert_allclose(again.rotation, out.rotation, atol=1e-15)
+    back = oriented(out, frames=stored, inverse=True)
+    assert_allclose(worlds(back), worlds(arm()), atol=1e-12)
+
+
+def test_a_scale_that_would_shear_is_snapped_skipped_or_an_error() -> None:
+    rig = arm()
+    rig.scale[3] = [1.0, 2.0, 3.0]
+    rig.rotation[3] = from_axis_angle([0, 1, 0], 0.3)
+    rig = rebound(rig)
+    report = Report()
+    out = oriented(rig, report)
+    turned = axes(out, "d") @ axes(rig, "d").T
+    assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
+    assert any(notice.code == "nonuniform-scale" for notice in report.warnings)
+    assert_allclose(worlds(oriented(rig, on_nonuniform_scale="skip"))[3], worlds(rig)[3], atol=1e-12)
+    with pytest.raises(GeometryError, match="'d'"):
+        oriented(rig, on_nonuniform_scale="error")
+
+
+def test_a_plain_hierarchy_needs_its_top_named() -> None:
+    rig = replace(arm(), skins=())
+    with pytest.raises(FileError, match="--root"):
+        orient_joints(rig)
+    out = orient_joints(rig, options=Options(root="a"))
+    assert_allclose(axes(out, "a")[0], AIM, atol=1e-12)
+
+
+def test_what_the_user_misspells_is_named() -> None:
+    with pytest.raises(NameNotFoundError, match="forarm"):
+        oriented(arm(), selection=Selection(joints=("forarm",)))
+    with pytest.raises(UsageError, match="same letter"):
+        oriented(arm(), style=Style("x", "-x"))
+    with pytest.raises(UsageError, match="none of plane"):
+        oriented(arm(), style=Style("x", "y", "plan"))
+    with pytest.raises(UsageError, match="CLIP@TIME"):
+        oriented(arm(), pose="walk")
+    with pytest.raises(NameNotFoundError, match="clip"):
+        oriented(arm(), pose="walk@0.5")
+
+
+def test_files_of_one_skeleton_get_one_set_of_axes_in_the_bind_pose() -> None:
+    rig = arm()
+    posed = replace(rig, rotation=rig.rotation.copy())
+    posed.rotation[1] = from_axis_angle([0, 1, 0], 1.0)  # the first frame of some clip
+    one, other = oriented(rig), oriented(posed)
+    one_turn = [a.T @ b for a, b in zip(axes(rig, "a"), axes(one, "a"), strict=True)]
+    other_turn = [a.T @ b for a, b in zip(axes(posed, "a"), axes(other, "a"), strict=True)]
+    assert_allclose(one_turn, other_turn, atol=1e-9)
+    moved = oriented(posed, pose="nodes")
+    assert np.abs(worlds(moved)[:3, :3, :3] - worlds(other)[:3, :3, :3]).max() > 1e-3
