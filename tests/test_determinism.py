@@ -135,6 +135,7 @@ def test_outputs_have_the_bytes_they_had(
     known = json.loads(HASHES.read_text("utf-8")) if HASHES.exists() else {}
     if pytestconfig.getoption("--update-golden"):
         text = json.dumps(known | {name: digest}, indent=1, sort_keys=True)
+        GOLDENS.mkdir(exist_ok=True)
         HASHES.write_text(text + "\n", "utf-8", newline="\n")
     else:
         assert known.get(name) == digest
