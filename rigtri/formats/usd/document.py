@@ -15,6 +15,7 @@ from rigtri.formats import Companion, Options
 from rigtri.formats.usd import layers, meshes, package, writer
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.stage import first_line, quiet
+from rigtri.formats.usd.values import Edit, kind, parts
 from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
 
@@ -50,8 +51,8 @@ class UsdDocument:
     def meshes(self) -> Sequence[Mesh]:
         """Skinned and rigid points, blend shapes as morphs without inbetweens."""
         rig, source = self.rig, self._source
-        nodes = {label: node for node, label in enumerate(rig.labels) if _is_prim(rig, node)}
-        skins = {skin.key[1]: k for k, skin in enumerate(rig.skins) if _of_skeleton(skin.key)}
+        nodes = {label: node for node, label in enumerate(rig.labels) if kind(rig.keys[node]) == "prim"}
+        skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
         tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
         with quiet():
             return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
@@ -66,9 +67,7 @@ class UsdDocument:
         notices: list[Notice] = []
         try:
             with quiet():
-                edits = writer.edits(
-                    self._source, rig, bake=self._options.bake_xform, warnings=notices
-                )
+                edits = writer.edits(self._source, rig, bake=self._options.bake_xform, warnings=notices)
                 self._write(edits, part, target)
         except Tf.ErrorException as error:
             raise FileError(f"{target}: USD cannot write it: {first_line(error)}") from None
@@ -89,7 +88,7 @@ class UsdDocument:
     def _is_override(self) -> bool:
         return "override" in dict(self._source.layer.customLayerData.get(MARK, {}))
 
-    def _write(self, edits: list[writer.Edit], part: Path, target: Path) -> None:
+    def _write(self, edits: list[Edit], part: Path, target: Path) -> None:
         source, override = self._source, self._options.override
         if override and not self._is_override():
             layer = self._override(target) if override == "stage" else layers.empty()
@@ -141,7 +140,7 @@ class UsdDocument:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
 
 
-def _apply(edits: list[writer.Edit], layer: Any) -> None:
+def _apply(edits: list[Edit], layer: Any) -> None:
     with Sdf.ChangeBlock():
         for edit in edits:
             edit(layer)
@@ -153,12 +152,3 @@ def _encoding(suffix: str) -> str:
 
 def _by_content(content: bytes) -> str:
     return "usdc" if content.startswith(b"PXR-USDC") else "usda"
-
-
-def _is_prim(rig: Rig, node: int) -> bool:
-    key: Any = rig.keys[node]
-    return key is not None and key[0] == "prim"
-
-
-def _of_skeleton(key: Any) -> bool:
-    return key is not None and key[0] == "skeleton"

@@ -11,7 +11,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd import notes
 from rigtri.formats.usd.reader import GROUP, Source
 from rigtri.formats.usd.stage import why_locked
-from rigtri.formats.usd.values import Edit, apply_schema, set_value
+from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
 from rigtri.formats.usd.xform import stand
 from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
@@ -33,7 +33,7 @@ def edits(source: Source, rig: Rig) -> list[Edit]:
 def _update(source: Source, rig: Rig) -> list[Edit]:
     before, found = source.rig, []
     for node, key in enumerate(before.keys):
-        if key[0] != "prim":  # type: ignore[index]
+        if kind(key) != "prim":
             continue
         path, note = before.labels[node], rig.notes.get(node, {})
         if dict(note) != dict(before.notes.get(node, {})):
@@ -110,12 +110,12 @@ class _Additions:
         """The top-level prim that holds the skeleton a node is about."""
         rig, wanted = self.rig, self.rig.notes.get(node, {}).get("chain", ())
         about = [
-            rig.keys[joint][1]  # type: ignore[index]
+            parts(rig.keys[joint])[1]
             for joint in range(len(self.source.rig))
-            if wanted and rig.keys[joint][0] == "joint" and wanted[0] in _addresses(rig, joint)  # type: ignore[index]
+            if wanted and kind(rig.keys[joint]) == "joint" and wanted[0] in _addresses(rig, joint)
         ]
         if not about:
-            about = list(self.source.skeletons) or [skin.key[1] for skin in rig.skins]  # type: ignore[index]
+            about = list(self.source.skeletons) or [parts(skin.key)[1] for skin in rig.skins]
         path = Sdf.Path(about[0]).GetPrefixes()[0]
         prim = self.source.stage.GetPrimAtPath(path)
         return None if prim.IsInstance() or prim.IsInstanceProxy() else path
@@ -141,13 +141,13 @@ class _Additions:
 
 
 def _addresses(rig: Rig, node: int) -> tuple[str, ...]:
-    return (rig.names[node], rig.labels[node], str(rig.keys[node][2]))  # type: ignore[index]
+    return (rig.names[node], rig.labels[node], parts(rig.keys[node])[2])
 
 
-def _all(parts: list[Edit]) -> Edit:
+def _all(steps: list[Edit]) -> Edit:
     def edit(layer: Any) -> None:
-        for part in parts:
-            part(layer)
+        for step in steps:
+            step(layer)
 
     return edit
 
@@ -162,8 +162,8 @@ def _define(path: Any, kind: str) -> Edit:
 
 def _attributes(path: Any, wanted: dict[str, tuple[Any, Any]]) -> list[Edit]:
     return [
-        set_value(path, name, kind, value, custom=True, uniform=name.startswith(notes.PREFIX))
-        for name, (kind, value) in wanted.items()
+        set_value(path, name, type_name, value, custom=True, uniform=name.startswith(notes.PREFIX))
+        for name, (type_name, value) in wanted.items()
     ]
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import struct
 import zlib
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
 from rigtri.errors import FileError
@@ -132,7 +133,7 @@ def _check(path: Path, entries: list[Entry]) -> None:
         double = next(name for name in names if names.count(name) > 1)
         raise FileError(f"{path}: two entries are named '{double}'.")
     ordered = sorted(entries, key=lambda entry: entry.start)
-    for one, other in zip(ordered, ordered[1:], strict=False):
+    for one, other in pairwise(ordered):
         if one.start + one.size > other.start:
             raise FileError(f"{path}: entries '{one.name}' and '{other.name}' overlap.")
 
@@ -165,9 +166,7 @@ def write(package: Package, root: bytes, part: Path) -> None:
             record = (b"PK\1\2", entry.made_by, entry.needed, flags, 0, entry.time, entry.date, crc,
                       len(data), len(data), len(entry.raw_name), len(entry.central_extra),
                       len(entry.comment), 0, entry.internal, entry.external, written)  # fmt: skip
-            directory.append(
-                _CENTRAL.pack(*record) + entry.raw_name + entry.central_extra + entry.comment
-            )
+            directory.append(_CENTRAL.pack(*record) + entry.raw_name + entry.central_extra + entry.comment)
             local = _LOCAL.pack(*header) + entry.raw_name + extra
             sink.write(local)
             sink.write(data)

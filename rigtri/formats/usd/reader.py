@@ -12,10 +12,11 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
-from rigtri.formats.usd import meshes, notes, xform
+from rigtri.formats.usd import meshes, notes
 from rigtri.formats.usd.animations import Animation, clips, read_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, open_stage, quiet
+from rigtri.formats.usd.xform_rig import rooted
 from rigtri.matrices import compose, decompose, identity, inverse
 from rigtri.pose import worlds
 from rigtri.report import Notice
@@ -23,6 +24,8 @@ from rigtri.rig import Clip, Interpolation, Rig, Skin
 
 # The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
 GROUP = "rigtri"
+# Prims of ours stand by translate, orient and scale; a place those cannot say is somebody else's.
+OWN_PLACE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +87,7 @@ class _Reader:
         rig = self._rig()
         rig = replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins()))
         if self.options.root is not None:
-            rig = self._rooted(rig, xform.find_root(rig, self.options.root))
+            rig = rooted(rig, self.stage, self.options.root, self._interpolation, self.warnings)
         return Source(
             self.path,
             self.stage,
@@ -121,7 +124,7 @@ class _Reader:
             local = np.eye(4)
         else:
             xformable = UsdGeom.Xformable(prim)
-            local = np.array(xformable.GetLocalTransformation(DEFAULT), dtype=np.float64)
+            local = np.array(xformable.GetLocalTransformation(_moment(xformable)), dtype=np.float64)
             parent = -1 if xformable.GetResetXformStack() else parent
         self._add(prim.GetName(), parent, local, ("prim", path), path)
         self.node_of[path] = node
@@ -195,9 +198,12 @@ class _Reader:
                 Notice("unbound-animation", f"No skeleton uses {shown}: left as they were, in the old axes.")
             )
 
-    def _clips(self) -> list[Clip]:
+    @property
+    def _interpolation(self) -> Interpolation:
         held = self.stage.GetInterpolationType() == Usd.InterpolationTypeHeld
-        interpolation: Interpolation = "STEP" if held else "LINEAR"
+        return "STEP" if held else "LINEAR"
+
+    def _clips(self) -> list[Clip]:
         names = [animation.name for animation in self.animations.values()]
         found = []
         for path, animation in self.animations.items():
@@ -206,9 +212,9 @@ class _Reader:
             prim, weights = self.stage.GetPrimAtPath(path), []
             if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
                 queries = self.bindings.of(users)
-                weights = meshes.blend_tracks(prim, queries, self.node_of, interpolation)
+                weights = meshes.blend_tracks(prim, queries, self.node_of, self._interpolation)
             driven = [self.joint_nodes[user] for user in users]
-            found += clips(animation, name, driven, weights, interpolation)
+            found += clips(animation, name, driven, weights, self._interpolation)
         return found
 
     def _skins(self) -> list[Skin]:
@@ -235,9 +241,9 @@ class _Reader:
             translation, rotation, scale = decompose(matrix)
         # A frame that is flat or sheared has no rotation; the matrix says all there is.
         rotation = np.where(np.isfinite(rotation).all(axis=1)[:, np.newaxis], rotation, (0.0, 0, 0, 1))
-        has_matrix[self.own] = np.abs(compose(translation, rotation, scale) - matrix)[self.own].max(
-            axis=(1, 2), initial=0.0
-        ) > 1e-9
+        composed = compose(translation, rotation, scale)
+        for node in self.own:
+            has_matrix[node] = bool(np.abs(composed[node] - matrix[node]).max() > OWN_PLACE)
         up = (0.0, 0.0, 1.0) if UsdGeom.GetStageUpAxis(self.stage) == "Z" else (0.0, 1.0, 0.0)
         return Rig(
             names=tuple(self.names),
@@ -255,21 +261,13 @@ class _Reader:
             up=up,
         )
 
-    def _rooted(self, rig: Rig, root: int) -> Rig:
-        """The prims below ``root`` as joints, those that cannot be turned marked as fixed."""
-        skin = xform.pseudo_skin(rig, root)
-        fixed = dict(rig.fixed)
-        bodies = xform.jointed_bodies(self.stage)
-        for node in skin.joints.tolist():
-            prim = self.stage.GetPrimAtPath(rig.labels[node])
-            why = bodies.get(rig.labels[node]) or xform.why_fixed(prim)
-            if why:
-                fixed[node] = why
-            elif UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
-                self.warnings.append(
-                    Notice("animated-xform", f"<{prim.GetPath()}> is animated; only its rest is measured.")
-                )
-        return replace(rig, skins=(*rig.skins, skin), fixed=fixed)
+
+def _moment(xformable: Any) -> Any:
+    """When a prim is at rest: at the Default time, or at its start where it has only time samples."""
+    if not xformable.TransformMightBeTimeVarying():
+        return DEFAULT
+    attributes = [op.GetAttr() for op in xformable.GetOrderedXformOps()]
+    return meshes.EARLIEST if any(at.Get(DEFAULT) is None for at in attributes) else DEFAULT
 
 
 def _shows(prim: Any) -> bool:

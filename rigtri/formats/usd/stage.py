@@ -69,9 +69,7 @@ def _unresolved(texts: list[str]) -> list[Notice]:
     if not names:
         return []
     shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
-    return [
-        Notice("unresolved", f"{len(names)} files that this one refers to were not found: {shown}")
-    ]
+    return [Notice("unresolved", f"{len(names)} files that this one refers to were not found: {shown}")]
 
 
 def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:

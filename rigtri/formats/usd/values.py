@@ -6,7 +6,7 @@ layer that another edit has already changed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from typing import Any
 
 from pxr import Sdf
@@ -14,10 +14,20 @@ from pxr import Sdf
 Edit = Callable[[Any], None]
 
 
+def parts(key: Hashable) -> tuple[Any, ...]:
+    """The parts of a key that this format has given; none where a node is new."""
+    return key if isinstance(key, tuple) else ()
+
+
+def kind(key: Hashable) -> str:
+    """What a key stands for: ``prim``, ``joint``, ``skeleton``, ``root``, or "" where it is new."""
+    return str(parts(key)[0]) if parts(key) else ""
+
+
 def set_value(
     prim: Any,
     name: str,
-    kind: Any,
+    type_name: Any,
     value: Any,
     *,
     samples: Mapping[float, Any] | None = None,
@@ -34,14 +44,14 @@ def set_value(
 
     def edit(layer: Any) -> None:
         spec = layer.GetAttributeAtPath(path)
-        if spec is not None and spec.typeName != kind:
+        if spec is not None and spec.typeName != type_name:
             # An attribute cannot change its type in place.
             del spec.owner.properties[name]
             spec = None
         if spec is None:
             owner = Sdf.CreatePrimInLayer(layer, path.GetPrimPath())
             variability = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
-            spec = Sdf.AttributeSpec(owner, name, kind, variability, declaresCustom=custom)
+            spec = Sdf.AttributeSpec(owner, name, type_name, variability, declaresCustom=custom)
         if alone:
             for time in layer.ListTimeSamplesForPath(path):
                 layer.EraseTimeSample(path, time)

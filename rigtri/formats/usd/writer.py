@@ -17,7 +17,7 @@ from rigtri.formats.usd import locators, notes, xform
 from rigtri.formats.usd.animations import HELD, Animation, Property
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.skeletons import Skeleton
-from rigtri.formats.usd.values import Edit, apply_schema, set_value
+from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
 from rigtri.matrices import inverse
 from rigtri.quaternions import norm
 from rigtri.report import Notice
@@ -59,7 +59,7 @@ def _prim_edits(
     prims = [
         node
         for node in np.flatnonzero(moved).tolist()
-        if before.keys[node][0] == "prim" and not locators.is_ours(before, node)  # type: ignore[index]
+        if kind(before.keys[node]) == "prim" and not locators.is_ours(before, node)
     ]
     if not prims:
         return []
@@ -69,9 +69,9 @@ def _prim_edits(
 def _skin_edits(source: Source, rig: Rig, moved: np.ndarray) -> list[Edit]:
     found = []
     for old, new in zip(source.rig.skins, rig.skins, strict=True):
-        kind, path = old.key  # type: ignore[misc]
-        if kind != "skeleton":
+        if kind(old.key) != "skeleton":
             continue
+        path = parts(old.key)[1]
         skeleton = source.skeletons[path]
         prim = source.stage.GetPrimAtPath(path)
         turned = (old.inverse_bind != new.inverse_bind).any(axis=(1, 2))
@@ -99,7 +99,8 @@ def _animation_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[E
     if len(rig.clips) != len(source.rig.clips):
         raise FileError(f"{source.path}: clips cannot be added to USD files or taken out of them.")
     for old, new in zip(source.rig.clips, rig.clips, strict=True):
-        if new is not old:
+        # Xform prims are turned by ops of their own; the keys of the others stay as they are.
+        if new is not old and parts(old.key)[0] != "xforms":
             _collect(source, old, new, changes)
     found: list[Edit] = []
     for path, wanted in changes.items():
@@ -109,7 +110,7 @@ def _animation_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[E
 
 def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Columns]]) -> None:
     """Note the changed columns of a clip's tracks, by animation and by skeleton."""
-    moment, path = old.key  # type: ignore[misc]
+    moment, path = parts(old.key)
     if len(old.tracks) != len(new.tracks):
         raise FileError(f"Clip '{old.name}': tracks cannot be added to USD files or taken out of them.")
     for was, now in zip(old.tracks, new.tracks, strict=True):
@@ -117,8 +118,8 @@ def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Col
             continue
         if not np.array_equal(was.times, now.times):
             raise FileError(f"Clip '{old.name}': key times of USD animations cannot be changed.")
-        name, column = was.key  # type: ignore[misc]
-        skeleton = source.rig.keys[was.node][1]  # type: ignore[index]
+        name, column = parts(was.key)
+        skeleton = parts(source.rig.keys[was.node])[1]
         into.setdefault(path, {}).setdefault(skeleton, {})[moment, name, column] = now.values
 
 
@@ -205,9 +206,9 @@ def _array_edits(source: Source, animation: Animation, path: str, columns: Colum
                 _put(default[np.newaxis], column, item.default[np.newaxis, column], values)
         timed = {float(time): _array(item, row) for time, row in zip(item.times, samples, strict=True)}
         timed.update(dict.fromkeys(item.blocked))
-        kind = prim.GetAttribute(name).GetTypeName()
+        type_name = prim.GetAttribute(name).GetTypeName()
         single = None if default is None else _array(item, default)
-        found.append(set_value(path, name, kind, single, samples=dict(sorted(timed.items()))))
+        found.append(set_value(path, name, type_name, single, samples=dict(sorted(timed.items()))))
     return found
 
 
@@ -236,20 +237,19 @@ def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[
         spec = Sdf.CreatePrimInLayer(layer, path)
         spec.specifier, spec.typeName = Sdf.SpecifierDef, prim.GetTypeName()
 
-    found: list[Edit] = [define]
-    for attribute in prim.GetAuthoredAttributes():
-        found.append(
-            set_value(
-                path,
-                attribute.GetName(),
-                attribute.GetTypeName(),
-                attribute.Get(),
-                samples={time: attribute.Get(time) for time in attribute.GetTimeSamples()},
-                uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
-                custom=attribute.IsCustom(),
-            )
+    copies = [
+        set_value(
+            path,
+            attribute.GetName(),
+            attribute.GetTypeName(),
+            attribute.Get(),
+            samples={time: attribute.Get(time) for time in attribute.GetTimeSamples()},
+            uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
+            custom=attribute.IsCustom(),
         )
-    return str(path), found
+        for attribute in prim.GetAuthoredAttributes()
+    ]
+    return str(path), [define, *copies]
 
 
 def _bind(skeleton: str, animation: str) -> Edit:
@@ -265,10 +265,12 @@ def _bind(skeleton: str, animation: str) -> Edit:
 
 def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
     """customData.rigtri of the skeletons whose joints have other notes than before."""
-    before, wanted, changed = source.rig, {}, set()
+    before = source.rig
+    wanted: dict[str, dict[str, notes.Note]] = {}
+    changed: set[str] = set()
     for node, key in enumerate(before.keys):
-        if key[0] == "joint":  # type: ignore[index]
-            _, path, token = key  # type: ignore[misc]
+        if kind(key) == "joint":
+            _, path, token = parts(key)
             note = rig.notes.get(node, {})
             if dict(note) != dict(before.notes.get(node, {})):
                 changed.add(path)

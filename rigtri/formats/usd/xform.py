@@ -1,4 +1,4 @@
-"""Plain Xform hierarchies as rigs: prims that stand in for joints, and turning them.
+"""Turning plain Xform prims, and standing prims of our own somewhere.
 
 A prim is turned by two constant ops, without a change to any op it has::
 
@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, why_locked
-from rigtri.formats.usd.values import Edit, set_value
+from rigtri.formats.usd.values import Edit, kind, set_value
 from rigtri.matrices import (
     SKEW,
     compose,
@@ -28,11 +28,10 @@ from rigtri.matrices import (
     orthonormal_axes,
     skew,
 )
-from rigtri.pose import worlds
 from rigtri.quaternions import IDENTITY, conjugate, from_axes
 from rigtri.quaternions import multiply as product
 from rigtri.report import Notice
-from rigtri.rig import Rig, Skin
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 FRAME = "xformOp:orient:rigtriFrame"
@@ -43,56 +42,6 @@ SAME_TURN = 1e-12
 SAME_PLACE = 1e-9
 
 
-def find_root(rig: Rig, root: str) -> int:
-    """The prim that ``--root`` names: by path, or by a name that only one has."""
-    node = rig.find(root, "prim")
-    if rig.keys[node][0] != "prim":  # type: ignore[index]
-        raise UsageError(f"--root '{root}' is a joint; name a prim, e.g. {rig.labels[0]}")
-    return node
-
-
-def pseudo_skin(rig: Rig, root: int) -> Skin:
-    """The prims at and below ``root`` as joints, bound where they stand at rest."""
-    joints = [node for node in rig.below(root) if rig.keys[node][0] == "prim"]  # type: ignore[index]
-    return Skin(
-        name=rig.names[root],
-        joints=np.array(joints, dtype=np.int64),
-        inverse_bind=inverse(worlds(rig)[joints]),
-        stored=False,
-        key=("root", rig.labels[root]),
-    )
-
-
-def why_fixed(prim: Any) -> str:
-    """Why a prim must keep its axes; "" where it may be turned."""
-    if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Camera) or prim.IsA(UsdGeom.PointInstancer):
-        return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be turned"
-    if prim.GetTypeName().endswith("Light"):
-        return f"<{prim.GetPath()}> is itself a light; only prims above it can be turned"
-    held = [name for name in prim.GetAuthoredPropertyNames() if name.startswith("constraintTargets:")]
-    held += ["extentsHint"] if prim.HasAuthoredModel() and _has(prim, "extentsHint") else []
-    if held:
-        return f"<{prim.GetPath()}>.{held[0]} is kept in its axes"
-    return why_locked(prim, ("xformOpOrder",))
-
-
-def _has(prim: Any, name: str) -> bool:
-    attribute = prim.GetAttribute(name)
-    return bool(attribute and attribute.HasAuthoredValue())
-
-
-def jointed_bodies(stage: Any) -> dict[str, str]:
-    """Prims that physics joints keep frames for, by path, with the reason to leave them."""
-    found = {}
-    for prim in stage.Traverse():
-        if prim.GetTypeName().startswith("Physics") and prim.GetTypeName().endswith("Joint"):
-            for name in ("physics:body0", "physics:body1"):
-                relation = prim.GetRelationship(name)
-                for target in relation.GetTargets() if relation else ():
-                    found[str(target)] = f"the physics joint <{prim.GetPath()}> keeps a frame in its axes"
-    return found
-
-
 def turn_edits(
     stage: Any, before: Rig, after: Rig, nodes: list[int], bake: bool, warnings: list[Notice]
 ) -> list[Edit]:
@@ -101,7 +50,7 @@ def turn_edits(
     edits: list[Edit] = []
     wanted = set(nodes)
     for node in range(len(before)):
-        if before.keys[node][0] != "prim":  # type: ignore[index]
+        if kind(before.keys[node]) != "prim":
             continue
         parent = int(before.parents[node])
         above = turn[parent] if parent >= 0 else IDENTITY
