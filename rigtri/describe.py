@@ -145,8 +145,6 @@ def _tree(seen: _Seen) -> Iterator[list[str]]:
         words = [f"{'. ' * depth}{title}", rig.labels[node]]
         if seen.counts[node]:
             words += [_axes_words(seen.axes[node]), *_bone_words(seen, node)]
-        else:
-            words += ["", "", "", ""]
         yield [*words, ", ".join(_flags(seen, node))]
 
 
@@ -300,16 +298,16 @@ def _clip_json(rig: Rig, clip: Clip) -> dict[str, Any]:
 
 
 def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows of words as lines, their columns aligned; a column that is empty throughout is left out."""
-    if not rows:
-        return []
-    count = max(map(len, rows))
-    full = [[*row, *[""] * (count - len(row))] for row in rows]
-    widths = [max(len(row[k]) for row in full) for k in range(count)]
-    return [
-        "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True) if width).rstrip()
-        for row in full
-    ]
+    """Rows of words as lines with aligned columns; the last word of a row widens no column."""
+    count = max(map(len, rows), default=0)
+    widths = [max((len(row[k]) for row in rows if k < len(row) - 1), default=0) for k in range(count)]
+    return ["  ".join(_padded(row, widths)).rstrip() for row in rows]
+
+
+def _padded(row: Sequence[str], widths: Sequence[int]) -> list[str]:
+    """The words of a row as wide as their columns; a column without any words is left out."""
+    words = [word.ljust(width) for word, width in zip(row[:-1], widths, strict=False) if width]
+    return [*words, row[-1]]
 
 
 def _direction(v: Floats) -> str:

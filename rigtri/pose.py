@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rigtri.matrices import compose, decompose, inverse, multiply
-from rigtri.quaternions import conjugate, norm, rotate, slerp, unit
+from rigtri.matrices import compose, inverse, multiply
+from rigtri.quaternions import conjugate, from_axes, norm, rotate, slerp, unit
 from rigtri.quaternions import multiply as product
 from rigtri.rig import Clip, Integers, Interpolation, Mesh, Path, Rig, Skin, Track
 from rigtri.trigonometry import Floats
@@ -169,25 +169,48 @@ def _through(points: Floats, matrix: Floats) -> Floats:
 
 
 def _dual_quaternion(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
-    """Dual-quaternion skinning without scale: blend (rotation, translation) pairs, then normalise.
+    """Dual-quaternion skinning: points stretched by each joint's scale, blended linearly, then
+    moved by the blend of (rotation, translation) pairs.
 
-    Source: L. Kavan et al., "Skinning with dual quaternions", I3D 2007.
+    Source: L. Kavan et al., "Skinning with dual quaternions", I3D 2007; UsdSkel, which
+    adds the scale and blends on the side of the heaviest joint.
     """
-    translation, rotation, _ = decompose(matrices)
-    zero = np.zeros((*translation.shape[:-1], 1))
-    dual = 0.5 * product(np.concatenate([translation, zero], axis=-1), rotation)
-    first = rotation[:, joints[:, 0]]
+    stretch, rotation = _polar(matrices[..., :3, :3])
+    zero = np.zeros((*rotation.shape[:-1], 1))
+    translation = np.concatenate([matrices[..., 3, :3], zero], axis=-1)
+    dual = 0.5 * product(translation, rotation)
+    heaviest = np.argmax(np.abs(weights), axis=1)
+    pivot = rotation[:, joints[np.arange(len(joints)), heaviest]]
     real, other = np.zeros((*points.shape[:-1], 4)), np.zeros((*points.shape[:-1], 4))
+    stretched = np.zeros(points.shape)
     for column in range(joints.shape[1]):
-        q = rotation[:, joints[:, column]]
-        # q and −q are one rotation; on one side of the first they blend along the short way.
-        sign = np.where((q * first).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
-        share = sign * weights[:, column, np.newaxis]
+        of, share = joints[:, column], weights[:, column, np.newaxis]
+        stretched += share * np.einsum("fvi,fvij->fvj", points, stretch[:, of])
+        # q and −q are one rotation; on one side of the pivot they blend along the short way.
+        q = rotation[:, of]
+        share = share * np.where((q * pivot).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
         real += share * q
-        other += share * dual[:, joints[:, column]]
+        other += share * dual[:, of]
     size = norm(real)[..., np.newaxis]
     real, other = real / size, other / size
-    return rotate(real, points) + 2.0 * product(other, conjugate(real))[..., :3]
+    return rotate(real, stretched) + 2.0 * product(other, conjugate(real))[..., :3]
+
+
+def _polar(linear: Floats) -> tuple[Floats, Floats]:
+    """Linear maps (..., 3, 3) as a symmetric stretch and then a rotation xyzw, (..., 4).
+
+    A mirrored map has a negative stretch. NaN for maps that are not numbers.
+    """
+    fit = np.isfinite(linear).all(axis=(-1, -2)).reshape(*linear.shape[:-2], 1, 1)
+    whole = np.where(fit, linear, np.eye(3))
+    squares, axes = np.linalg.eigh(whole @ whole.swapaxes(-1, -2))
+    sign = np.where(np.linalg.det(whole) < 0, -1.0, 1.0).reshape(*linear.shape[:-2], 1, 1)
+    sizes = np.sqrt(np.maximum(squares, 0.0))[..., np.newaxis, :] * sign
+    turned = axes.swapaxes(-1, -2)
+    stretch = (axes * sizes) @ turned
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rotation = from_axes((axes / sizes) @ turned @ whole)
+    return np.where(fit, stretch, np.nan), np.where(fit[..., 0], rotation, np.nan)
 
 
 def _as_shown(rotation: Floats, normalised: bool) -> Floats:

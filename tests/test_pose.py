@@ -151,6 +151,17 @@ def test_dual_quaternions_keep_the_distance_that_linear_blending_loses() -> None
     assert_allclose(point, [1 + np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
 
 
+def test_dual_quaternions_carry_scale_and_mirroring() -> None:
+    rig = replace(random_rig(0), clips=())
+    body = replace(character().drawn[0], node=0, joints=np.full((40, 1), 2), weights=np.ones((40, 1)))
+    world = pose.worlds(rig)[np.newaxis]
+    both = (
+        pose.deformed(replace(body, dual_quaternion=dual), rig, world, np.zeros((1, 0)))
+        for dual in (False, True)
+    )
+    assert_allclose(*both, atol=1e-9)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_both_ways_of_skinning_agree_for_one_joint(seed: int) -> None:
     held = character(seed)

@@ -1,0 +1,180 @@
+"""A rig as text and as JSON: what is said of it, in which words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from characters import character
+from conftest import Golden
+from places import SAMPLES
+from rigs import chain, random_rig, random_turns, rig_of
+
+from rigtri.describe import as_json, describe
+from rigtri.formats import read
+from rigtri.quaternions import from_axis_angle
+from rigtri.reframe import reframe
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+WORLD = ("x:+x", "y:+y", "z:+z")
+
+
+def line(rig: Rig, name: str) -> str:
+    """The line that tells of a node."""
+    (found,) = [
+        text
+        for text in describe(rig).splitlines()
+        if text.replace(". ", "").split()[:1] in ([name], [f"[{name}]"])
+    ]
+    return found
+
+
+def arm() -> Rig:
+    """Shoulder, elbow, wrist: 3-4-5 triangles, bent by a right angle at the elbow."""
+    return chain((0, 0, 0), (3, 4, 0), (7, 1, 0))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_every_node_has_its_line(seed: int) -> None:
+    rig = random_rig(seed)
+    text = describe(rig)
+    for name in rig.names:
+        assert line(rig, name) in text
+    assert "nan" not in text
+    assert "-0 " not in text
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_new_axes_change_neither_lengths_nor_bends(seed: int) -> None:
+    rig = arm()
+    after = reframe(rig, random_turns(seed, 3))
+    for name in "ab":
+        assert line(rig, name).split("length")[1] == line(after, name).split("length")[1]
+
+
+def test_describing_twice_gives_the_same_words() -> None:
+    assert describe(character().rig) == describe(character().rig)
+
+
+def test_a_joint_tells_axis_child_length_and_bend() -> None:
+    assert line(arm(), "a").split() == ["a", "#0", *WORLD, "+y", "→", "b", "36.9°", "length", "5"]
+    assert line(arm(), "b").split() == [
+        ".",
+        "b",
+        "#1",
+        *WORLD,
+        "+x",
+        "→",
+        "c",
+        "36.9°",
+        "length",
+        "5",
+        "bend",
+        "90.0°",
+    ]
+    assert line(arm(), "c").split() == [".", ".", "c", "#2", *WORLD]
+
+
+def test_axes_off_the_world_are_told_in_numbers() -> None:
+    rotation = np.tile([0.0, 0, 0, 1], (3, 1))
+    rotation[0] = from_axis_angle([0, 0, 1], np.radians(30))
+    assert "x:(0.866 0.5 0) y:(-0.5 0.866 0) z:+z" in line(replace(arm(), rotation=rotation), "a")
+
+
+def test_the_first_of_children_at_the_same_angle_is_named() -> None:
+    rig = rig_of(["hips", "left", "right"], [-1, 0, 0], np.array([[0, 0, 0], [1, 1, 0], [-1, 1, 0]]))
+    assert "→ left 45.0°" in line(rig, "hips")
+
+
+def scaled(rig: Rig, scale: list[float]) -> Rig:
+    return replace(rig, scale=np.array([scale, *[[1.0, 1, 1]] * (len(rig) - 1)]))
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (lambda rig: scaled(rig, [100, 100, 100]), "scale 100"),
+        (lambda rig: scaled(rig, [1, 1.33, 1]), "scale 1 1.33 1"),
+        (lambda rig: scaled(rig, [-1, 1, 1]), "mirrored"),
+        (lambda rig: replace(rig, rotation=rig.rotation * 0.9), "rotation of length 0.9"),
+        (lambda rig: replace(rig, fixed={0: "its axes mean something"}), "fixed: its axes mean something"),
+        (lambda rig: replace(rig, humanoid={"head": 0}), "vrm:head"),
+        (lambda rig: replace(rig, payload=np.array([0, -1, -1])), "carries a mesh, camera or light"),
+        (
+            lambda rig: replace(
+                rig, skins=(replace(rig.skins[0], weigh=lambda: np.array([False, True, True])),)
+            ),
+            "unweighted",
+        ),
+    ],
+)
+def test_what_is_unusual_is_said(change: Callable[[Rig], Rig], word: str) -> None:
+    assert line(change(arm()), "a").endswith(word)
+
+
+def test_rounding_of_storage_is_not_unusual() -> None:
+    assert line(scaled(arm(), [0.9999999, 1, 1]), "a") == line(arm(), "a")
+
+
+def test_straight_and_folded_limbs_are_told_apart() -> None:
+    assert line(chain((0, 0, 0), (1, 0, 0), (2, 0.001, 0)), "b").endswith("bend 0.1°  straight")
+    assert line(chain((0, 0, 0), (1, 0, 0), (0.5, 0, 0)), "b").endswith("bend 180.0°  folded")
+
+
+def test_bones_of_no_length_have_no_direction() -> None:
+    assert line(chain((0, 0, 0), (0, 0, 0), (1, 0, 0)), "a").split() == ["a", "#0", *WORLD]
+
+
+def test_without_a_skin_every_node_is_shown_as_a_joint() -> None:
+    text = describe(replace(arm(), skins=()))
+    assert "\nnodes\n" in text
+    assert "[" not in text
+
+
+def test_an_empty_rig_has_a_heading_only() -> None:
+    empty = rig_of([], [], np.zeros((0, 3)), np.zeros((0, 4)))
+    assert describe(empty) == "0 nodes, 0 joints, 0 skins, 0 clips; up +y"
+    assert as_json(empty)["nodes"] == []
+
+
+def test_notes_and_warnings_come_last() -> None:
+    rig = arm().with_nodes(["b_pole"], [-1], np.array([[1, 12.4142, 0]]), np.array([[0.0, 0, 0, 1]]))
+    note = {"v": 1, "type": "poleVector", "chain": ["a", "b", "c"], "reach": 0.5}
+    report = Report()
+    report.warn("straight", "a - b - c is straight")
+    text = describe(replace(rig, notes={3: note}), report=report)
+    assert "  b_pole  under -  at 1 12.4142 0  poleVector  chain a b c  reach 0.5" in text
+    assert text.endswith("\n\nwarnings\n  straight: a - b - c is straight")
+
+
+def test_what_is_not_a_number_is_said_and_is_null_for_machines() -> None:
+    translation = arm().translation.copy()
+    translation[1] = np.nan
+    rig = replace(arm(), translation=translation)
+    assert "not a number" in line(rig, "b")
+    assert json.loads(json.dumps(as_json(rig), allow_nan=False))["nodes"][1]["position"] == [None] * 3
+
+
+def test_machines_get_the_same() -> None:
+    told = as_json(arm())
+    elbow = told["nodes"][1]
+    assert elbow["aim"] == {"child": "#2", "axis": "+x", "degrees": 36.87, "length": 5.0}
+    assert elbow["bend_degrees"] == 90.0
+    assert elbow["position"] == [3.0, 4.0, 0.0]
+    assert elbow["path"] == "/a/b"
+    assert told["skins"] == [
+        {"name": "skin", "joints": ["#0", "#1", "#2"], "weighted": 3, "inverse_binds_stored": True}
+    ]
+
+
+def test_clips_tell_tracks_keys_and_range() -> None:
+    assert "  walk  6 tracks  20 keys  0 to 2  CUBICSPLINE LINEAR STEP" in describe(character().rig)
+    assert as_json(character().rig)["clips"][0]["range"] == [0.0, 2.0]
+
+
+def test_the_biped_reads_as_in_its_golden(golden: Golden) -> None:
+    golden.check("describe_biped.txt", describe(read(SAMPLES / "biped.glb").rig) + "\n")
