@@ -24,6 +24,7 @@ ALLOWED = {
     "pose.deformed": _POINTS,
     "pose._through": _POINTS,
     "pose._dual_quaternion": _POINTS,
+    "pose._polar": _POINTS,
     "nodes._check_rotations": "counts rotations for a message",
 }
 # They come from BLAS, LAPACK, libm or SIMD kernels, whose last bit differs between machines.
