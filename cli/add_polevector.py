@@ -180,7 +180,7 @@ def _summary(report: Report) -> str:
         x, y, z = entry["position"]
         lines.append(
             f"{entry['polevector']} at {x:.6g} {y:.6g} {z:.6g}: {' - '.join(entry['limb'])} bends "
-            f"{entry['bend_degrees']:.4g}° (from: {entry['source']})"
+            f"{entry['bend_degrees']:.4f}° (from: {entry['source']})"
         )
         for clip in entry.get("clips", []):
             times = ", ".join(f"{at['time']:g} {at['what']}" for at in clip["at"][:8])

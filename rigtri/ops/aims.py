@@ -9,6 +9,8 @@ from typing import Literal
 import numpy as np
 
 from rigtri.limbs import Limb
+from rigtri.naming import twin
+from rigtri.rig import Rig
 from rigtri.matrices import transform_points
 from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
 from rigtri.trigonometry import Floats
@@ -57,14 +59,18 @@ def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
     """The one joint below that continues the chain, or None: an end, or an open branch.
 
     A lone child more than 30° off the incoming bone with no weight on or below it is
-    a slot or a control, not a continuation. Of several, the only one within 30°
-    continues; of several such, the only one with weighted joints below it.
+    a slot or a control, not a continuation. Of several, the one that has no twin of
+    the other side continues (the neck between two clavicles); else the only one within
+    30°; of several such, the only one with weighted joints below it.
     """
     candidates = _candidates(tree, ref, joint)
     if len(candidates) == 1:
         child = candidates[0]
         off = _off(tree, ref, joint, child)
         return None if off > CONTINUES and not tree.carries[child] else child
+    middle = _unpaired(tree.rig, candidates)
+    if len(middle) == 1 and _off(tree, ref, joint, middle[0]) <= AVERAGE_OFF:
+        return middle[0]
     ahead = [k for k in candidates if _off(tree, ref, joint, k) <= CONTINUES]
     if len(ahead) > 1:
         ahead = [k for k in ahead if any(tree.carries[below] for below in tree.below[k])]
@@ -113,6 +119,13 @@ def limb_path(tree: Skeleton, limb: Limb) -> list[int]:
         # Where the end does not hang below, nothing lies between.
         path = [here, *(reversed(way) if node == here else ()), *path]
     return path
+
+
+def _unpaired(rig: Rig, nodes: list[int]) -> list[int]:
+    """The nodes without a left or right twin among them, by name."""
+    names = {rig.names[node] for node in nodes}
+    paired = {name for name in names if name and twin(name) != name and twin(name) in names}
+    return [node for node in nodes if rig.names[node] not in paired] if paired else []
 
 
 def _limb_child(tree: Skeleton, limbs: Sequence[Limb], joint: int) -> int | None:

@@ -223,14 +223,14 @@ def _tell(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> 
     if found.source != "pose":
         report.warn(
             "straight",
-            f"{title} bends {degrees:.3g}°: the side it bends to is taken from: {found.source}.",
+            f"{title} bends {degrees:.4f}°: the side it bends to is taken from: {found.source}.",
             joint=title,
             geometry=found.source in ("other side", "facing"),
         )
     elif found.sine < SHAKY:
         report.warn(
             "nearly-straight",
-            f"{title} bends only {degrees:.3g}°: its plane is near the noise of the file.",
+            f"{title} bends only {degrees:.4f}°: its plane is near the noise of the file.",
             joint=title,
             geometry=True,
         )

@@ -1,0 +1,213 @@
+"""The program as a user calls it: exit codes, streams, reports."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from click.testing import CliRunner, Result
+from conftest import Golden
+from second_opinions import validator
+
+from rigtri.formats import read
+
+
+@pytest.fixture
+def run(app: click.Group) -> Any:
+    def call(*args: object, code: int = 0, stdin: bytes | None = None) -> Result:
+        result = CliRunner().invoke(app, [str(arg) for arg in args], input=stdin)
+        assert result.exit_code == code, result.output
+        return result
+
+    return call
+
+
+def test_help_is_there_for_every_command(run: Any) -> None:
+    assert "orient-joints" in run("--help").output
+    for command in ("inspect", "orient-joints", "add-polevector", "verify"):
+        assert "Example" in run(command, "--help").output
+
+
+def test_orient_joints_says_what_it_did_and_where_it_is(run: Any, samples: Path, tmp_path: Path) -> None:
+    result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb")
+    assert result.stdout == ""
+    assert "22 joints turned" in result.stderr
+    assert "max deviation" in result.stderr
+    assert str(tmp_path / "out.glb") in result.stderr
+
+
+def test_reports_keep_to_their_schema(run: Any, samples: Path, tmp_path: Path) -> None:
+    report, schema = tmp_path / "report.json", validator("report")
+    out = tmp_path / "out.glb"
+    printed = run("orient-joints", samples / "biped.glb", "-o", out, "--report", report, "--json", "-q")
+    assert json.loads(report.read_text()) == json.loads(printed.stdout)
+    schema.validate(json.loads(report.read_text()))
+    with_pole = tmp_path / "pole.glb"
+    printed = run("add-polevector", samples / "biped.glb", "-o", with_pole, "--limbs", "auto", "--json")
+    schema.validate(json.loads(printed.stdout))
+    dry = run("orient-joints", samples / "tpose.glb", "-o", out, "--dry-run", "--json", "--overwrite")
+    schema.validate(json.loads(dry.stdout))
+
+
+def test_notes_in_written_files_keep_to_their_schema(run: Any, samples: Path, tmp_path: Path) -> None:
+    schema, found = validator("node"), 0
+    for number, options in enumerate((["--limbs", "auto"], ["--limb", "thigh_L", "shin_L", "foot_L"])):
+        for name in ("biped.glb", "biped.usda"):
+            out = tmp_path / f"{number}{name}"
+            run("add-polevector", samples / name, "-o", out, *options)
+            for note in read(out).rig.notes.values():
+                schema.validate(note)
+                found += note["type"] == "poleVector"
+    assert found == 2 * (4 + 1)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "tpose.glb", "arm.gltf", "biped.usda"])
+def test_streams_work_both_ways(name: str, app: click.Group, samples: Path, tmp_path: Path) -> None:
+    arguments = ["orient-joints", "-", "-o", "-", *(["--root", "shoulder"] if name == "arm.gltf" else [])]
+    script = "from importlib.metadata import entry_points as e; " + (
+        "e(group='console_scripts', name='rigtri')['rigtri'].load()()"
+    )
+    source = (samples / name).read_bytes()
+    streamed = subprocess.run(
+        [sys.executable, "-c", script, *arguments], input=source, capture_output=True, check=False
+    )
+    if name == "arm.gltf" and streamed.returncode:
+        pytest.fail(streamed.stderr.decode())
+    assert streamed.returncode == 0, streamed.stderr
+    out = tmp_path / name
+    arguments[1:4] = [str(samples / name), "-o", str(out)]
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    assert streamed.stdout == out.read_bytes()
+
+
+def test_a_gltf_with_files_beside_it_cannot_go_to_a_stream(run: Any, samples: Path) -> None:
+    assert "stream cannot hold" in run("orient-joints", samples / "biped.gltf", "-o", "-", code=2).stderr
+
+
+CODES = {
+    "no such file": (["orient-joints", "absent.glb", "-o", "out.glb"], 3),
+    "no output": (["orient-joints", "{biped}"], 2),
+    "same letter": (["orient-joints", "{biped}", "-o", "out.glb", "--aim", "x", "--up", "-x"], 2),
+    "no axis": (["orient-joints", "{biped}", "-o", "out.glb", "--aim", "w"], 2),
+    "no joint": (["orient-joints", "{biped}", "-o", "out.glb", "--joints", "forarm_L"], 4),
+    "no limb": (["add-polevector", "{biped}", "-o", "out.glb", "--limb", "a", "b", "c"], 4),
+    "no clip": (["orient-joints", "{biped}", "-o", "out.glb", "--pose", "jump@1"], 4),
+    "straight": (["add-polevector", "{tail}", "-o", "out.glb", "--limb", "a", "b", "c"], 4),
+    "both": (["orient-joints", "{biped}", "-o", "out.glb", "--like", "{biped}", "--frames", "x.json"], 2),
+    "json to a stream": (["orient-joints", "{biped}", "-o", "-", "--json"], 2),
+    "inverse of nothing": (["orient-joints", "{biped}", "-o", "out.glb", "--inverse"], 2),
+    "strict": (["orient-joints", "{tpose}", "-o", "out.glb", "--strict"], 5),
+    "no frames": (["orient-joints", "{biped}", "-o", "out.glb", "--frames", "{biped}"], 3),
+    "two distances": (
+        ["add-polevector", "{biped}", "-o", "out.glb", "--limbs", "auto", "--reach", "1", "--distance", "2"],
+        2,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CODES)
+def test_a_users_mistake_gets_one_line_and_its_exit_code(
+    case: str, run: Any, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments, code = CODES[case]
+    files = {name: samples / f"{name}.glb" for name in ("biped", "tail", "tpose")}
+    result = run(*(argument.format(**files) for argument in arguments), code=code)
+    assert "Traceback" not in result.output
+    assert result.stderr.strip()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_misspelt_joint_gets_a_suggestion(run: Any, samples: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    result = run("orient-joints", samples / "biped.glb", "-o", out, "--joints", "forarm_L", code=4)
+    assert "'forearm_L'" in result.stderr
+
+
+def test_verify_passes_what_looks_the_same_and_says_the_number(
+    run: Any, samples: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out.glb"
+    run("orient-joints", samples / "biped.glb", "-o", out, "-q")
+    assert run("verify", samples / "biped.glb", out).stdout.startswith("deviation")
+    told = json.loads(run("verify", samples / "biped.glb", out, "--json").stdout)
+    assert told["passes"]
+    assert told["deviation"] < 2e-7
+
+
+def test_verify_fails_with_6_what_looks_different(run: Any, samples: Path) -> None:
+    run("verify", samples / "biped.glb", samples / "tail.glb", code=6)
+
+
+def test_frames_are_saved_applied_and_undone(run: Any, samples: Path, tmp_path: Path) -> None:
+    source, out, back = samples / "biped.glb", tmp_path / "out.glb", tmp_path / "back.glb"
+    frames, other = tmp_path / "frames.json", tmp_path / "other.glb"
+    run("orient-joints", source, "-o", out, "--preset", "blender", "--save-frames", frames)
+    validator("frames").validate(json.loads(frames.read_text()))
+    run("orient-joints", source, "-o", other, "--frames", frames)
+    one, two = read(out).rig, read(other).rig
+    assert abs(one.rotation - two.rotation).max() < 1e-14
+    run("orient-joints", out, "-o", back, "--frames", frames, "--inverse")
+    before, after = read(source).rig, read(back).rig
+    assert abs(before.rotation - after.rotation).max() < 1e-6
+
+
+def test_styles_behind_a_chain_are_for_that_chain(run: Any, samples: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    arguments = ["--aim", "y", "--up", "x", "--chain", "upper_arm_L", "forearm_L", "--aim", "z"]
+    run("orient-joints", samples / "biped.glb", "-o", out, *arguments, "--joints", "thigh_L")
+    from rigtri.pose import worlds
+
+    rig = read(out).rig
+    world = worlds(rig)
+
+    def aims(name: str, child: str) -> Any:
+        bone = world[rig.find(child), 3, :3] - world[rig.find(name), 3, :3]
+        return (world[rig.find(name), :3, :3] @ (bone / (bone @ bone) ** 0.5)).round(5).tolist()
+
+    assert aims("upper_arm_L", "forearm_L") == pytest.approx([0, 0, 1], abs=1e-4)
+    assert aims("thigh_L", "shin_L") == pytest.approx([0, 1, 0], abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "hand.glb", "flat_ik.glb", "tpose.glb"])
+def test_inspect_prints_what_a_reviewer_has_read(name: str, run: Any, samples: Path, golden: Golden) -> None:
+    golden.check(f"inspect_{name}.txt", run("inspect", samples / name).stdout)
+
+
+def test_inspect_speaks_json(run: Any, samples: Path) -> None:
+    told = json.loads(run("inspect", samples / "biped.glb", "--json").stdout)
+    assert told["file"].endswith("biped.glb")
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("biped.glb", []),
+        ("biped.usda", ["--preset", "blender"]),
+        ("hand.glb", ["--preset", "maya"]),
+        ("flat_ik.glb", []),
+        ("tpose.glb", []),
+        ("tail.glb", ["--per-joint-plane"]),
+        ("mirrored_pair.glb", ["--mirror", "behavior"]),
+    ],
+)
+def test_oriented_joints_are_what_a_reviewer_has_read(
+    name: str, options: list[str], run: Any, samples: Path, tmp_path: Path, golden: Golden
+) -> None:
+    out = tmp_path / name
+    run("orient-joints", samples / name, "-o", out, *options)
+    golden.check(f"orient-joints_{name}.txt", run("inspect", out).stdout)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "tpose.glb", "flat_ik.glb"])
+def test_pole_vectors_stand_where_a_reviewer_has_read(
+    name: str, run: Any, samples: Path, tmp_path: Path, golden: Golden
+) -> None:
+    out = tmp_path / name
+    told = run("add-polevector", samples / name, "-o", out, "--limbs", "auto").stderr
+    golden.check(f"add-polevector_{name}.txt", told.replace(str(out), name))

@@ -1,0 +1,194 @@
+"""From file to file: all or nothing, measured, and the same bytes every time."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import sample_files
+
+from rigtri import pipeline
+from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
+from rigtri.formats import read
+from rigtri.ops.orient import orient_joints
+from rigtri.pipeline import edit
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+
+def orient(rig: Rig, report: Report) -> Rig:
+    return orient_joints(rig, report=report)
+
+
+def nothing(rig: Rig, report: Report) -> Rig:
+    return rig
+
+
+def nudge(rig: Rig, report: Report) -> Rig:
+    """What an edit must not do: move a joint."""
+    translation = rig.translation.copy()
+    joint = int(np.flatnonzero(rig.is_joint)[2])
+    translation[joint] += 0.01
+    matrix = rig.matrix.copy()
+    matrix[joint, 3, :3] += 0.01
+    return replace(rig, translation=translation, matrix=matrix)
+
+
+FILES = [path for path in sample_files() if "arm." not in path.name]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
+def test_the_deviation_of_a_sample_is_at_the_float32_floor(path: Path, tmp_path: Path) -> None:
+    outcome = edit(path, tmp_path / path.name, orient)
+    assert outcome.verification is not None
+    # A hand of 23 cm some way from the origin has the largest floor of the samples: 2.7e-7.
+    assert outcome.verification.deviation < 4e-7
+    assert outcome.written
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
+def test_a_second_run_changes_no_byte(path: Path, tmp_path: Path) -> None:
+    (tmp_path / "again").mkdir()
+    once, twice = tmp_path / path.name, tmp_path / "again" / path.name
+    edit(path, once, orient)
+    edit(once, twice, orient)
+    assert twice.read_bytes() == once.read_bytes()
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
+def test_the_same_input_gives_the_same_bytes(path: Path, tmp_path: Path) -> None:
+    outputs = []
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        edit(path, tmp_path / name / path.name, orient)
+        outputs.append((tmp_path / name / path.name).read_bytes())
+    assert outputs[0] == outputs[1]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
+def test_a_rig_nobody_changed_gives_back_the_same_bytes(path: Path, tmp_path: Path) -> None:
+    edit(path, tmp_path / path.name, nothing)
+    assert (tmp_path / path.name).read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+def test_a_result_that_looks_different_is_refused_and_leaves_nothing(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(DeviationError, match="Nothing was written"):
+        edit(samples / name, tmp_path / name, nudge)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_verify_the_result_is_written_unmeasured(samples: Path, tmp_path: Path) -> None:
+    outcome = edit(samples / "biped.glb", tmp_path / "out.glb", nudge, verify=False)
+    assert outcome.verification is None
+    assert (tmp_path / "out.glb").exists()
+
+
+def test_a_dry_run_measures_and_writes_nothing(samples: Path, tmp_path: Path) -> None:
+    outcome = edit(samples / "biped.gltf", tmp_path / "out.gltf", orient, dry_run=True)
+    assert outcome.verification is not None
+    assert not outcome.written
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_existing_file_is_replaced_only_when_asked(samples: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.glb"
+    target.write_bytes(b"precious")
+    with pytest.raises(UsageError, match="--overwrite"):
+        edit(samples / "biped.glb", target, orient)
+    assert target.read_bytes() == b"precious"
+    edit(samples / "biped.glb", target, orient, overwrite=True)
+    assert len(read(target).rig) == len(read(samples / "biped.glb").rig)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz"])
+def test_source_and_target_may_be_one_file(name: str, samples: Path, tmp_path: Path) -> None:
+    path = tmp_path / name
+    shutil.copyfile(samples / name, path)
+    edit(path, path, orient, overwrite=True)
+    other = tmp_path / f"other{path.suffix}"
+    edit(samples / name, other, orient)
+    assert path.read_bytes() == other.read_bytes()
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_gltf_takes_its_files_along(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.gltf", tmp_path / "moved.gltf", orient)
+    uris = [buffer["uri"] for buffer in json.loads((tmp_path / "moved.gltf").read_text())["buffers"]]
+    assert all((tmp_path / uri).exists() for uri in uris)
+    assert (tmp_path / "biped.bin").read_bytes() == (samples / "biped.bin").read_bytes()
+
+
+def test_edits_of_a_gltf_in_place_do_not_pile_up_buffers(samples: Path, tmp_path: Path) -> None:
+    from rigtri.ops.orient import Options
+    from rigtri.ops.presets import PRESETS
+
+    for name in ("biped.gltf", "biped.bin"):
+        shutil.copyfile(samples / name, tmp_path / name)
+    path = tmp_path / "biped.gltf"
+    for preset in ("blender", "maya", "openxr"):
+        options = Options(style=PRESETS[preset])
+        edit(path, path, lambda rig, report, o=options: orient_joints(rig, options=o), overwrite=True)
+    assert sorted(p.suffix for p in tmp_path.iterdir()) == [".bin", ".bin", ".gltf"]
+
+
+def test_strict_makes_a_warning_about_geometry_an_error(samples: Path, tmp_path: Path) -> None:
+    def guess(rig: Rig, report: Report) -> Rig:
+        report.warn("straight", "the leg is straight", geometry=True)
+        return rig
+
+    edit(samples / "biped.glb", tmp_path / "loose.glb", guess)
+    with pytest.raises(GeometryError, match="the leg is straight"):
+        edit(samples / "biped.glb", tmp_path / "strict.glb", guess, strict=True)
+
+
+def test_a_failure_while_writing_leaves_the_old_file(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "out.glb"
+    target.write_bytes(b"precious")
+
+    def full(*args: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(pipeline, "_sync", full)
+    with pytest.raises(FileError, match="No space left"):
+        edit(samples / "biped.glb", target, orient, overwrite=True)
+    assert [p.name for p in tmp_path.iterdir()] == ["out.glb"]
+    assert target.read_bytes() == b"precious"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_cannot_be_written_is_said(samples: Path, tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(FileError, match="cannot be written"):
+        edit(samples / "biped.glb", tmp_path / "out.glb", orient)
+
+
+def test_what_is_no_file_is_said(samples: Path, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="no file"):
+        edit(tmp_path / "absent.glb", tmp_path / "out.glb", orient)
+    with pytest.raises(FileError, match="folder"):
+        edit(tmp_path, tmp_path / "out.glb", orient)
+    with pytest.raises(UsageError, match="folder"):
+        edit(samples / "biped.glb", tmp_path, orient)
+    with pytest.raises(FileError, match="no folder"):
+        edit(samples / "biped.glb", tmp_path / "deep" / "out.glb", orient)
+    (tmp_path / "hero.fbx").write_bytes(b"Kaydara")
+    with pytest.raises(FileError, match="no format"):
+        edit(tmp_path / "hero.fbx", tmp_path / "out.fbx", orient)
+
+
+def test_the_output_has_the_format_of_the_input(samples: Path, tmp_path: Path) -> None:
+    for name, other in (("biped.glb", "out.gltf"), ("biped.gltf", "out.usda"), ("biped.usda", "out.glb")):
+        with pytest.raises(UsageError):
+            edit(samples / name, tmp_path / other, orient)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,203 @@
+"""add-polevector: the talk's and the article's numbers, straight limbs, second runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from rigs import chain, rig_of
+
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.limbs import given
+from rigtri.matrices import inverse
+from rigtri.ops.polevector import Options, add_polevector
+from rigtri.pose import worlds
+from rigtri.quaternions import from_axis_angle
+from rigtri.report import Report
+from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.trigonometry import Floats
+from rigtri.vectors import normalise
+
+
+def arm() -> Rig:
+    """Upper arm 5, forearm 5 long, the elbow 4 above the chord: all by hand."""
+    return chain((0, 0, 0), (3, 4, 0), (6, 0, 0))
+
+
+def placed(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
+    if "limbs" not in options:
+        options["limbs"] = (given(rig, "a", "b", "c"),)
+    return add_polevector(rig, options=Options(**options), report=report)
+
+
+def position(rig: Rig, name: str = "b_pole") -> Floats:
+    return np.asarray(worlds(rig)[rig.find(name), 3, :3])
+
+
+def test_the_talk_stands_half_the_limb_beyond_the_elbow() -> None:
+    assert_allclose(position(placed(arm())), [3, 4 + 0.5 * 10, 0])
+
+
+def test_the_article_stands_five_units_from_the_shoulder() -> None:
+    out = placed(arm(), method="ratio", origin="root", distance=5.0, orientation="limb")
+    assert_allclose(position(out), [0, 5, 0])
+    n = np.cross([3, 4, 0], [3, -4, 0])
+    shoulder = [[0.6, 0.8, 0], normalise(n), np.cross([0.6, 0.8, 0], normalise(n))]
+    assert_allclose(worlds(out)[out.find("b_pole"), :3, :3], shoulder, atol=1e-12)
+
+
+def test_the_ratio_method_divides_the_chord_as_the_bones_divide_the_limb() -> None:
+    rig = chain((0, 0, 0), (3, 4, 0), (6, 4, 0))
+    a, b, c = np.array([[0, 0, 0], [3, 4, 0], [6, 4, 0]], dtype=float)
+    foot = a + (c - a) * (5 / 8)
+    wanted = b + normalise(b - foot) * 0.5 * 8
+    assert_allclose(position(placed(rig, method="ratio")), wanted)
+
+
+@pytest.mark.parametrize(
+    ("options", "wanted"),
+    [
+        ({"reach": 1.2}, [3, 16, 0]),
+        ({"reach_of": "chord"}, [3, 7, 0]),
+        ({"distance": 2.0}, [3, 6, 0]),
+        ({"origin": "foot"}, [3, 5, 0]),
+        ({"origin": "root"}, [0, 5, 0]),
+    ],
+)
+def test_the_pole_stands_where_the_options_say(options: dict[str, Any], wanted: list[float]) -> None:
+    assert_allclose(position(placed(arm(), **options)), wanted)
+
+
+def test_nothing_that_was_there_moves_and_the_locator_is_a_root_of_its_own() -> None:
+    rig = arm()
+    out = placed(rig)
+    assert_allclose(worlds(out)[:3], worlds(rig), atol=0)
+    group = int(out.parents[out.find("b_pole")])
+    assert out.names[group] == "rigtri_controls"
+    assert out.parents[group] == -1
+
+
+def test_a_second_run_finds_its_locator_and_moves_it() -> None:
+    once = placed(arm())
+    again = placed(once, reach=1.0)
+    assert len(again) == len(once)
+    assert_allclose(position(again), [3, 14, 0])
+    same = placed(once)
+    assert same.notes == once.notes
+    assert np.array_equal(same.translation, once.translation)
+
+
+def test_a_locator_under_a_scaled_skeleton_stands_in_world_units() -> None:
+    rig = arm()
+    rig.scale[0] = [100.0] * 3
+    rig = replace(rig, skins=(Skin("s", np.arange(3), inverse(worlds(rig))),))
+    assert_allclose(position(placed(rig)), [300, 900, 0])
+
+
+def test_a_longer_chain_bends_at_the_joint_farthest_from_its_chord() -> None:
+    rig = chain((0, 0, 0), (1, 1, 0), (2, 3, 0), (3, 1, 0), (4, 0, 0))
+    report = Report()
+    out = placed(rig, report, limbs=(), chains=(("a", "e", None),))
+    assert report.limbs[0]["limb"] == ["a", "c", "e"]
+    assert position(out, "c_pole")[1] > 3
+    placed(rig, report, limbs=(), chains=(("a", "e", "b"),))
+    assert report.limbs[1]["limb"] == ["a", "b", "e"]
+
+
+def straight() -> Rig:
+    return chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+
+
+def test_a_straight_limb_of_which_nothing_tells_is_an_error_that_says_what_to_give() -> None:
+    with pytest.raises(GeometryError, match="--bend 'b=0,0,1'"):
+        placed(straight())
+
+
+def test_the_users_word_decides_for_a_straight_limb() -> None:
+    report = Report()
+    out = placed(straight(), report, bends={"b": (0.0, 0.0, 3.0)})
+    assert_allclose(position(out), [1, 0, 1])
+    assert report.limbs[0]["source"] == "given"
+
+
+def test_a_direction_along_the_limb_is_refused() -> None:
+    with pytest.raises(GeometryError, match="along the limb"):
+        placed(straight(), bends={"b": (1.0, 0.0, 0.0)})
+
+
+def test_clips_tell_the_side_of_a_straight_limb() -> None:
+    bends = np.stack([from_axis_angle([0, 0, 1], angle) for angle in (0.0, -0.5, -1.0)])
+    clip = Clip("bend", (Track(1, "rotation", "LINEAR", np.arange(3.0), bends),))
+    report = Report()
+    out = placed(replace(straight(), clips=(clip,)), report)
+    assert_allclose(position(out), [1, 1, 0], atol=1e-9)
+    assert report.limbs[0]["source"] == "clips"
+
+
+def test_the_other_side_tells_the_side_of_a_straight_limb() -> None:
+    points = np.array(
+        [[0, 0, 0], [1, 0, 0], [0.2, -1, 0.3], [-0.2, -1, -0.3], [-1, 0, 0], [0, -1, 0], [0, -1, 0]]
+    )
+    names = ["hips", "thigh_L", "shin_L", "foot_L", "thigh_R", "shin_R", "foot_R"]
+    rig = rig_of(names, [-1, 0, 1, 2, 0, 4, 5], points.astype(float))
+    rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(worlds(rig))),))
+    report = Report()
+    out = add_polevector(rig, options=Options(auto=True), report=report)
+    left, right = position(out, "shin_L_pole"), position(out, "shin_R_pole")
+    place = worlds(rig)[:, 3, :3]
+    towards = normalise(right - place[5])
+    assert_allclose(towards, normalise(left - place[2]) * [-1, 1, 1], atol=0.25)
+    assert report.limbs[1]["source"] == "other side"
+
+
+def test_a_knee_bends_to_where_the_character_looks_and_an_elbow_away() -> None:
+    for names, z in ((("thigh_L", "shin_L", "foot_L"), 1), (("upperarm_L", "forearm_L", "hand_L"), -1)):
+        rig = replace(straight(), names=names)
+        out = placed(rig, limbs=(given(rig, *names),), facing=(0.0, 0.0, 1.0))
+        assert_allclose(position(out, f"{names[1]}_pole"), [1, 0, z])
+
+
+def test_a_bend_near_the_noise_of_the_file_is_used_with_a_warning() -> None:
+    rig, report = chain((0, 0, 0), (1, 0.003, 0), (2, 0, 0)), Report()
+    out = placed(rig, report)
+    assert position(out)[1] > 0.5
+    assert [notice.code for notice in report.warnings] == ["nearly-straight"]
+
+
+def test_clips_in_which_the_pole_flips_are_listed() -> None:
+    bends = np.stack([from_axis_angle([0, 0, 1], angle) for angle in (0.0, 1.0, 3.0)])
+    clip = Clip("over", (Track(1, "rotation", "LINEAR", np.arange(3.0), bends),))
+    report = Report()
+    placed(replace(arm(), clips=(clip,)), report, check_clips=True)
+    assert {event["what"] for event in report.limbs[0]["clips"][0]["at"]} >= {"flipped"}
+
+
+def test_the_foot_of_a_flat_rig_need_not_hang_below_the_shin() -> None:
+    points = np.array([[0, 0, 0], [0, 3, 0], [0, -1.5, 0.5], [0, 0, 0]], dtype=float)
+    rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], points)
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    out = placed(rig, limbs=(given(rig, "thigh", "shin", "foot"),))
+    assert position(out, "shin_pole")[2] > 0.5
+
+
+def test_names_of_locators_are_plain_and_free() -> None:
+    rig = replace(arm(), names=("up arm.L", "fore arm.L", "hand.L"))
+    limb = (given(rig, *rig.names),)
+    out = placed(rig, limbs=limb)
+    assert out.names[-1] == "fore_arm_L_pole"
+    named = placed(rig, limbs=limb, name="hand.L")
+    assert named.names[-1] == "hand_L"
+
+
+def test_what_is_asked_wrongly_is_said() -> None:
+    with pytest.raises(UsageError, match="--limb"):
+        placed(arm(), limbs=())
+    with pytest.raises(GeometryError, match="no VRM humanoid map"):
+        placed(arm(), limbs=(), auto=True)
+    with pytest.raises(NameNotFoundError, match="'knee'"):
+        placed(arm(), bends={"knee": (0.0, 0.0, 1.0)})
+    with pytest.raises(GeometryError, match="one place"):
+        placed(chain((0, 0, 0), (1, 0, 0), (0, 0, 0)))
