@@ -240,7 +240,8 @@ class _Reader:
         with np.errstate(invalid="ignore"):
             translation, rotation, scale = decompose(matrix)
         # A frame that is flat or sheared has no rotation; the matrix says all there is.
-        rotation = np.where(np.isfinite(rotation).all(axis=1)[:, np.newaxis], rotation, (0.0, 0, 0, 1))
+        whole = np.all(np.isfinite(rotation), axis=1, keepdims=True)
+        rotation = np.where(whole, rotation, (0.0, 0, 0, 1))
         composed = compose(translation, rotation, scale)
         for node in self.own:
             has_matrix[node] = bool(np.abs(composed[node] - matrix[node]).max() > OWN_PLACE)

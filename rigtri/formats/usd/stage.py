@@ -6,6 +6,7 @@ becomes one notice or the text of a `FileError`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -54,22 +55,31 @@ def open_stage(path: Path) -> tuple[Any, list[Notice]]:
         raise FileError(f"{path}: no USD file, or a damaged one: {first_line(error)}") from None
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
-    return stage, _unresolved(texts)
+    return stage, _unresolved(texts, path.parent)
 
 
 def first_line(error: Exception) -> str:
-    """What a pxr error says, without the place in pxr's own sources."""
-    text = " ".join(str(error).split())
-    return text.rpartition(" : ")[2].strip("' ") or type(error).__name__
+    """What the first pxr error says, without the place in pxr's own sources."""
+    text = " ".join(str(error.args[0] if error.args else error).split())
+    text = text.partition(" : ")[2] or text
+    return re.sub(r"\bpxrInternal\w*::", "", text).strip("' ") or type(error).__name__
 
 
-def _unresolved(texts: list[str]) -> list[Notice]:
-    found = [text for text in texts if "@" in text and "open" in text.lower()]
-    names = list(dict.fromkeys(text.split("@")[1] for text in found))
+def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
+    """One notice for all layers that were not found; pxr reports them in the order of its threads."""
+    found = [text.split("@")[1] for text in texts if "@" in text and "open" in text.lower()]
+    names = sorted({_seen_from(folder, name) for name in found})
     if not names:
         return []
     shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
     return [Notice("unresolved", f"{len(names)} files that this one refers to were not found: {shown}")]
+
+
+def _seen_from(folder: Path, name: str) -> str:
+    try:
+        return Path(name).relative_to(folder.resolve()).as_posix()
+    except ValueError:
+        return name
 
 
 def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:

@@ -1,0 +1,276 @@
+"""Where edits go: layers, references, variants, instances, shared animations, other folders."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Sdf, Usd, UsdSkel
+from usd_files import (
+    MESH,
+    animation,
+    deviation,
+    read,
+    save,
+    scene,
+    skeleton,
+    turned,
+    write,
+)
+
+from rigtri.errors import FileError, UsageError
+from rigtri.quaternions import IDENTITY
+from rigtri.reframe import reframe
+
+ASSET = scene(skeleton(), animation(), MESH)
+
+
+def test_only_turned_joints_get_new_bits(tmp_path: Path) -> None:
+    document = read(save(tmp_path, ASSET))
+    leaf = document.rig.find("c")
+    out = write(document, turned(document.rig, only=[leaf]), tmp_path / "out.usda")
+    before, after = Usd.Stage.Open(str(tmp_path / "in.usda")), Usd.Stage.Open(str(out))
+    for name in ("bindTransforms", "restTransforms"):
+        one, other = (s.GetPrimAtPath("/Root/Skel").GetAttribute(name).Get() for s in (before, after))
+        assert one[:2] == other[:2]
+        assert one[2] != other[2]
+    one, other = (s.GetPrimAtPath("/Root/Anim").GetAttribute("rotations") for s in (before, after))
+    for time in (1, 5):
+        assert list(one.Get(time))[:2] == list(other.Get(time))[:2]
+        assert one.Get(time)[2] != other.Get(time)[2]
+    assert (
+        after.GetPrimAtPath("/Root/Anim").GetAttribute("translations").Get()
+        == before.GetPrimAtPath("/Root/Anim").GetAttribute("translations").Get()
+    )
+
+
+def test_the_default_and_the_samples_are_turned_both(tmp_path: Path) -> None:
+    both = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0.8, 0), (1, 0, 0, 0)]"
+    source = save(tmp_path, scene(skeleton(), animation(more=both), MESH))
+    document = read(source)
+    assert [clip.name for clip in document.rig.clips] == ["Anim", "Anim@default"]
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+
+
+def test_blocked_samples_stay_blocked(tmp_path: Path) -> None:
+    moves = "float3[] translations.timeSamples = { 1: [(0, 2, 0), (0, 0, 0), (0, 2, 1)], 3: None }"
+    source = save(tmp_path, scene(skeleton(), animation(translations=moves), MESH))
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(out))
+    attribute = stage.GetPrimAtPath("/Root/Anim").GetAttribute("translations")
+    assert attribute.GetTimeSamples() == [1, 3]
+    assert attribute.Get(3) is None
+
+
+@pytest.mark.parametrize("arc", ["references", "payload", "subLayers"])
+def test_an_override_in_the_root_layer_wins_over_what_it_is_composed_of(arc: str, tmp_path: Path) -> None:
+    asset = save(tmp_path, ASSET, "parts/asset.usda")
+    text = asset.read_text()
+    if arc == "subLayers":
+        shot = '#usda 1.0\n(\n defaultPrim = "Root"\n subLayers = [@./parts/asset.usda@]\n)\n'
+    else:
+        shot = f'#usda 1.0\ndef "Root" ({arc} = @./parts/asset.usda@)\n{{\n}}\n'
+    source = save(tmp_path, shot, "shot.usda")
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert 'over "Skel"' in out.read_text()
+    assert asset.read_text() == text
+
+
+def test_the_output_finds_in_another_folder_what_the_input_refers_to(tmp_path: Path) -> None:
+    save(tmp_path, ASSET, "in/parts/asset.usda")
+    save(tmp_path, "#usda 1.0\n", "in/other.usda")
+    shot = """#usda 1.0
+(
+    subLayers = [@./other.usda@ (offset = 3), @./gone.usda@]
+    customLayerData = { asset picture = @./pictures/a.png@ }
+)
+def "Root" (
+    references = [@./parts/asset.usda@</Root> (offset = 2)]
+    customData = { asset[] many = [@./b.png@, @@] }
+)
+{
+    asset one = @./c.png@
+    asset two.timeSamples = { 1: @./d.png@ }
+    asset[] more = [@./e.<UDIM>.png@, @@, @/absolute.png@, @https://x.org/f.png@, @search.png@]
+}
+"""
+    source = save(tmp_path, shot, "in/shot.usda")
+    document = read(source)
+    (tmp_path / "out").mkdir()
+    for rig in (document.rig, turned(document.rig)):
+        out = write(document, rig, tmp_path / "out" / "shot.usda")
+        assert deviation(source, out) < 1e-6
+        layer = Sdf.Layer.FindOrOpen(str(out))
+        layer.Reload(True)
+        assert list(layer.subLayerPaths) == ["../in/other.usda", "../in/gone.usda"]
+        assert [offset.offset for offset in layer.subLayerOffsets] == [3, 0]
+        assert layer.customLayerData["picture"].path == "../in/pictures/a.png"
+        root = layer.GetPrimAtPath("/Root")
+        (reference,) = root.referenceList.explicitItems
+        assert (reference.assetPath, reference.layerOffset.offset) == ("../in/parts/asset.usda", 2)
+        assert [item.path for item in root.customData["many"]] == ["../in/b.png", ""]
+        assert root.attributes["one"].default.path == "../in/c.png"
+        assert layer.QueryTimeSample("/Root.two", 1).path == "../in/d.png"
+        assert [item.path for item in root.attributes["more"].default] == [
+            "../in/e.<UDIM>.png",
+            "",
+            "/absolute.png",
+            "https://x.org/f.png",
+            "search.png",
+        ]
+
+
+def test_one_animation_for_two_skeletons_turned_alike_stays_one(tmp_path: Path) -> None:
+    source = save(tmp_path, _pair())
+    document = read(source)
+    turn = np.broadcast_to(IDENTITY, (len(document.rig), 4)).copy()
+    for skin in document.rig.skins:
+        turn[skin.joints] = [[0.5, 0.5, 0.5, 0.5], [0, 0, 1, 0], [0.6, 0, 0, 0.8]]
+    out = write(document, reframe(document.rig, turn), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert out.read_text().count("def SkelAnimation") == 1
+    assert not document.warnings
+
+
+def test_one_animation_for_two_skeletons_turned_apart_becomes_two(tmp_path: Path) -> None:
+    source = save(tmp_path, _pair())
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    stage = Usd.Stage.Open(str(out))
+    found = [
+        UsdSkel.BindingAPI(stage.GetPrimAtPath(path)).GetInheritedAnimationSource().GetName()
+        for path in ("/Root/Skel", "/Root/Twin")
+    ]
+    assert found == ["Anim", "Anim_2"]
+    assert [notice.code for notice in document.warnings] == ["animation-split"]
+    again = read(out)
+    assert [clip.name for clip in again.rig.clips][::2] == ["Anim", "Anim_2"]
+
+
+def _pair() -> str:
+    twin = MESH.replace('"Skin"', '"TwinSkin"').replace("/Root/Skel", "/Root/Twin")
+    return scene(skeleton(), skeleton("Twin"), animation(), MESH, twin)
+
+
+def test_joints_inside_an_instance_are_fixed_and_say_why(tmp_path: Path) -> None:
+    asset = save(tmp_path, ASSET, "asset.usda")
+    shot = '#usda 1.0\ndef "Hero" (references = @./asset.usda@; instanceable = true)\n{\n}\n'
+    document = read(save(tmp_path, shot, "shot.usda"))
+    rig = document.rig
+    assert len(rig.fixed) == 3
+    assert "</Hero/Skel> lies inside an instance" in next(iter(rig.fixed.values()))
+    free = replace(rig, fixed={})
+    with pytest.raises(FileError, match="lies inside an instance"):
+        write(document, turned(free), tmp_path / "out.usda")
+    assert asset.read_text() == ASSET
+
+
+def test_joints_inside_a_variant_are_fixed_and_name_layer_and_variant(tmp_path: Path) -> None:
+    inside = f'variantSet "body" = {{ "thin" {{\n{skeleton()}\n}}\n"wide" {{\n}}\n}}'
+    text = scene(inside, animation(), MESH).replace(
+        'def SkelRoot "Root"',
+        'def SkelRoot "Root" (variants = { string body = "thin" }; prepend variantSets = "body")',
+    )
+    document = read(save(tmp_path, text))
+    (reason,) = set(document.rig.fixed.values())
+    assert "inside the variant /Root{body=thin}Skel" in reason
+    assert "in.usda" in reason
+
+
+def test_an_over_outside_the_variant_can_be_edited(tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(), MESH, 'variantSet "v" = { "x" {\n}\n}').replace(
+        'def SkelRoot "Root"',
+        'def SkelRoot "Root" (variants = { string v = "x" }; prepend variantSets = "v")',
+    )
+    source = save(tmp_path, text)
+    document = read(source)
+    assert not document.rig.fixed
+    assert deviation(source, write(document, turned(document.rig), tmp_path / "out.usda")) < 1e-6
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".usd", ".usdc"])
+def test_the_output_keeps_the_encoding_of_the_input(suffix: str, tmp_path: Path) -> None:
+    save(tmp_path, ASSET)
+    for encoding in ("usda", "usdc"):
+        source = tmp_path / f"{encoding}{suffix}"
+        arguments = {"format": encoding} if suffix == ".usd" else {}
+        Sdf.Layer.FindOrOpen(str(tmp_path / "in.usda")).Export(str(source), args=arguments)
+        document = read(source)
+        out = write(document, turned(document.rig), tmp_path / f"out_{encoding}{suffix}")
+        assert out.read_bytes()[:8] == source.read_bytes()[:8]
+        assert deviation(source, out) < 1e-6
+
+
+@pytest.mark.parametrize(("given", "wanted"), [("in.usda", "out.usdc"), ("in.usda", "out.usdz")])
+def test_another_format_is_refused(given: str, wanted: str, tmp_path: Path) -> None:
+    document = read(save(tmp_path, ASSET, given))
+    with pytest.raises(UsageError, match="the output's format is the input's"):
+        document.write(document.rig, tmp_path / wanted, tmp_path / wanted)
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
+def test_a_layer_override_holds_only_opinions_and_fits_over_the_source(suffix: str, tmp_path: Path) -> None:
+    source = save(tmp_path, ASSET)
+    document = read(source, override="layer")
+    out = write(document, turned(document.rig), tmp_path / f"over{suffix}")
+    layer = Sdf.Layer.FindOrOpen(str(out))
+    assert not list(layer.subLayerPaths)
+    assert layer.GetPrimAtPath("/Root/Skel").specifier == Sdf.SpecifierOver
+    assert set(layer.GetPrimAtPath("/Root/Skel").properties.keys()) == {"bindTransforms", "restTransforms"}
+    both = save(tmp_path, f"#usda 1.0\n(subLayers = [@./{out.name}@, @./in.usda@])\n", "both.usda")
+    assert deviation(source, both) < 1e-6
+    assert document.reopen(out).rig.labels == document.rig.labels
+
+
+def test_a_stage_override_looks_like_the_source_and_is_edited_in_place(tmp_path: Path) -> None:
+    source = save(tmp_path, ASSET, "in/hero.usda")
+    (tmp_path / "out").mkdir()
+    document = read(source, override="stage")
+    out = write(document, turned(document.rig), tmp_path / "out" / "over.usda")
+    layer = Sdf.Layer.FindOrOpen(str(out))
+    assert list(layer.subLayerPaths) == ["../in/hero.usda"]
+    assert layer.defaultPrim == "Root"
+    assert layer.pseudoRoot.GetInfo("upAxis") == "Y"
+    assert deviation(source, out) < 1e-6
+    again = read(out, override="stage")
+    second = write(again, turned(again.rig, seed=2), tmp_path / "out" / "second.usda")
+    assert list(Sdf.Layer.FindOrOpen(str(second)).subLayerPaths) == ["../in/hero.usda"]
+    assert deviation(source, second) < 1e-6
+
+
+def test_an_animation_library_that_nobody_uses_is_left_alone_with_a_notice(tmp_path: Path) -> None:
+    source = save(tmp_path, scene(skeleton(), animation(), animation("Run"), MESH))
+    document = read(source)
+    assert [notice.code for notice in document.warnings] == ["unbound-animation"]
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    one, other = (Sdf.Layer.FindOrOpen(str(path)) for path in (source, out))
+    place = "/Root/Run.rotations"
+    assert one.QueryTimeSample(place, 1) == other.QueryTimeSample(place, 1)
+
+
+def test_what_an_animation_says_of_joints_nobody_has_is_kept(tmp_path: Path) -> None:
+    more = {
+        "joints": 'uniform token[] joints = ["a/b", "x", "a"]',
+        "translations": "float3[] translations = [(0, 2, 0), (7, 8, 9), (0, 0, 0)]",
+        "scales": "half3[] scales = [(1, 1, 1), (2, 3, 4), (1, 1, 1)]",
+    }
+    source = save(tmp_path, scene(skeleton(), animation(**more), MESH))
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    layer = Sdf.Layer.FindOrOpen(str(out))
+    assert layer.GetAttributeAtPath("/Root/Anim.translations").default[1] == (7, 8, 9)
+    assert deviation(source, out) < 1e-6
+
+
+def test_a_file_that_was_replaced_since_is_read_anew(tmp_path: Path) -> None:
+    source = save(tmp_path, ASSET)
+    first = read(source)
+    save(tmp_path, scene(skeleton("Other", source=""), MESH.replace("/Root/Skel", "/Root/Other")))
+    assert read(source).rig.labels != first.rig.labels
