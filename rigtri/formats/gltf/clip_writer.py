@@ -268,8 +268,9 @@ def _sharing(animations: list[Any], among: set[int]) -> dict[tuple[int, int], in
     users: dict[tuple[int, int], int] = {}
     for number in among:
         for channel in animations[number].get("channels", []):
-            key = (number, channel.get("sampler"))
-            users[key] = users.get(key, 0) + 1
+            sampler = channel.get("sampler")
+            if type(sampler) is int:
+                users[number, sampler] = users.get((number, sampler), 0) + 1
     return users
 
 

@@ -161,7 +161,9 @@ class MeshReader:
 def _within(primitive: Value, joints: Integers, weights: Floats, count: int) -> tuple[Integers, Floats]:
     """Joint indices that all exist; those without weight may have been anything."""
     outside = joints >= count
-    if (outside & (weights != 0)).any():
-        worst = joints[outside & (weights != 0)].max()
+    # A weight that is no number gives a point that is none, whatever the joint.
+    wrong = outside & (weights != 0) & ~np.isnan(weights)
+    if wrong.any():
+        worst = joints[wrong].max()
         primitive.fail(f"uses joint {worst} of a skin that has {count}")
     return np.where(outside, 0, joints), weights

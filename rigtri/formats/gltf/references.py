@@ -25,9 +25,9 @@ def used_accessors(gltf: dict[str, Any]) -> Counter[int]:
 def used_views(gltf: dict[str, Any]) -> set[int]:
     """Buffer views that anything but the bytes of an accessor refers to, or that nobody names at all."""
     others: set[int] = set()
-    of_accessors: set[Any] = set()
+    of_accessors: set[int] = set()
     for accessor in gltf.get("accessors", []):
-        of_accessors.add(accessor.get("bufferView"))
+        of_accessors.update(_named({"bufferView": accessor.get("bufferView")}, "bufferView"))
         for part in ("sparse", "extensions"):
             if part in accessor:
                 others.update(_named(accessor[part], "bufferView"))

@@ -8,10 +8,12 @@ turns each of them into a FileError that names the place.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
 from typing import Any, NoReturn
 
 from rigtri.errors import FileError
+
+# Nobody who draws the file has more than 32-bit numbers.
+LARGEST = 3.4028235e38
 
 
 class Value:
@@ -90,7 +92,7 @@ class Value:
         return number
 
     def numbers(self, count: int) -> list[float]:
-        """Exactly ``count`` finite numbers."""
+        """Exactly ``count`` numbers that 32 bits can hold."""
         raw = self.entries()
         if len(raw) != count or not all(type(x) is float or type(x) is int for x in raw):
             self.fail(f"{count} numbers should stand here, not {_told(raw)}")
@@ -98,7 +100,7 @@ class Value:
             numbers = [float(x) for x in raw]
         except OverflowError:
             self.fail("a number here is too large")
-        if not all(map(isfinite, numbers)):
+        if not all(-LARGEST <= x <= LARGEST for x in numbers):
             self.fail("a number here is too large")
         return numbers
 
