@@ -72,10 +72,9 @@ def test_tokens_that_two_skeletons_share_are_told_apart_by_prim(tmp_path: Path) 
 
 @pytest.mark.parametrize("time", [1.0, 2.0, 5.0])
 def test_our_points_are_where_usdskel_puts_them(time: float, tmp_path: Path) -> None:
-    prims = scene(skeleton(), animation(), MESH).replace(
-        'def Mesh "Skin"', 'matrix4d xformOp:transform = ((0, 2, 0, 0), (-2, 0, 0, 0), (0, 0, 2, 0), (1, 2, 3, 1))\n'
-        'uniform token[] xformOpOrder = ["xformOp:transform"]\ndef Mesh "Skin"'
-    )  # fmt: skip
+    place = """matrix4d xformOp:transform = ((0, 2, 0, 0), (-2, 0, 0, 0), (0, 0, 2, 0), (1, 2, 3, 1))
+    uniform token[] xformOpOrder = ["xformOp:transform"]"""
+    prims = scene(place, skeleton(), animation(), MESH)
     source = save(tmp_path, prims)
     document = read(source)
     (mesh,) = document.meshes()
@@ -235,7 +234,7 @@ WRONG = {
     ),
     "a short sample": (
         {},
-        {"translations": "float3[] translations.timeSamples = {1: [(0, 2, 0), (0, 0, 0), (0, 2, 1)], 2: [(0, 0, 0)]}"},
+        {"scales": "half3[] scales.timeSamples = {1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], 2: [(1, 1, 1)]}"},
         "has 1 items at time 2",
     ),
     "animation gone": ({"source": "rel skel:animationSource = </Root/Gone>"}, {}, "which is not there"),

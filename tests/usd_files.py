@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,8 @@ MESH = """def Mesh "Skin" (prepend apiSchemas = ["SkelBindingAPI"])
 def scene(*blocks: str, head: str = "") -> str:
     """A stage whose prim /Root is a SkelRoot with these blocks in it."""
     body = "\n".join(blocks)
-    return f'#usda 1.0\n(\n    defaultPrim = "Root"\n    upAxis = "Y"\n{head})\ndef SkelRoot "Root"\n{{\n{body}\n}}\n'
+    start = f'#usda 1.0\n(\n    defaultPrim = "Root"\n    upAxis = "Y"\n{head})\n'
+    return f'{start}def SkelRoot "Root"\n{{\n{body}\n}}\n'
 
 
 def skeleton(name: str = "Skel", **changes: str) -> str:
@@ -129,7 +131,7 @@ def moments(stage: Any) -> list[Any]:
             for name in ("translations", "rotations", "scales"):
                 times.update(prim.GetAttribute(name).GetTimeSamples())
     keys = sorted(times)[:: max(1, len(times) // 8)]
-    middles = [(one + other) / 2 for one, other in zip(keys, keys[1:], strict=False)]
+    middles = [(one + other) / 2 for one, other in pairwise(keys)]
     return [Usd.TimeCode.Default(), *map(Usd.TimeCode, keys + middles)]
 
 

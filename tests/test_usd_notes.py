@@ -1,0 +1,155 @@
+"""Prims and notes of our own: written, found again, brought up to date."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from pxr import Sdf, Usd, UsdGeom
+from second_opinions import usd_errors
+from usd_files import MESH, animation, deviation, read, save, scene, skeleton, write
+
+from rigtri.formats.usd import notes
+from rigtri.pose import worlds
+from rigtri.quaternions import IDENTITY, unit
+from rigtri.rig import Rig
+
+POLE = {
+    "v": 1,
+    "type": "poleVector",
+    "chain": ["a", "b", "c"],
+    "reach": 0.5,
+    "normal": [0.0, 0.6, 0.8],
+    "weights": [1.0, 2.0],
+    "locked": True,
+    "from": "middle",
+    "clips": [{"clip": "Anim", "at": [{"time": 1.5, "what": "straight"}]}],
+    "nested": {"deep": {"word": "x"}, "none": []},
+}
+PLACE = """double3 xformOp:translate = (1, 2, 3)
+double3 xformOp:scale = (10, 10, 10)
+uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]"""
+
+
+def located(rig: Rig, rotation: Any = IDENTITY) -> Rig:
+    """The rig with a group and a pole vector at (4, 5, 6) in the world."""
+    n = len(rig)
+    rig = rig.with_nodes(
+        ["rigtri_controls", "b_pole"],
+        [-1, n],
+        np.array([(0, 0, 0), (4.0, 5, 6)]),
+        np.array([IDENTITY, rotation]),
+    )
+    return replace(rig, notes={**rig.notes, n: {"v": 1, "type": "group"}, n + 1: POLE})
+
+
+def test_a_locator_stands_under_the_scope_of_the_skeletons_top_prim(tmp_path: Path) -> None:
+    source = save(tmp_path, scene(PLACE, skeleton(), animation(), MESH))
+    document = read(source)
+    rotation = unit([1.0, 2, 3, 4])
+    out = write(document, located(document.rig, rotation), tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(out))
+    assert stage.GetPrimAtPath("/Root/rigtri").GetTypeName() == "Scope"
+    pole = stage.GetPrimAtPath("/Root/rigtri/b_pole")
+    world = np.array(UsdGeom.Xformable(pole).ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    assert_allclose(world[3, :3], (4, 5, 6))
+    assert_allclose(np.linalg.norm(world[:3, :3], axis=1), 1)  # not ten times too big
+    assert pole.GetAttribute("rigtri:chain").GetTypeName() == "token[]"
+    assert pole.GetAttribute("rigtri:normal").GetTypeName() == "double3"
+    assert pole.GetAttribute("rigtri:type").GetTypeName() == "token"
+    assert pole.GetAttribute("rigtri:v").GetTypeName() == "int"
+    assert pole.GetAttribute("userProperties:rigtri_chain").Get() == "a, b, c"
+    assert deviation(source, out) == 0
+    assert not usd_errors(out) - usd_errors(source)
+
+
+def test_a_locator_without_a_turn_has_no_orient(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
+    out = write(document, located(document.rig), tmp_path / "out.usda")
+    assert 'xformOpOrder = ["xformOp:translate"]' in out.read_text()
+
+
+def test_locators_are_found_again_and_the_second_run_changes_no_byte(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(PLACE, skeleton(), animation(), MESH)))
+    out = write(document, located(document.rig), tmp_path / "out.usda")
+    again = read(out)
+    pole = again.rig.find("b_pole")
+    assert again.rig.notes[pole] == POLE
+    assert again.rig.notes[again.rig.find("rigtri")] == {"v": 1, "type": "group"}
+    assert not again.rig.has_matrix[pole]
+    assert_allclose(worlds(again.rig)[pole, 3, :3], (4, 5, 6))
+    same = replace(again.rig, notes=dict(again.rig.notes))
+    assert write(again, same, tmp_path / "second.usda").read_bytes() == out.read_bytes()
+
+
+def test_a_locator_is_moved_renamed_and_annotated_in_place(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
+    again = read(write(document, located(document.rig), tmp_path / "out.usda"))
+    pole = again.rig.find("b_pole")
+    translation = again.rig.translation.copy()
+    translation[pole] = (7, 8, 9)
+    names = [*again.rig.names]
+    names[pole] = "knee"
+    note = {key: value for key, value in POLE.items() if key != "reach"} | {"from": "end"}
+    rig = replace(
+        again.rig, names=tuple(names), translation=translation, notes={**again.rig.notes, pole: note}
+    )
+    third = read(write(again, rig, tmp_path / "third.usda")).rig
+    assert third.notes[third.find("knee")] == note
+    assert_allclose(third.translation[third.find("knee")], (7, 8, 9))
+    assert "b_pole" not in third.names
+
+
+def test_a_second_locator_joins_the_first(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
+    again = read(write(document, located(document.rig), tmp_path / "out.usda"))
+    group = again.rig.find("rigtri")
+    rig = again.rig.with_nodes(["b_pole"], [group], np.ones((1, 3)), IDENTITY[np.newaxis])
+    third = read(write(again, rig, tmp_path / "third.usda")).rig
+    assert [label for label in third.labels if "rigtri/" in label] == [
+        "/Root/rigtri/b_pole",
+        "/Root/rigtri/b_pole_2",
+    ]
+
+
+def test_a_prim_called_rigtri_that_is_not_ours_is_left_alone(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH, 'def Xform "rigtri" {}')))
+    third = read(write(document, located(document.rig), tmp_path / "out.usda")).rig
+    assert "/Root/rigtri_2/b_pole" in third.labels
+
+
+def test_notes_on_joints_lie_in_the_skeletons_custom_data(tmp_path: Path) -> None:
+    source = save(tmp_path, scene(skeleton(), animation(), MESH))
+    document = read(source)
+    found = {
+        document.rig.find("b"): {"v": 1, "type": "frame", "invented": True},
+        document.rig.find("c"): POLE,
+    }
+    out = write(document, replace(document.rig, notes=found), tmp_path / "out.usda")
+    again = read(out)
+    assert {again.rig.names[node]: note for node, note in again.rig.notes.items()} == {
+        "b": {"v": 1, "type": "frame", "invented": True},
+        "c": POLE,
+    }
+    bare = write(again, replace(again.rig, notes={}), tmp_path / "bare.usda")
+    assert "customData" not in bare.read_text()
+
+
+@pytest.mark.parametrize(
+    "value",
+    [0, -5, 2**40, 1.5, True, "", 'ü "q"', [], ["x"], [1.0], [1.0, 2.0, 3.0], None, {}, [[1]], {"a": {}}],
+)
+def test_any_json_value_reads_back(value: Any) -> None:
+    note = {"type": "t", "value": value}
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/A")
+    for name, (type_name, stored) in notes.attributes_of(note).items():
+        prim.CreateAttribute(name, type_name).Set(stored)
+    Sdf.Layer.CreateAnonymous().ImportFromString(stage.GetRootLayer().ExportToString())
+    assert notes.read_prim(prim) == note
+    prim.SetCustomDataByKey("rigtri", notes.to_custom_data({"a/b": note}))
+    assert notes.read_joints(prim) == {"a/b": note}

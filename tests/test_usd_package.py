@@ -1,0 +1,119 @@
+"""Packages: entries keep their names, order, dates and bytes; odd packages are refused."""
+
+from __future__ import annotations
+
+import struct
+import zipfile
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd
+from usd_files import MESH, animation, deviation, error_of, read, save, scene, skeleton, turned, write
+
+from rigtri.formats.usd import package
+
+LAYER = scene(skeleton(), animation(), MESH).encode()
+PICTURE = bytes(range(256)) * 3
+
+
+def pack(path: Path, *entries: tuple[str, bytes], **more: object) -> Path:
+    """A package by Python's zipfile, each entry with a date and an extra field of its own."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as file:
+        for number, (name, content) in enumerate(entries):
+            entry = zipfile.ZipInfo(name, (2001 + number, 2, 3, 4, 5, 6))
+            entry.comment = f"entry {number}".encode()
+            entry.compress_type = int(str(more.get("method", zipfile.ZIP_STORED)))
+            own = struct.pack("<HH4s", 0x7777, 4, b"mine")
+            start = file.fp.tell() + 30 + len(name.encode()) + len(own) + 4  # type: ignore[union-attr]
+            entry.extra = own + struct.pack("<HH", package.PADDING, -start % 64) + bytes(-start % 64)
+            file.writestr(entry, content)
+        file.comment = b"whole"
+    return path
+
+
+def hero(folder: Path) -> Path:
+    return pack(folder / "hero.usdz", ("hero.usda", LAYER), ("0/färbe.png", PICTURE), ("notes.txt", b"hello"))
+
+
+def test_only_the_root_layer_of_a_package_is_replaced(tmp_path: Path) -> None:
+    source = hero(tmp_path)
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usdz")
+    with zipfile.ZipFile(source) as before, zipfile.ZipFile(out) as after:
+        assert after.testzip() is None
+        assert after.namelist() == before.namelist()
+        assert after.comment == b"whole"
+        for one, other in zip(before.infolist(), after.infolist(), strict=True):
+            assert (one.date_time, one.comment) == (other.date_time, other.comment)
+            assert one.external_attr == other.external_attr
+            assert b"mine" in other.extra
+            same = before.read(one) == after.read(other)
+            assert same == (one.filename != "hero.usda")
+    assert deviation(source, out) < 1e-6
+
+
+def test_every_entry_starts_at_a_multiple_of_64_and_is_stored(tmp_path: Path) -> None:
+    document = read(hero(tmp_path))
+    out = write(document, turned(document.rig), tmp_path / "out.usdz")
+    found = package.read(out)
+    assert [entry.start % 64 for entry in found.entries] == [0, 0, 0]
+    assert all(info.compress_type == 0 for info in zipfile.ZipFile(out).infolist())
+    assert Usd.Stage.Open(str(out)).GetPrimAtPath("/Root/Skel")
+
+
+def test_writing_a_package_twice_does_not_let_it_grow(tmp_path: Path) -> None:
+    document = read(hero(tmp_path))
+    out = write(document, turned(document.rig), tmp_path / "out.usdz")
+    whole = package.read(out)
+    package.write(whole, whole.bytes_of(whole.root), tmp_path / "again.usdz")
+    assert (tmp_path / "again.usdz").read_bytes() == out.read_bytes()
+
+
+def test_the_inner_layer_keeps_its_encoding(tmp_path: Path) -> None:
+    layer = Sdf.Layer.FindOrOpen(str(save(tmp_path, LAYER.decode())))
+    layer.Export(str(tmp_path / "hero.usdc"))
+    source = pack(tmp_path / "hero.usdz", ("hero.usdc", (tmp_path / "hero.usdc").read_bytes()))
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usdz")
+    whole = package.read(out)
+    assert whole.bytes_of(whole.root).startswith(b"PXR-USDC")
+    assert deviation(source, out) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["/etc/x.png", "../x.png", "a/../../x.png", "C:/x.png", "..\\x.png"])
+def test_names_that_lead_outside_are_refused(name: str, tmp_path: Path) -> None:
+    path = pack(tmp_path / "odd.usdz", ("hero.usda", LAYER), (name, PICTURE))
+    assert "leads outside the package" in error_of(path)
+
+
+def test_odd_packages_are_refused_with_a_reason(tmp_path: Path) -> None:
+    squeezed = pack(tmp_path / "squeezed.usdz", ("hero.usda", LAYER), method=zipfile.ZIP_DEFLATED)
+    assert "is compressed" in error_of(squeezed)
+    with pytest.warns(UserWarning, match="Duplicate name"):
+        twice = pack(tmp_path / "twice.usdz", ("hero.usda", LAYER), ("a", b"1"), ("a", b"2"))
+    assert "two entries are named 'a'" in error_of(twice)
+    late = pack(tmp_path / "late.usdz", ("a.png", PICTURE), ("hero.usda", LAYER))
+    assert "starts with 'a.png'" in error_of(late)
+    assert "is empty" in error_of(pack(tmp_path / "empty.usdz"))
+
+
+def test_encrypted_and_overlapping_entries_are_refused(tmp_path: Path) -> None:
+    whole = hero(tmp_path).read_bytes()
+    central = whole.index(b"PK\1\2")
+    locked = tmp_path / "locked.usdz"
+    locked.write_bytes(whole[: central + 8] + b"\1" + whole[central + 9 :])
+    assert "is encrypted" in error_of(locked)
+    second = whole.index(b"PK\1\2", central + 4)
+    bomb = bytearray(whole)
+    # Both records point at the first entry, which is how a zip bomb doubles.
+    bomb[second + 42 : second + 46] = whole[central + 42 : central + 46]
+    (tmp_path / "bomb.usdz").write_bytes(bomb)
+    assert "another name in its own header" in error_of(tmp_path / "bomb.usdz")
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99])
+def test_a_package_that_is_cut_off_is_refused(share: float, tmp_path: Path) -> None:
+    whole = hero(tmp_path).read_bytes()
+    path = tmp_path / "cut.usdz"
+    path.write_bytes(whole[: int(len(whole) * share)])
+    assert "cut off" in error_of(path)

@@ -1,0 +1,181 @@
+"""Plain Xform prims as joints: found with --root, turned by two ops, exactly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from pxr import Usd, UsdGeom
+from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
+
+from rigtri.compare import self_check
+from rigtri.errors import FileError, NameNotFoundError
+from rigtri.pose import worlds
+from rigtri.quaternions import IDENTITY, conjugate, unit
+from rigtri.reframe import reframe
+
+LEG = """#usda 1.0
+def Xform "Rig" {
+    double3 xformOp:translate = (0, 9, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Xform "thigh" {
+        float3 xformOp:rotateXYZ = (10, 20, 30)
+        float3 xformOp:rotateXYZ.timeSamples = {1: (10, 20, 30), 9: (50, 0, 10)}
+        double3 xformOp:translate = (1, 0, 0)
+        float3 xformOp:scale = (1, 2, 1)
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale"]
+        def Scope "parts" {
+            def Xform "shin" {
+                matrix4d xformOp:transform = ((0, 1, 0, 0), (-1, 0, 0, 0), (0, 0, 1, 0), (0, -4, 0.5, 1))
+                uniform token[] xformOpOrder = ["xformOp:transform"]
+                def Mesh "bone" {
+                    point3f[] points = [(0, 0, 0), (0, 1, 0), (0, 0, 1)]
+                }
+                def Xform "loose" {
+                    double3 xformOp:translate = (5, 5, 5)
+                    uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]
+                }
+            }
+        }
+    }
+}
+"""
+SMOOTH = LEG.replace("(1, 2, 1)", "(2, 2, 2)")
+MOVES = """#usda 1.0
+def Xform "Rig" {
+    double3 xformOp:translate.timeSamples = {1: (0, 9, 0), 5: (0, 8, 0)}
+    quatf xformOp:orient.timeSamples = {1: (1, 0, 0, 0), 9: (0, 1, 0, 0)}
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]
+    def Xform "tip" {
+        double3 xformOp:translate = (0, 3, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+}
+"""
+
+
+def places(path: Path) -> dict[tuple[str, float], np.ndarray]:
+    """World matrices of all prims at some times, as UsdGeom computes them."""
+    stage = Usd.Stage.Open(str(path))
+    return {
+        (str(prim.GetPath()), time): np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(time))
+        for time in (1.0, 3.3, 9.0)
+        for prim in stage.Traverse()
+        if prim.IsA(UsdGeom.Xformable)
+    }
+
+
+def check_same(one: Path, other: Path, *, still: tuple[str, ...] = ()) -> None:
+    """Positions of all prims agree at all times, and whole matrices of those that stand still."""
+    before, after = places(one), places(other)
+    assert before.keys() == after.keys()
+    for (path, time), matrix in before.items():
+        rows = slice(None) if path.endswith(still) and still else slice(3, None)
+        assert_allclose(after[path, time][rows], matrix[rows], atol=1e-12)
+
+
+def test_two_ops_turn_a_prim_and_leave_all_else_where_it_is(tmp_path: Path) -> None:
+    source = save(tmp_path, SMOOTH)
+    document = read(source, root="/Rig")
+    rig = document.rig
+    assert [rig.labels[n] for n in rig.skins[0].joints][:3] == ["/Rig", "/Rig/thigh", "/Rig/thigh/parts/shin"]
+    assert not rig.skins[0].stored
+    out = write(document, turned(rig), tmp_path / "out.usda")
+    check_same(source, out, still=("bone",))
+    again = read(out, root="Rig")
+    assert_allclose(worlds(again.rig), worlds(turned(rig)), atol=1e-12)
+    text = out.read_text()
+    # A prim that resets the stack hangs under nobody, so there is nothing to undo on it.
+    assert '= ["!resetXformStack!", "xformOp:translate"]' in text
+    assert "1: (10, 20, 30)" in text
+
+
+def test_turning_back_takes_the_ops_away(tmp_path: Path) -> None:
+    document = read(save(tmp_path, SMOOTH), root="/Rig")
+    rig = document.rig
+    thigh = rig.find("thigh")
+    there = write(document, turned(rig, only=[thigh]), tmp_path / "there.usda")
+    assert "rigtriFrame" in there.read_text()
+    again = read(there, root="/Rig")
+    turn = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
+    turn[thigh] = conjugate(unit(np.random.default_rng(1).normal(size=(1, 4)))[0])
+    back = write(again, reframe(again.rig, turn), tmp_path / "back.usda")
+    assert "rigtri" not in back.read_text()
+    check_same(tmp_path / "in.usda", back)
+
+
+def test_meshes_cameras_and_lights_keep_their_axes_and_say_why(tmp_path: Path) -> None:
+    rig = read(save(tmp_path, SMOOTH), root="/Rig").rig
+    assert "is itself a Mesh" in rig.fixed[rig.find("bone")]
+    assert rig.find("shin") not in rig.fixed
+
+
+def test_animated_translate_and_orient_are_tracks_before_and_after(tmp_path: Path) -> None:
+    source = save(tmp_path, MOVES)
+    document = read(source, root="/Rig")
+    (clip,) = document.rig.clips
+    assert [(t.path, t.times.tolist()) for t in clip.tracks] == [
+        ("translation", [1, 5]),
+        ("rotation", [1, 9]),
+    ]
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    check_same(source, out)
+    result = self_check(document, read(out, root="/Rig"))
+    assert result.passes(1e-9), result.describe()
+
+
+def test_ops_that_no_track_can_say_are_noticed_and_stay(tmp_path: Path) -> None:
+    document = read(save(tmp_path, SMOOTH), root="/Rig")
+    assert [notice.code for notice in document.warnings] == ["animated-xform"]
+    assert not document.rig.clips
+
+
+def test_bake_writes_translate_orient_scale_where_nothing_moves(tmp_path: Path) -> None:
+    source = save(tmp_path, SMOOTH)
+    document = read(source, root="/Rig", bake_xform=True)
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    check_same(source, out, still=("bone",))
+    stage = Usd.Stage.Open(str(out))
+    order = [
+        str(op) for op in stage.GetPrimAtPath("/Rig/thigh/parts/shin").GetAttribute("xformOpOrder").Get()
+    ]
+    assert order[:2] == ["xformOp:translate", "xformOp:orient"]
+    assert not any("rigtri" in op for op in order)
+    assert "not-baked" in [notice.code for notice in document.warnings]
+
+
+def test_a_moved_prim_is_refused(tmp_path: Path) -> None:
+    document = read(save(tmp_path, SMOOTH), root="/Rig")
+    matrix = document.rig.matrix.copy()
+    matrix[document.rig.find("shin"), 3, 0] += 1
+    with pytest.raises(FileError, match="can be turned, but not moved"):
+        write(document, replace(document.rig, matrix=matrix), tmp_path / "out.usda")
+
+
+def test_root_is_a_path_or_a_name_that_is_there(tmp_path: Path) -> None:
+    source = save(tmp_path, SMOOTH)
+    assert read(source, root="thigh").rig.skins[0].key == ("root", "/Rig/thigh")
+    with pytest.raises(NameNotFoundError):
+        read(source, root="nobody")
+    both = save(tmp_path, scene(skeleton(), animation(), MESH), "both.usda")
+    assert "is a joint" in error_of(both, root="a/b")
+
+
+def test_physics_joints_and_constraint_targets_keep_a_prim_in_its_axes(tmp_path: Path) -> None:
+    text = """#usda 1.0
+def Xform "Car" {
+    def Xform "wheel" {}
+    def Xform "door" {
+        matrix4d constraintTargets:hinge = ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))
+    }
+    def PhysicsRevoluteJoint "axle" {
+        rel physics:body1 = </Car/wheel>
+    }
+}
+"""
+    rig = read(save(tmp_path, text), root="/Car").rig
+    assert "physics joint" in rig.fixed[rig.find("wheel")]
+    assert "constraintTargets:hinge" in rig.fixed[rig.find("door")]
