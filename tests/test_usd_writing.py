@@ -269,6 +269,16 @@ def test_what_an_animation_says_of_joints_nobody_has_is_kept(tmp_path: Path) -> 
     assert deviation(source, out) < 1e-6
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_half_a_turn_between_keys_keeps_its_way_round(seed: int, tmp_path: Path) -> None:
+    turn = "quatf[] rotations.timeSamples = {\n1: [(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)],\n"
+    turn += "5: [(0, 1, 0, 0), (0, 0.6, 0.8, 0), (0, -0.6, 0, 0.8)],\n}"
+    source = save(tmp_path, scene(skeleton(), animation(rotations=turn), MESH))
+    document = read(source)
+    out = write(document, turned(document.rig, seed=seed), tmp_path / "out.usda")
+    assert deviation(source, out) < 2e-6
+
+
 def test_a_file_that_was_replaced_since_is_read_anew(tmp_path: Path) -> None:
     source = save(tmp_path, ASSET)
     first = read(source)

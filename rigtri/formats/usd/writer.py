@@ -16,16 +16,13 @@ from rigtri.errors import FileError
 from rigtri.formats.usd import locators, notes, xform
 from rigtri.formats.usd.animations import HELD, Animation, Property
 from rigtri.formats.usd.reader import Source
+from rigtri.formats.usd.rounding import put
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
 from rigtri.matrices import inverse
-from rigtri.quaternions import norm
 from rigtri.report import Notice
 from rigtri.rig import Clip, Rig
 from rigtri.trigonometry import Floats
-
-# Rotations this near to unit length were unit before they were rounded to float32.
-UNIT = 1e-6
 
 # For each property of an animation: column → new samples (k, c), or the new default (1, c).
 Columns = dict[tuple[str, str, int], Floats]
@@ -201,24 +198,15 @@ def _array_edits(source: Source, animation: Animation, path: str, columns: Colum
         default = None if default is None else default.copy()
         for (moment, _, column), values in mine.items():
             if moment == "samples":
-                _put(samples, column, item.samples[:, column], values)
+                put(samples, column, item.samples[:, column], values)
             elif default is not None and item.default is not None:
-                _put(default[np.newaxis], column, item.default[np.newaxis, column], values)
+                put(default[np.newaxis], column, item.default[np.newaxis, column], values)
         timed = {float(time): _array(item, row) for time, row in zip(item.times, samples, strict=True)}
         timed.update(dict.fromkeys(item.blocked))
         type_name = prim.GetAttribute(name).GetTypeName()
         single = None if default is None else _array(item, default)
         found.append(set_value(path, name, type_name, single, samples=dict(sorted(timed.items()))))
     return found
-
-
-def _put(into: np.ndarray, column: int, stored: np.ndarray, values: Floats) -> None:
-    """Put one joint's values, (k, c), into an array (k, j, c); rows that did not change keep their bits."""
-    changed = (values != stored.astype(np.float64)).any(axis=1)
-    if values.shape[-1] == 4:
-        size = norm(values)[:, np.newaxis]
-        values = np.where(np.abs(size - 1.0) < UNIT, values / np.where(size == 0, 1.0, size), values)
-    into[changed, column] = values[changed].astype(into.dtype)
 
 
 def _array(item: Property, values: np.ndarray) -> Any:
