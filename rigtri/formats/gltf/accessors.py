@@ -176,7 +176,7 @@ class Accessors:
             if isinstance(used, dict) and name in used:
                 raise CompressedError(
                     f"{view.where}: data compressed with {name} are not supported yet; "
-                    "decompress the file first, e.g. with: gltf-transform copy IN OUT"
+                    "export or pack the file without that compression"
                 )
 
     def _elements(self, layout: Layout) -> np.ndarray:

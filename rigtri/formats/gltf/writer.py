@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import mmap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from rigtri.errors import FileError
 from rigtri.formats import Companion
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 # Large enough that thousands of small changed ranges cost few system calls.
 BUFFERING = 1 << 20
+CHUNK = 1 << 24
 
 
 def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
@@ -53,9 +55,22 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
     return companions
 
 
+def _pour(file: BinaryIO, piece: Piece) -> None:
+    """Write a piece; of a mapped file only a chunk at a time stays in memory."""
+    if len(piece) <= CHUNK or not isinstance(piece, memoryview):
+        file.write(piece)
+        return
+    mapped = piece.obj
+    for start in range(0, len(piece), CHUNK):
+        file.write(piece[start : start + CHUNK])
+        if isinstance(mapped, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
+            mapped.madvise(mmap.MADV_DONTNEED)
+
+
 def _write(part: Path, pieces: Iterable[Piece]) -> None:
     try:
         with part.open("wb", buffering=BUFFERING) as file:
-            file.writelines(pieces)
+            for piece in pieces:
+                _pour(file, piece)
     except OSError as error:
         raise FileError(f"{part}: cannot be written: {error.strerror or error}") from None
