@@ -6,16 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.cli.options import (
+from rigtri.errors import UsageError
+
+from .options import (
+    direction,
     edit_options,
+    given_options,
     output_options,
     reading_options,
     run_edit,
     source_argument,
     target_option,
 )
-from rigtri.cli.orient_joints import _three, _told
-from rigtri.errors import UsageError
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -96,7 +98,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--facing",
-    callback=_three,
+    callback=direction,
     metavar="AXIS|X,Y,Z",
     help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
 )
@@ -117,7 +119,7 @@ if TYPE_CHECKING:
 @edit_options
 @output_options
 @click.pass_context
-def command(ctx: click.Context, **values: Any) -> None:
+def command(ctx: click.Context, /, **values: Any) -> None:
     """Add a locator that says which way a limb bends.
 
     It stands in the plane of the limb, on the side it bends to. Straight limbs ask
@@ -158,17 +160,17 @@ def command(ctx: click.Context, **values: Any) -> None:
         )
         return add_polevector(rig, options=options, report=report)
 
-    run_edit("add-polevector", values, step, _told(ctx), _summary)
+    run_edit("add-polevector", values, step, given_options(ctx), _summary)
 
 
 def _bend(text: str) -> tuple[str, tuple[float, float, float]]:
     from rigtri.ops.ups import vector
 
-    joint, mark, direction = text.rpartition("=")
+    joint, mark, towards = text.rpartition("=")
     if not mark or not joint:
         raise UsageError(f"--bend {text}: give JOINT=X,Y,Z")
     try:
-        x, y, z = (float(n) for n in vector(direction))
+        x, y, z = (float(n) for n in vector(towards))
     except ValueError as error:
         raise UsageError(f"--bend {text}: {error}") from error
     return joint, (x, y, z)

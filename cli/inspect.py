@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from rigtri.cli.options import (
+from .options import (
     output_options,
     read_options,
     reading_options,

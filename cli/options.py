@@ -237,3 +237,32 @@ def load_json(path: str) -> Any:
         raise FileError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
         raise FileError(f"{path} is no JSON: {error}") from error
+
+
+def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    """A direction: x,y,z or an axis name."""
+    if value is None:
+        return None
+    from rigtri.ops.ups import vector
+    from rigtri.triangle import axis_of
+
+    try:
+        letter, sign = axis_of(value)
+        return tuple(sign if k == letter else 0.0 for k in range(3))
+    except ValueError:
+        pass
+    try:
+        return tuple(float(x) for x in vector(value))
+    except ValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from error
+
+
+def given_options(ctx: click.Context) -> dict[str, Any]:
+    """The options that the user gave, for the report."""
+    quiet = ("source", "target", "as_json", "quiet", "verbose", "report_path")
+    given = click.core.ParameterSource.DEFAULT
+    return {
+        name: value
+        for name, value in ctx.params.items()
+        if name not in quiet and ctx.get_parameter_source(name) != given
+    }

@@ -8,8 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.cli.options import (
+from rigtri.errors import RigtriError, UsageError
+from rigtri.ops.presets import PRESETS, Style
+
+from .options import (
+    direction,
     edit_options,
+    given_options,
     load_json,
     output_options,
     reading_options,
@@ -17,8 +22,6 @@ from rigtri.cli.options import (
     source_argument,
     target_option,
 )
-from rigtri.errors import RigtriError, UsageError
-from rigtri.ops.presets import PRESETS, Style
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -36,24 +39,6 @@ class InOrder(click.Command):
         waiting = {p.name: list(values[p.name]) for p in order if p.name in (*_STYLED, "chains")}
         ctx.meta["rigtri.order"] = [(p.name, waiting[p.name].pop(0)) for p in order if p.name in waiting]
         return super().parse_args(ctx, args)
-
-
-def _three(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
-    """A direction: x,y,z or an axis name."""
-    if value is None:
-        return None
-    from rigtri.ops.ups import vector
-    from rigtri.triangle import axis_of
-
-    try:
-        letter, sign = axis_of(value)
-        return tuple(sign if k == letter else 0.0 for k in range(3))
-    except ValueError:
-        pass
-    try:
-        return tuple(float(x) for x in vector(value))
-    except ValueError as error:
-        raise click.BadParameter(str(error), ctx, param) from error
 
 
 def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
@@ -121,7 +106,7 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
 @click.option("--per-joint-plane", is_flag=True, help="Each joint its own bend plane (S-bends).")
 @click.option(
     "--facing",
-    callback=_three,
+    callback=direction,
     metavar="AXIS|X,Y,Z",
     help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
 )
@@ -186,7 +171,7 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
 @edit_options
 @output_options
 @click.pass_context
-def command(ctx: click.Context, **values: Any) -> None:
+def command(ctx: click.Context, /, **values: Any) -> None:
     """Give joints new axes; nothing that can be seen moves.
 
     Unnamed, the joints with weight on or below them turn; root joints, helpers, lone
@@ -238,7 +223,7 @@ def command(ctx: click.Context, **values: Any) -> None:
         saved["frames"] = frames_json(rig, report)
         return turned
 
-    run_edit("orient-joints", values, step, _told(ctx), _summary)
+    run_edit("orient-joints", values, step, given_options(ctx), _summary)
     if values["save_frames"] and not values["dry_run"]:
         from rigtri.pipeline import write_text
 
@@ -307,17 +292,6 @@ def _like(path: str) -> Rig:
         return read(Path(path)).rig
     except RigtriError as error:
         raise type(error)(f"--like: {error}") from error
-
-
-def _told(ctx: click.Context) -> dict[str, Any]:
-    """The options that the user gave, for the report."""
-    quiet = ("source", "target", "as_json", "quiet", "verbose", "report_path")
-    given = click.core.ParameterSource.DEFAULT
-    return {
-        name: value
-        for name, value in ctx.params.items()
-        if name not in quiet and ctx.get_parameter_source(name) != given
-    }
 
 
 def _summary(report: Report) -> str:

@@ -8,8 +8,9 @@ from typing import Any
 
 import click
 
-from rigtri.cli.options import TOLERANCE, output_options, read_options, reading_options
 from rigtri.errors import DeviationError
+
+from .options import TOLERANCE, output_options, read_options, reading_options
 
 
 @click.command("verify")

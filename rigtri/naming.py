@@ -9,7 +9,6 @@ dropped. What is left must be a known word as a whole, so that a control
 from __future__ import annotations
 
 import re
-from os.path import commonprefix
 from typing import Literal
 
 Side = Literal["left", "right", ""]
@@ -111,7 +110,9 @@ def without_prefix(names: list[str]) -> list[str]:
     >>> without_prefix(["Fight_Hips", "Fight_LeftArm"])
     ['Hips', 'LeftArm']
     """
-    common = commonprefix(names) if len(names) > 1 else ""
+    first, last = min(names, default=""), max(names, default="")
+    same = next((k for k, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))
+    common = first[:same] if len(names) > 1 else ""
     cut = max((common.rfind(mark) for mark in "_:.- |"), default=-1) + 1
     return [name[cut:] for name in names]
 

@@ -44,11 +44,11 @@ class Skeleton:
         return 1 + max((self.depth(k) for k in self.below[joint]), default=-1)
 
 
-def skeleton(rig: Rig, root: str | None = None) -> Skeleton:
+def skeleton(rig: Rig, root: str | None = None, *, plain: bool = False) -> Skeleton:
     """The joints of all skins, or with ``root`` that node and everything below it.
 
     A file without skins but with a VRM humanoid map (a .vrma) has the nodes below its hips.
-    Raises FileError where there is neither and no root is named.
+    plain: where there is neither, all nodes are joints (clip libraries); else FileError.
     """
     if root is not None:
         joints = [node for node in rig.below(rig.find(root, "node")) if rig.payload[node] < 0]
@@ -56,6 +56,8 @@ def skeleton(rig: Rig, root: str | None = None) -> Skeleton:
         joints = np.flatnonzero(rig.is_joint).tolist()
         if not joints and "hips" in rig.humanoid:
             joints = rig.below(rig.humanoid["hips"])
+        elif not joints and plain:
+            joints = [node for node in range(len(rig)) if rig.payload[node] < 0]
     if not joints:
         raise FileError(
             "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "

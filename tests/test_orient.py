@@ -192,9 +192,7 @@ def test_the_end_rule_orients_the_last_joint(end: Any, expected: Any) -> None:
 
 
 def test_an_end_joint_aims_at_its_bare_tip() -> None:
-    rig = rig_of(
-        list("abc") + ["c_end"], [-1, 0, 1, 2], np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 1]])
-    )
+    rig = rig_of([*"abc", "c_end"], [-1, 0, 1, 2], np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 1]]))
     rig = replace(rig, skins=(Skin("s", np.arange(3), inverse(worlds(rig))[:3]),))
     report = Report()
     assert_allclose(axes(oriented(rig, report), "c")[0], [0, 0, 1], atol=1e-12)

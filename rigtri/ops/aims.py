@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 
 from rigtri.limbs import Limb
+from rigtri.matrices import transform_points
 from rigtri.naming import twin
 from rigtri.rig import Rig
-from rigtri.matrices import transform_points
 from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
 from rigtri.trigonometry import Floats
 from rigtri.vectors import angle, length, normalise

@@ -42,7 +42,7 @@ def like_turns(
     One rotation common to the whole skeleton is taken out first. Joints without a
     namesake are kept and listed. Raises GeometryError when nothing matches.
     """
-    other = skeleton(like)
+    other = skeleton(like, plain=True)
     theirs = reference(other, None)
     pairs = _namesakes(tree.rig, tree.joints, like, other.joints)
     if not pairs:

@@ -110,12 +110,14 @@ class _Work:
 
     @staticmethod
     def of(rig: Rig, options: Options, report: Report) -> _Work:
-        tree = skeleton(rig, options.root)
+        # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
+        elsewhere = options.like is not None or options.frames is not None
+        tree = skeleton(rig, options.root, plain=elsewhere)
         ref = reference(tree, options.pose)
         selection = options.selection
         chains = tuple((start, end) for start, end, _ in options.chain_styles)
         selection = replace(selection, chains=(*selection.chains, *chains))
-        turning, kept = select(tree, ref, selection, all_named=options.root is not None)
+        turning, kept = select(tree, ref, selection, all_named=elsewhere or options.root is not None)
         if not turning and any(joint in rig.fixed for joint in tree.joints):
             reason = next(rig.fixed[joint] for joint in tree.joints if joint in rig.fixed)
             raise FileError(f"No joint of this file may turn: {reason}.")
@@ -140,18 +142,12 @@ class _Work:
 
     def wanted(self) -> dict[int, Floats]:
         """The turn that each joint should take, identity where it already stands so."""
-        options = self.options
+        options, rig = self.options, self.tree.rig
+        if options.frames is not None:  # applied as they are, however small
+            stored, undo = options.frames, options.inverse
+            return stored_turns(rig, self.turning, stored, inverted=undo, report=self.report)
         if options.like is not None:
             turns = like_turns(self.tree, self.ref, self.turning, options.like, self.report)
-        elif options.frames is not None:
-            turns = stored_turns(
-                self.tree.rig,
-                self.turning,
-                options.frames,
-                inverted=options.inverse,
-                report=self.report,
-            )
-            return turns  # stored changes are applied as they are, however small
         else:
             turns = self._oriented()
         turns = {joint: self._finished(joint, turn) for joint, turn in turns.items()}

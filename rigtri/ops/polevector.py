@@ -283,9 +283,8 @@ def _free_name(rig: Rig, wanted: str, own: int | None) -> str:
 
 def _axes(points: Floats, found: Bend, options: Options) -> Floats:
     """The locator's world axes, rows: the world's, the limb's own, or aiming at its middle joint."""
-    a, b, c = points
     if options.orientation == "limb":
-        return frame(b - a, found.hinge)
+        return frame(points[1] - points[0], found.hinge)
     if options.orientation == "aim":
         return frame(-found.direction, found.hinge)
     return np.asarray(np.eye(3))

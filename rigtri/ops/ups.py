@@ -221,7 +221,7 @@ def carried(up: Up, bone: Floats, along: Floats) -> Up:
 
 
 def stated(tree: Skeleton, ref: Reference, joint: int, source: str, up_axis: str) -> Floats | None:
-    """The up direction of sources that are no plane: ``world:``, ``vector:``, ``node:``, ``noderot:``, ``keep``.
+    """The up direction of ``world:``, ``vector:``, ``node:``, ``noderot:`` and ``keep``: no planes.
 
     In the world, (3,), of any length. None for ``plane``, ``pole``, ``parent`` and ``child``.
     Raises UsageError for anything else.

@@ -1,0 +1,235 @@
+"""Measure rigtri beside its peers in one run and print a table with ratios.
+
+See benchmarks/README.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import os
+import platform
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
+PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
+
+
+@dataclass
+class Row:
+    """One measurement: what, seconds, and what it is compared with."""
+
+    what: str
+    seconds: float
+    note: str = ""
+
+
+def median_of(runs: int, action: Callable[[], None]) -> float:
+    """The median duration of ``runs`` calls, in seconds, after one call to warm up."""
+    action()
+    durations = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        action()
+        durations.append(time.perf_counter() - start)
+    return statistics.median(durations)
+
+
+def process(*command: str | Path) -> Callable[[], None]:
+    """A call that runs a program and fails loudly."""
+
+    def run() -> None:
+        done = subprocess.run([str(part) for part in command], capture_output=True, check=False)
+        if done.returncode:
+            raise SystemExit(f"{command}: {done.stderr.decode()[-500:]}")
+
+    return run
+
+
+def cold(source: Path, folder: Path) -> Callable[[], None]:
+    """`rigtri orient-joints` as a new process, verification included."""
+    target = folder / f"cold{source.suffix}"
+    return process(*PROGRAM, "orient-joints", source, "-o", target, "--overwrite", "-q")
+
+
+def warm(source: Path, folder: Path) -> Callable[[], None]:
+    """Read, orient and write in a running process, without verification."""
+    from rigtri.formats import read
+    from rigtri.ops.orient import orient_joints
+
+    part, target = folder / f"warm{source.suffix}", folder / f"out{source.suffix}"
+
+    def run() -> None:
+        document = read(source)
+        document.write(orient_joints(document.rig), part, target)
+
+    return run
+
+
+BLENDER = """
+import bpy, sys, time
+source, target, runs = sys.argv[-3], sys.argv[-2], int(sys.argv[-1])
+best = []
+for _ in range(runs + 1):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    start = time.perf_counter()
+    bpy.ops.import_scene.gltf(filepath=source)
+    rig = next(o for o in bpy.data.objects if o.type == "ARMATURE")
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    for bone in rig.data.edit_bones:
+        if len(bone.children) == 1:
+            bone.tail = bone.children[0].head
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.export_scene.gltf(filepath=target)
+    best.append(time.perf_counter() - start)
+print("SECONDS", sorted(best[1:])[runs // 2])
+"""
+
+
+def blender_rows(source: Path, folder: Path, runs: int) -> list[Row]:
+    """Blender: import, aim each bone at its child, export; as a process, and warm inside one."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        return []
+    target = folder / "blender.glb"
+    script = folder / "blender.py"
+    script.write_text(BLENDER)
+    whole = median_of(2, process(python, script, source, target, "1"))
+    answer = subprocess.run(
+        [python, script, source, target, str(runs)], capture_output=True, text=True, check=True
+    )
+    (line,) = (text for text in answer.stdout.splitlines() if text.startswith("SECONDS"))
+    # The process imports and exports twice: once to warm up, once measured.
+    once = float(line.split()[1])
+    return [
+        Row("Blender, new process: import, aim, export", whole - once),
+        Row("Blender, warm: import, aim, export", once),
+    ]
+
+
+def peer_rows(source: Path, folder: Path, runs: int) -> list[Row]:
+    rows = []
+    transform = os.environ.get("GLTF_TRANSFORM") or shutil.which("gltf-transform")
+    if transform:
+        copy = process(transform, "copy", source, folder / "transform.glb")
+        rows.append(Row("glTF-Transform, new process: copy", median_of(runs, copy)))
+    if importlib.util.find_spec("pygltflib"):
+        import pygltflib
+
+        def rewrite() -> None:
+            pygltflib.GLTF2().load(str(source)).save(str(folder / "pygltflib.glb"))
+
+        rows.append(Row("pygltflib, warm: read, write", median_of(runs, rewrite)))
+    return rows + blender_rows(source, folder, max(3, runs // 2))
+
+
+def imports(source: Path, folder: Path) -> set[str]:
+    """The top-level modules and rigtri formats that a run imports."""
+    script = (
+        "import sys; from rigtri.cli.main import program\n"
+        f"try: program(['orient-joints', {str(source)!r}, '-o', {str(folder / ('i' + source.suffix))!r}, "
+        "'-q', '--overwrite'])\n"
+        "except SystemExit: pass\n"
+        "print(*sys.modules)"
+    )
+    answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(answer.stdout.split())
+
+
+def deviations(folder: Path, scratch: Path) -> list[tuple[str, str, str, str]]:
+    """For each file of a folder: what orient-joints makes of it, and the deviation it measures."""
+    from rigtri.errors import RigtriError
+    from rigtri.ops.orient import orient_joints
+    from rigtri.pipeline import edit
+
+    found = []
+    for path in sorted(p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES):
+        name = str(path.relative_to(folder))
+        place = scratch / "files" / path.stem
+        place.mkdir(parents=True, exist_ok=True)
+        try:
+            outcome = edit(
+                path,
+                place / path.name,
+                lambda rig, report: orient_joints(rig, report=report),
+                overwrite=True,
+            )
+        except RigtriError as error:
+            found.append((name, "-", "-", str(error).split(". ")[0].replace(str(path), path.name)))
+            continue
+        turned = sum(entry["status"] == "turned" for entry in outcome.report.joints)
+        assert outcome.verification is not None
+        measured = outcome.verification
+        raw = f"{measured.raw_deviation:.2g}" if measured.raw_deviation is not None else "-"
+        found.append((name, f"{measured.deviation:.2g}", raw, f"{turned} joints turned"))
+    return found
+
+
+def table(rows: list[Row], base: Row) -> list[str]:
+    lines = ["| what | seconds | ratio |", "|---|---|---|"]
+    lines += [f"| {row.what} | {row.seconds:.3f} | {row.seconds / base.seconds:.2f} |" for row in rows]
+    return lines
+
+
+def character(source: Path, folder: Path, runs: int) -> list[str]:
+    """The table of one glTF character: rigtri cold and warm beside its peers."""
+    mine = [
+        Row("rigtri orient-joints, new process, verified", median_of(runs, cold(source, folder))),
+        Row("rigtri, warm: read, orient, write", median_of(runs, warm(source, folder))),
+    ]
+    peers = peer_rows(source, folder, runs)
+    started = [row for row in peers if "new process" in row.what]
+    running = [row for row in peers if "warm" in row.what]
+    lines = [f"## {source.name}, {source.stat().st_size / 1e6:.2f} MB", ""]
+    lines += [*table([mine[0], *started], mine[0]), "", *table([mine[1], *running], mine[1]), ""]
+    return lines
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--assets", type=Path, help="a folder with real files")
+    parser.add_argument("--runs", type=int, default=7)
+    parser.add_argument("--write", type=Path, help="write the table to this file too")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        lines = ["# Results", "", f"{date.today()}, {platform.platform()}, {os.cpu_count()} cores, "]
+        lines[-1] += f"Python {platform.python_version()}. Medians of {options.runs} runs."
+        lines.append("")
+        start = median_of(options.runs, process(*PROGRAM, "--help"))
+        lines += [f"`rigtri --help`: {start:.3f} s.", ""]
+        lines += character(ROOT / "samples" / "biped.glb", folder, options.runs)
+        usd = [ROOT / "samples" / "biped.usdz"]
+        if options.assets:
+            lines += character(next(options.assets.rglob("*CesiumMan*.glb")), folder, options.runs)
+            usd += list(options.assets.rglob("*CesiumMan*.usdz"))
+        lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
+        lines += [f"| {path.name} | {median_of(options.runs, cold(path, folder)):.3f} |" for path in usd]
+        loaded = imports(ROOT / "samples" / "biped.glb", folder)
+        lines += ["", f"A glTF run imports pxr: {'pxr' in loaded}. "]
+        loaded = imports(ROOT / "samples" / "biped.usda", folder)
+        lines[-1] += f"A USD run imports the glTF format: {'rigtri.formats.gltf.document' in loaded}."
+        if options.assets:
+            lines += ["", "## Deviation of each real file", ""]
+            lines += ["Share of the bounding-box diagonal; raw: with rotations as stored, not unit.", ""]
+            lines += ["| file | deviation | raw | |", "|---|---|---|---|"]
+            lines += [f"| {' | '.join(row)} |" for row in deviations(options.assets, folder)]
+    text = "\n".join(lines) + "\n"
+    print(text)
+    if options.write:
+        options.write.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
