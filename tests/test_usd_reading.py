@@ -230,12 +230,17 @@ WRONG = {
     "nan in a key": (
         {},
         {"translations": "float3[] translations = [(0, 2, 0), (nan, 0, 0), (0, 2, 1)]"},
-        "<…>.translations holds values that are no numbers".replace("<…>", "</Root/Anim>"),
+        "</Root/Anim.translations> holds values that are no numbers",
     ),
     "a short sample": (
         {},
         {"scales": "half3[] scales.timeSamples = {1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], 2: [(1, 1, 1)]}"},
-        "has 1 items at time 2",
+        "has 1 items at time 2.0",
+    ),
+    "another type": (
+        {},
+        {"translations": "string[] translations = [\"x\", \"y\", \"z\"]"},
+        "</Root/Anim.translations> holds a ",
     ),
     "animation gone": ({"source": "rel skel:animationSource = </Root/Gone>"}, {}, "which is not there"),
 }  # fmt: skip

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT
+from rigtri.formats.usd.stage import DEFAULT, numbers
 from rigtri.report import Notice
 from rigtri.rig import Clip, Interpolation, Path, Track
 from rigtri.trigonometry import Floats
@@ -93,31 +93,33 @@ def _property(prim: Any, name: str, count: int) -> Property | None:
     attribute = prim.GetAttribute(name)
     if not attribute or not attribute.HasAuthoredValue():
         return None
+    width = 4 if name == "rotations" else 3
     default = attribute.Get(DEFAULT)
-    values = [(time, attribute.Get(time)) for time in attribute.GetTimeSamples()]
-    present = [(time, value) for time, value in values if value is not None]
-    blocked = tuple(time for time, value in values if value is None)
-    where = f"<{prim.GetPath()}>.{name}"
-    lengths = {len(value) for _, value in present} | ({len(default)} if default else set())
-    if not lengths:
-        return None
-    kind = type(present[0][1] if present else default)
-    if count not in lengths:
-        return Property(np.zeros(0), np.zeros((0, count, 0)), blocked, None, kind)
-    for time, value in present:
-        if len(value) != count:
-            raise FileError(
-                f"{where} has {len(value)} items at time {time:g}, but the animation has {count} joints."
-            )
-    samples = np.stack([np.array(value) for _, value in present]) if present else np.zeros((0, count, 0))
     # An empty default is no default: it drives nothing.
-    single = np.array(default) if default and len(default) == count else None
-    if default and single is None:
-        raise FileError(f"{where} has {len(default)} items by default for {count} joints.")
-    for array in (samples, single):
-        if array is not None and not np.isfinite(array).all():
-            raise FileError(f"{where} holds values that are no numbers (NaN or infinite). Export it again.")
-    return Property(np.array([time for time, _ in present]), samples, blocked, single, kind)
+    single = None if default is None else numbers(attribute, default, width)
+    single = single if single is not None and len(single) else None
+    values = [(time, attribute.Get(time)) for time in attribute.GetTimeSamples()]
+    blocked = tuple(time for time, value in values if value is None)
+    keys = [(time, numbers(attribute, value, width)) for time, value in values if value is not None]
+    given = [*(array for _, array in keys), *([] if single is None else [single])]
+    if not given:
+        return None
+    kind = type(default) if single is not None else type(attribute.Get(keys[0][0]))
+    if all(len(array) != count for array in given):
+        return Property(np.zeros(0), np.zeros((0, count, width)), blocked, None, kind)
+    for time, array in [*keys, ("default", given[-1])]:
+        if len(array) != count:
+            raise FileError(
+                f"<{attribute.GetPath()}> has {len(array)} items at time {time}, but the animation "
+                f"has {count} joints."
+            )
+        if not np.isfinite(array).all():
+            raise FileError(
+                f"<{attribute.GetPath()}> holds values that are no numbers (NaN or infinite) at time "
+                f"{time}. Export it again."
+            )
+    samples = np.stack([array for _, array in keys]) if keys else np.zeros((0, count, width))
+    return Property(np.array([time for time, _ in keys]), samples, blocked, single, kind)
 
 
 def clips(

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdSkel
+from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.rig import Booleans, Integers, Mesh, Track
@@ -90,7 +90,8 @@ def read_meshes(
 def at_start(attribute: Any) -> Any:
     """An attribute's value at the Default time, else at its earliest sample; None without either."""
     value = attribute.Get(DEFAULT)
-    return attribute.Get(EARLIEST) if value is None else value
+    value = attribute.Get(EARLIEST) if value is None else value
+    return None if isinstance(value, Sdf.UnregisteredValue) else value
 
 
 def blend_tracks(

@@ -125,6 +125,10 @@ class _Reader:
         else:
             xformable = UsdGeom.Xformable(prim)
             local = np.array(xformable.GetLocalTransformation(_moment(xformable)), dtype=np.float64)
+            if not np.isfinite(local).all():
+                text = f"The ops of <{path}> give no finite matrix; it is measured as if it had none."
+                self.warnings.append(Notice("no-place", text))
+                local = np.eye(4)
             parent = -1 if xformable.GetResetXformStack() else parent
         self._add(prim.GetName(), parent, local, ("prim", path), path)
         self.node_of[path] = node

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT, why_locked
+from rigtri.formats.usd.stage import DEFAULT, numbers, why_locked
 from rigtri.matrices import determinant, inverse, multiply
 from rigtri.report import Notice
 from rigtri.rig import Integers
@@ -119,9 +119,8 @@ def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
             f"<{path}>.{name} has time samples, which UsdSkel reads as empty. Write one value without time."
         )
     value = attribute.Get(DEFAULT) if attribute else None
-    if not value:
+    if value is None or not len(matrices := numbers(attribute, value, 4, 4)):
         return None
-    matrices = np.array(value, dtype=np.float64)
     if len(matrices) != len(tokens):
         raise FileError(
             f"<{path}>.{name} has {len(matrices)} matrices for {len(tokens)} joints. Export it again."

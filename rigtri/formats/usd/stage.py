@@ -7,11 +7,12 @@ becomes one notice or the text of a `FileError`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
@@ -63,6 +64,17 @@ def first_line(error: Exception) -> str:
     text = " ".join(str(error.args[0] if error.args else error).split())
     text = text.partition(" : ")[2] or text
     return re.sub(r"\bpxrInternal\w*::", "", text).strip("' ") or type(error).__name__
+
+
+def numbers(attribute: Any, value: Any, *shape: int) -> np.ndarray:
+    """The items of an array attribute, (k, *shape). FileError where they are something else."""
+    array = np.array(value) if isinstance(value, Sequence) or hasattr(value, "__len__") else np.zeros(())
+    if array.dtype.kind != "f" or array.shape[1:] != shape:
+        raise FileError(
+            f"<{attribute.GetPath()}> holds a {type(value).__name__}, which UsdSkel does not read there. "
+            "Export it again."
+        )
+    return array
 
 
 def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
