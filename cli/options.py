@@ -129,6 +129,7 @@ def read_options(values: dict[str, Any]) -> Options:
         root=values.get("root"),
         relink=values.get("resources") == "relink",
         override="stage" if values.get("override_stage") else override,
+        unknown_node_ext=values.get("unknown_node_ext", "freeze"),
         bake_xform=values.get("bake_xform", False),
     )
 

@@ -123,6 +123,14 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     show_default=True,
     help="A joint whose scale shears under its turn: nearest exact axes, leave it, or stop.",
 )
+@click.option(
+    "--unknown-node-ext",
+    type=click.Choice(["freeze", "ignore", "error"]),
+    default="freeze",
+    show_default=True,
+    help="A glTF node with an extension that may hold directions in the node's axes: leave the "
+    "node, turn it all the same, or stop.",
+)
 @click.option("--snap", is_flag=True, help="Turn only to the nearest cardinal axes.")
 @click.option(
     "--offset",

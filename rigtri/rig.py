@@ -116,7 +116,8 @@ class Rig:
     with ``has_matrix`` keeps its rest in ``matrix`` (n, 4, 4) instead.
     payload: (n,), the node whose mesh, camera or light a node shows, −1 for none.
     keys: what only the format understands; None for a node that is new.
-    fixed: nodes whose axes mean something in themselves, with the reason.
+    fixed: nodes whose axes mean something in themselves, with the reason. frozen: why no
+    joint of this file may turn at all, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node.
     facing: the direction the character looks in, where the format prescribes one.
     """
@@ -135,6 +136,7 @@ class Rig:
     clips: tuple[Clip, ...] = ()
     bound: tuple[Bound, ...] = ()
     fixed: Mapping[int, str] = field(default_factory=dict)
+    frozen: str = ""
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     facing: tuple[float, float, float] | None = None

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import ROOT
 from rigs import chain, rig_of
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
@@ -98,6 +99,18 @@ def test_a_preset_gives_the_axes_it_is_named_for(name: str) -> None:
         assert_allclose(found[:2], [AIM, [0, 1, 0]], atol=1e-12)
     else:
         assert_allclose(found, HAND_CHECKED[name], atol=1e-12)
+
+
+def test_the_table_of_presets_says_what_they_give() -> None:
+    table = (ROOT / "docs" / "presets.md").read_text("utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines() if "| `" in line]
+    named = {name.strip("` "): row for row in rows for name in row[0].split(",")}
+    assert set(named) == set(PRESETS)
+    for name in set(named) - {"maya", "vrm"}:
+        out = oriented(arm(), style=PRESETS[name], limbs=(given(arm(), "a", "b", "c"),))
+        for said, direction in zip(named[name][1:4], (AIM, N, POLE), strict=True):
+            sign = -1.0 if said[0] == "−" else 1.0
+            assert_allclose(axes(out, "a")["xyz".index(said[1])] * sign, direction, atol=1e-12)
 
 
 def test_the_middle_joint_flexes_about_plus_n() -> None:

@@ -26,6 +26,8 @@ class Options:
 
     lenient: repair what the format forbids where the meaning is clear (glTF).
     allow_external_paths: read what a file refers to outside its own folder (both).
+    unknown_node_ext: what becomes of a node with an extension that may name its axes (glTF):
+        ``freeze`` it, ``ignore`` the extension, or ``error``.
     root: the node whose hierarchy is the rig where there is no skin (both).
     relink: point a moved .gltf at its old resources instead of copying them (glTF).
     override: write bare opinions over the source (USD): "", "layer" or "stage".
@@ -34,6 +36,7 @@ class Options:
 
     lenient: bool = False
     allow_external_paths: bool = False
+    unknown_node_ext: str = "freeze"
     root: str | None = None
     relink: bool = False
     override: str = ""

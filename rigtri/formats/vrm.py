@@ -17,7 +17,7 @@ from typing import Any
 
 from rigtri.formats.gltf.values import Value
 
-VRM_0 = "VRM 0.x forbids rest rotations; convert to VRM 1.0"
+VRM_0 = "VRM 0.x forbids rest rotations; convert the file to VRM 1.0 first"
 EXTENDED = "VRMC_springBone_extended_collider"
 CONSTRAINT = "VRMC_node_constraint"
 Pointer = tuple[str | int, ...]
@@ -31,6 +31,7 @@ class Bindings:
     fixed: dict[int, str] = field(default_factory=dict)
     bound: list[tuple[int, list[float], Pointer]] = field(default_factory=list)
     facing: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    frozen: str = ""
 
     def fix(self, node: int, reason: str) -> None:
         """Freeze a node; the first reason stays. −1, the parent of a root, is nothing to freeze."""
@@ -60,42 +61,13 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
 
 
 def _vrm_0(vrm: Value, above: Sequence[int], found: Bindings) -> None:
-    found.facing = (0.0, 0.0, -1.0)
+    found.facing, found.frozen = (0.0, 0.0, -1.0), VRM_0
     count = len(above)
     humanoid = vrm.get("humanoid")
     for bone in humanoid.each("humanBones") if humanoid else ():
         # −1 is how VRM 0 says that a bone is missing.
         if bone.object().get("node", -1) != -1:
             found.humanoid[bone.need("bone").text()] = bone.need("node").index(count, "node")
-    nodes = set(found.humanoid.values())
-    person = vrm.get("firstPerson")
-    if person is not None and person.object().get("firstPersonBone", -1) != -1:
-        nodes.add(person.need("firstPersonBone").index(count, "node"))
-    secondary = vrm.get("secondaryAnimation")
-    if secondary is not None:
-        nodes.update(_swinging(secondary, above))
-    for node in sorted(nodes):
-        found.fix(node, VRM_0)
-    for node in sorted(nodes):
-        # A turned parent would leave the opposite turn in the rest rotation below.
-        found.fix(above[node], VRM_0)
-
-
-def _swinging(secondary: Value, above: Sequence[int]) -> Iterator[int]:
-    """Nodes of springs, with all below them, and of colliders."""
-    for group in secondary.each("colliderGroups"):
-        yield group.need("node").index(len(above), "node")
-    roots = {
-        bone.index(len(above), "node")
-        for group in secondary.each("boneGroups")
-        for bone in group.each("bones")
-    }
-    for node in range(len(above)):
-        top = node
-        while top >= 0 and top not in roots:
-            top = above[top]
-        if top >= 0:
-            yield node
 
 
 def _human_bones(extension: Value, count: int, found: Bindings) -> None:

@@ -113,14 +113,14 @@ class _Work:
         # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
         elsewhere = options.like is not None or options.frames is not None
         tree = skeleton(rig, options.root, plain=elsewhere)
+        if rig.frozen:
+            raise FileError(f"No joint of this file may turn: {rig.frozen}.")
         ref = reference(tree, options.pose)
         selection = options.selection
         chains = tuple((start, end) for start, end, _ in options.chain_styles)
         selection = replace(selection, chains=(*selection.chains, *chains))
         turning, kept = select(tree, ref, selection, all_named=elsewhere or options.root is not None)
-        if not turning and any(joint in rig.fixed for joint in tree.joints):
-            reason = next(rig.fixed[joint] for joint in tree.joints if joint in rig.fixed)
-            raise FileError(f"No joint of this file may turn: {reason}.")
+        _tell_fixed(rig, kept, report)
         styles = {}
         for start, end, style in options.chain_styles:
             for joint in along(rig, rig.find(start), rig.find(end)):
@@ -357,6 +357,17 @@ class _Work:
             letter, sign = axis_of(style.aim)
             off = float(np.degrees(angle(to_axes(turn)[letter] * sign, aim.direction)))
             entry["aim_error_degrees"] = round(off, 6)
+
+
+def _tell_fixed(rig: Rig, kept: dict[int, str], report: Report) -> None:
+    """Warn of joints that the file itself holds in place, once per reason."""
+    reasons: dict[str, list[str]] = {}
+    for joint, reason in kept.items():
+        if rig.fixed.get(joint) == reason:
+            reasons.setdefault(reason, []).append(rig.title(joint))
+    for reason, names in reasons.items():
+        more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+        report.warn("fixed", f"kept as it is: {', '.join(names[:3])}{more}: {reason}")
 
 
 def _limbs(rig: Rig, options: Options) -> tuple[Limb, ...]:

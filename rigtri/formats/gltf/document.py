@@ -124,6 +124,7 @@ class GltfDocument:
                 for node, vector, pointer in bindings.bound
             ),
             fixed=fixed,
+            frozen=bindings.frozen,
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
             notes={
                 k: e["rigtri"]
@@ -142,8 +143,14 @@ class GltfDocument:
                 fixed.setdefault(node, "its matrix is sheared or flat, which glTF forbids")
         for node, raw in enumerate(ordered):
             name = unknown_extension(raw)
-            if name is not None:
-                fixed.setdefault(node, f"its extension {name} may hold directions in its axes")
+            if name is None or self.options.unknown_node_ext == "ignore":
+                continue
+            if self.options.unknown_node_ext == "error":
+                raise FileError(
+                    f"{self.container.path}: node '{rig.title(node)}' has the extension {name}, whose "
+                    "directions rigtri does not know. Choose --unknown-node-ext freeze or ignore."
+                )
+            fixed.setdefault(node, f"its extension {name} may hold directions in its axes")
 
 
 def _place(place: list[int], node: int) -> int:

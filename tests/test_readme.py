@@ -1,0 +1,70 @@
+"""The README and the documents do what they say."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from click.testing import CliRunner
+from places import ROOT
+
+README = (ROOT / "README.md").read_text("utf-8")
+
+
+def block(mark: str) -> str:
+    found = re.search(rf"<!-- {mark} -->\n```sh\n(.*?)```", README, re.S)
+    assert found, f"the README has no block marked '{mark}'"
+    return found.group(1)
+
+
+def test_the_first_command_runs_the_main_job_and_prints_the_number(
+    app: click.Group, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "samples").symlink_to(samples)
+    monkeypatch.chdir(tmp_path)
+    line = block("install and run").strip().splitlines()[-1].removeprefix(".venv/bin/rigtri ")
+    result = CliRunner().invoke(app, line.split())
+    assert result.exit_code == 0
+    assert "joints turned" in result.stderr
+    assert "max deviation" in result.stderr
+    assert (tmp_path / "biped-oriented.glb").exists()
+
+
+def test_the_library_example_runs(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    (tmp_path / "samples").symlink_to(samples)
+    monkeypatch.chdir(tmp_path)
+    (code,) = re.findall(r"```python\n(.*?)```", README, re.S)
+    exec(compile(code, "README.md", "exec"), {})
+    assert "deviation" in capsys.readouterr().out
+
+
+def test_every_command_and_option_in_the_readme_exists(app: click.Group) -> None:
+    context = click.Context(app)
+    for line in re.findall(r"^rigtri (.*)$", README, re.M):
+        name, *arguments = line.split("#")[0].split()
+        command = app.get_command(context, name)
+        assert command is not None, name
+        known = {option for parameter in command.params for option in parameter.opts}
+        assert {word for word in arguments if word.startswith("-")} <= known
+
+
+@pytest.mark.parametrize(
+    "page", ["README.md", *sorted(f"docs/{p.name}" for p in (ROOT / "docs").glob("*.md"))]
+)
+def test_links_lead_somewhere(page: str) -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", (ROOT / page).read_text("utf-8")):
+        if not target.startswith("https://"):
+            assert ((ROOT / page).parent / target).exists(), target
+
+
+def test_exit_codes_are_those_of_the_errors() -> None:
+    from rigtri import errors
+
+    said = {int(code) for code in re.findall(r"^\| (\d) \|", README, re.M)}
+    kinds = [k for k in vars(errors).values() if isinstance(k, type) and issubclass(k, errors.RigtriError)]
+    assert {kind.exit_code for kind in kinds} | {0} == said
