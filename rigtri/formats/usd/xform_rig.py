@@ -145,12 +145,16 @@ def read_stand(prim: Any, node: int, interpolation: Interpolation) -> Stand | No
         keys = [(time, value) for time, value in keys if value is not None]
         if keys:
             values = np.stack([_numbers(value) for _, value in keys])
+            if not np.isfinite(values).all():
+                return None
             if path == "scale" and (inner != IDENTITY).any() and _uneven(values):
                 return None
             values = _carried(path, values, outer, inner)
             times = np.array([time for time, _ in keys])
             tracks.append(Track(node, path, interpolation, times, values))
     if (inner != IDENTITY).any() and _uneven(rest["scale"]):
+        return None
+    if not all(np.isfinite(value).all() for value in rest.values()):
         return None
     return Stand(rest["translation"], rest["rotation"], rest["scale"], tuple(tracks))
 
