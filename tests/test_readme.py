@@ -45,7 +45,8 @@ def test_the_library_example_runs(
 
 def test_every_command_and_option_in_the_readme_exists(app: click.Group) -> None:
     context = click.Context(app)
-    for line in re.findall(r"^rigtri (.*)$", README, re.M):
+    blocks = "".join(re.findall(r"```sh\n(.*?)```", README, re.S))
+    for line in re.findall(r"^rigtri (.*)$", blocks, re.M):
         name, *arguments = line.split("#")[0].split()
         command = app.get_command(context, name)
         assert command is not None, name
