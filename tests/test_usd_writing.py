@@ -284,3 +284,26 @@ def test_a_file_that_was_replaced_since_is_read_anew(tmp_path: Path) -> None:
     first = read(source)
     save(tmp_path, scene(skeleton("Other", source=""), MESH.replace("/Root/Skel", "/Root/Other")))
     assert read(source).rig.labels != first.rig.labels
+
+
+def test_an_animation_in_value_clips_is_fixed_and_says_so(tmp_path: Path) -> None:
+    rotations = "quatf[] rotations.timeSamples = {1: [(1, 0, 0, 0), (0, 1, 0, 0), (1, 0, 0, 0)]}"
+    clip = f'#usda 1.0\ndef SkelRoot "Root" {{\nover "Anim" {{\n{rotations}\n}}\n}}\n'
+    save(tmp_path, clip, "clip.usda")
+    save(
+        tmp_path,
+        clip.split("timeSamples")[0].replace("rotations.", "rotations") + "\n}\n}\n",
+        "manifest.usda",
+    )
+    head = """clips = { dictionary default = {
+        asset[] assetPaths = [@./clip.usda@]
+        asset manifestAssetPath = @./manifest.usda@
+        double2[] active = [(0, 0)]
+        string primPath = "/Root"
+    } }"""
+    text = scene(skeleton(), animation(rotations=""), MESH)
+    text = text.replace('def SkelRoot "Root"', f'def SkelRoot "Root" ({head})')
+    document = read(save(tmp_path, text))
+    assert {reason.partition(" comes")[2] for reason in document.rig.fixed.values()} == {
+        " from value clips; flatten them first"
+    }

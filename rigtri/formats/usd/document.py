@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pxr import Sdf, Tf, Usd
+from pxr import Sdf, Usd
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import UsageError
 from rigtri.formats import Companion, Options
 from rigtri.formats.usd import layers, meshes, package, writer
 from rigtri.formats.usd.reader import Source, read_source
-from rigtri.formats.usd.stage import first_line, quiet
+from rigtri.formats.usd.stage import quiet
 from rigtri.formats.usd.values import Edit, kind, parts
 from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
@@ -34,10 +34,7 @@ class UsdDocument:
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
         options = options or Options()
-        try:
-            return cls(read_source(path, options), options)
-        except Tf.ErrorException as error:
-            raise FileError(f"{path}: USD cannot read it: {first_line(error)}") from None
+        return cls(read_source(path, options), options)
 
     @property
     def rig(self) -> Rig:
@@ -54,7 +51,7 @@ class UsdDocument:
         nodes = {label: node for node, label in enumerate(rig.labels) if kind(rig.keys[node]) == "prim"}
         skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
         tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
-        with quiet():
+        with quiet(f"{source.path}: USD cannot read its meshes"):
             return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
@@ -65,12 +62,10 @@ class UsdDocument:
         """
         self._check(target)
         notices: list[Notice] = []
-        try:
-            with quiet():
-                edits = writer.edits(self._source, rig, bake=self._options.bake_xform, warnings=notices)
-                self._write(edits, part, target)
-        except Tf.ErrorException as error:
-            raise FileError(f"{target}: USD cannot write it: {first_line(error)}") from None
+        with quiet(f"{target}: USD cannot write it"):
+            bake = self._options.bake_xform
+            edits = writer.edits(self._source, rig, bake=bake, warnings=notices)
+            self._write(edits, part, target)
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
 
@@ -81,7 +76,7 @@ class UsdDocument:
         over = layers.empty()
         over.subLayerPaths = [str(part.resolve()), str(self._source.path.resolve())]
         layers.copy_metadata(self._source.layer, over)
-        with quiet():
+        with quiet(f"{part}: USD cannot read it"):
             stage = Usd.Stage.Open(over)
         return UsdDocument(read_source(part, self._options, stage), self._options)
 

@@ -30,7 +30,7 @@ class Bindings:
     @cached_property
     def every(self) -> list[tuple[str, Any]]:
         """Skinned prims as (skeleton path, UsdSkel skinning query), those of instances included."""
-        with quiet():
+        with quiet("USD cannot tell what is bound to the skeletons"):
             return _bindings(self._stage)
 
     def of(self, skeletons: Collection[str]) -> list[Any]:

@@ -50,7 +50,7 @@ def read_source(path: Path, options: Options, stage: Any = None) -> Source:
     warnings: list[Notice] = []
     if stage is None:
         stage, warnings = open_stage(path)
-    with quiet():
+    with quiet(f"{path}: USD cannot read it"):
         return _Reader(path, stage, options, warnings).read()
 
 

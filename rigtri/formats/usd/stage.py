@@ -23,12 +23,17 @@ DEFAULT = Usd.TimeCode.Default()
 
 
 @contextmanager
-def quiet() -> Iterator[list[str]]:
-    """Catch what pxr would print; the list holds the texts once the block has ended."""
+def quiet(doing: str) -> Iterator[list[str]]:
+    """Catch what pxr would print; the list holds the texts once the block has ended.
+
+    An error of pxr becomes a FileError that starts with the words ``doing``.
+    """
     texts: list[str] = []
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield texts
+    except Tf.ErrorException as error:
+        raise FileError(f"{doing}: {first_line(error)}") from None
     finally:
         texts.extend(str(item.commentary) for item in delegate.TakeUncoalescedDiagnostics())
         del delegate
@@ -45,15 +50,12 @@ def open_stage(path: Path) -> tuple[Any, list[Notice]]:
         raise FileError(f"{path}: the file is empty.")
     if path.suffix.lower() == ".usdz":
         package.read(path)  # refuses odd packages before pxr maps them
-    try:
-        with quiet() as texts:
-            known = Sdf.Layer.Find(str(path))
-            if known is not None:
-                # pxr keeps layers that someone holds; the file may have been replaced since.
-                known.Reload(True)
-            stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
-    except Tf.ErrorException as error:
-        raise FileError(f"{path}: no USD file, or a damaged one: {first_line(error)}") from None
+    with quiet(f"{path}: no USD file, or a damaged one") as texts:
+        known = Sdf.Layer.Find(str(path))
+        if known is not None:
+            # pxr keeps layers that someone holds; the file may have been replaced since.
+            known.Reload(True)
+        stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
     return stage, _unresolved(texts, path.parent)
@@ -107,14 +109,14 @@ def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:
         attribute = prim.GetAttribute(name)
         if not attribute or not attribute.HasAuthoredValue():
             continue
-        strongest = attribute.GetPropertyStack(DEFAULT)[0]
-        if strongest.path.ContainsPrimVariantSelection():
-            return (
-                f"<{path}>.{name} is written inside the variant {strongest.path.GetPrimPath()} of "
-                f"layer {strongest.layer.identifier}; edit a file without that variant"
-            )
         times = attribute.GetTimeSamples()
         source = attribute.GetResolveInfo(times[0] if times else DEFAULT).GetSource()
         if source == Usd.ResolveInfoSourceValueClips:
             return f"<{path}>.{name} comes from value clips; flatten them first"
+        for strongest in attribute.GetPropertyStack(DEFAULT)[:1]:
+            if strongest.path.ContainsPrimVariantSelection():
+                return (
+                    f"<{path}>.{name} is written inside the variant {strongest.path.GetPrimPath()} of "
+                    f"layer {strongest.layer.identifier}; edit a file without that variant"
+                )
     return ""

@@ -140,7 +140,10 @@ def read_stand(prim: Any, node: int, interpolation: Interpolation) -> Stand | No
     rest, tracks = {}, []
     for name, (path, nothing) in _PLAIN.items():
         op = ops.get(name)
-        rest[path] = _carried(path, _first(op, nothing), outer, inner)
+        stands = _first(op, nothing)
+        if not np.isfinite(stands).all():
+            return None
+        rest[path] = _carried(path, stands, outer, inner)
         keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
         keys = [(time, value) for time, value in keys if value is not None]
         if keys:
@@ -153,8 +156,6 @@ def read_stand(prim: Any, node: int, interpolation: Interpolation) -> Stand | No
             times = np.array([time for time, _ in keys])
             tracks.append(Track(node, path, interpolation, times, values))
     if (inner != IDENTITY).any() and _uneven(rest["scale"]):
-        return None
-    if not all(np.isfinite(value).all() for value in rest.values()):
         return None
     return Stand(rest["translation"], rest["rotation"], rest["scale"], tuple(tracks))
 
