@@ -114,8 +114,8 @@ def _from_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None)
     if other_pose is not None:
         normals.append(_bent_hinges(limb, other_pose[np.newaxis]))
         found = len(normals[-1]) > 0
-    small, triple = ancestry(rig, limb.triple)
-    for clip in small.clips:
+    small, triple = between(rig, limb.triple)
+    for clip in (clip for clip in small.clips if clip.tracks):
         posed = worlds(small, locals_at(small, clip, thinned(key_times(clip), MOST_KEYS)))
         normals.append(_bent_hinges(replace(limb, start=triple[0], middle=triple[1], end=triple[2]), posed))
     everything = np.concatenate(normals)
@@ -154,8 +154,8 @@ def thinned(times: Floats, most: int) -> Floats:
     return times[np.unique((np.arange(most) * (len(times) - 1)) // (most - 1))]
 
 
-def ancestry(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
-    """The rig of some nodes and what lies between them alone, with its tracks; and their new indices.
+def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
+    """The rig of some nodes and what lies between them alone, and their new indices.
 
     What a limb needs to be posed, up to its common ancestor: a fraction of the whole.
     """
@@ -168,30 +168,8 @@ def ancestry(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
         lines.append(line)
     shared = set(lines[0]).intersection(*lines[1:])
     top = max(shared, default=-1)
-    order = sorted({node for line in lines for node in line if node not in shared or node == top})
-    new = {old: k for k, old in enumerate(order)}
-    clips = tuple(
-        Clip(
-            clip.name,
-            tuple(replace(t, node=new[t.node]) for t in clip.tracks if t.node in new and t.path != "weights"),
-            clip.key,
-        )
-        for clip in rig.clips
-    )
-    small = Rig(
-        names=tuple(rig.names[n] for n in order),
-        parents=np.array([new.get(int(rig.parents[n]), -1) for n in order], dtype=np.int64),
-        translation=rig.translation[order],
-        rotation=rig.rotation[order],
-        scale=rig.scale[order],
-        matrix=rig.matrix[order],
-        has_matrix=rig.has_matrix[order],
-        payload=np.full(len(order), -1),
-        keys=tuple(rig.keys[n] for n in order),
-        labels=tuple(rig.labels[n] for n in order),
-        clips=tuple(clip for clip in clips if clip.tracks),
-    )
-    return small, [new[node] for node in nodes]
+    small, place = rig.part([n for line in lines for n in line if n not in shared or n == top])
+    return small, [place[node] for node in nodes]
 
 
 def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple[float, str]]:
@@ -200,12 +178,11 @@ def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple
     ``straight``: the sine of its bend is below ``least_sine``. ``flipped``: it
     bends to the other side than at the bent key before, seen in the root joint's space.
     """
-    small, (a, b, c) = ancestry(rig, limb.triple)
-    mine = next((k for k in small.clips if k.key == clip.key and k.name == clip.name), None)
+    small, (a, b, c) = between(rig, limb.triple)
     times = key_times(clip)
-    if mine is None or not len(times):
+    if not len(times):
         return []
-    world = worlds(small, locals_at(small, mine, times))
+    world = worlds(small, locals_at(small, small.clips[rig.clips.index(clip)], times))
     points = world[:, [a, b, c], 3, :3]
     sine = bend_sine(points[:, 0], points[:, 1], points[:, 2])
     normal = hinge(points[:, 0], points[:, 1], points[:, 2])

@@ -5,7 +5,6 @@ Comparing costs in proportion to what changed: what is the same to the bit is no
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -70,26 +69,4 @@ def part_of(rig: Rig, wanted: Integers) -> tuple[Rig, Integers]:
     place = np.where(keep, np.cumsum(keep) - 1, -1)
     if keep.all():
         return rig, place
-    clips = tuple(
-        replace(
-            clip,
-            tracks=tuple(replace(t, node=int(place[t.node])) for t in clip.tracks if keep[t.node]),
-        )
-        for clip in rig.clips
-    )
-    parents = rig.parents[keep]
-    kept = [word for word, stays in zip(rig.names, keep.tolist(), strict=True) if stays]
-    part = Rig(
-        names=tuple(kept),
-        parents=np.where(parents >= 0, place[parents], -1),
-        translation=rig.translation[keep],
-        rotation=rig.rotation[keep],
-        scale=rig.scale[keep],
-        matrix=rig.matrix[keep],
-        has_matrix=rig.has_matrix[keep],
-        payload=np.full(len(kept), -1),
-        keys=tuple(kept),
-        labels=tuple(kept),
-        clips=clips,
-    )
-    return part, place
+    return rig.part(np.flatnonzero(keep).tolist())[0], place

@@ -263,6 +263,36 @@ class Rig:
             raise NameNotFoundError("joint", pattern, [*self._by_name, *self._by_address])
         return found
 
+    def part(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
+        """Some nodes alone, parents first as here, with the tracks that drive them; and their new indices.
+
+        Nodes whose parents are left out become roots. Skins, notes and the like stay behind:
+        this is for posing a fraction of the whole.
+        """
+        keep = sorted(set(nodes))
+        place = {old: new for new, old in enumerate(keep)}
+        clips = tuple(
+            replace(
+                clip,
+                tracks=tuple(replace(t, node=place[t.node]) for t in clip.tracks if t.node in place),
+            )
+            for clip in self.clips
+        )
+        small = Rig(
+            names=tuple(self.names[node] for node in keep),
+            parents=np.array([place.get(int(p), -1) for p in self.parents[keep]], dtype=np.int64),
+            translation=self.translation[keep],
+            rotation=self.rotation[keep],
+            scale=self.scale[keep],
+            matrix=self.matrix[keep],
+            has_matrix=self.has_matrix[keep],
+            payload=np.full(len(keep), -1),
+            keys=tuple(self.keys[node] for node in keep),
+            labels=tuple(self.labels[node] for node in keep),
+            clips=clips,
+        )
+        return small, place
+
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""
         for number, clip in enumerate(self.clips):
