@@ -118,10 +118,11 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
 @click.option("--world", is_flag=True, help="Make every frame parallel to the world.")
 @click.option(
     "--on-nonuniform-scale",
-    type=click.Choice(["snap", "skip", "error"]),
+    type=click.Choice(["snap", "skip", "split", "error"]),
     default="snap",
     show_default=True,
-    help="A joint whose scale shears under its turn: nearest exact axes, leave it, or stop.",
+    help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
+    "a node of its own above it (glTF), or stop.",
 )
 @click.option(
     "--unknown-node-ext",

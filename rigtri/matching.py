@@ -191,7 +191,11 @@ def _compare_clips(
         theirs = by_target(after.clips[partner])
         for track in before.clips[k].tracks:
             of = f"{title}: {track.path} of {before.title(track.node)}"
-            now = theirs.pop(_target(track, node, shown), None)
+            target = _target(track, node, shown)
+            now = theirs.pop(target, None)
+            if now is None and track.path in ("translation", "rotation"):
+                # A split joint moves and turns by the node that holds its axes.
+                now = theirs.pop((after.frame_of.get(target[0], -1), track.path), None)
             if now is None:
                 news.lost.append(of)
             else:

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rigtri.matrices import turn_after, turn_before
+from rigtri.matrices import compose, decompose, turn_after, turn_before
 from rigtri.quaternions import IDENTITY, conjugate, multiply, rotate, to_axes
 from rigtri.rig import Booleans, Integers, Rig, Track
 from rigtri.trigonometry import Floats
@@ -60,6 +60,48 @@ def reframe(rig: Rig, turn: Floats) -> Rig:
     rig = _turn_clips(rig, turn, above, fold, scales)
     rig = _turn_bound(rig, turn)
     return _hand_over_payload(rig, turn)
+
+
+def split(rig: Rig, node: int, turn: Floats) -> Rig:
+    """Give a node new axes, (4,), although its scale forbids it: by a node above that holds them.
+
+    The new node ``<name>_orient`` takes the translation and rotation of ``node``, turned; the
+    node keeps the opposite turn and its scale: ``S·R·T = (S·C⁻¹)·(C·R·T)``. Exact for any
+    scale, also one that is animated. Nothing below moves, no inverse bind changes.
+    """
+    translation, rotation, scale = _parts(rig, node)
+    above = rig.insert_above(node, f"{rig.names[node] or 'joint'}_orient")
+    old = node + 1
+    translations, rotations, matrices = above.translation.copy(), above.rotation.copy(), above.matrix.copy()
+    translations[node], rotations[node] = translation, multiply(rotation, turn)
+    translations[old], rotations[old] = 0.0, conjugate(turn)
+    matrices[old] = compose(np.zeros(3), conjugate(turn), scale)
+    clips = tuple(
+        replace(clip, tracks=tuple(_lifted(t, old, turn) for t in clip.tracks)) for clip in above.clips
+    )
+    note = {"v": 1, "type": "frame", "joint": rig.title(node)}
+    return replace(
+        above,
+        translation=translations,
+        rotation=rotations,
+        matrix=matrices,
+        clips=clips,
+        notes={**above.notes, node: note},
+    )
+
+
+def _parts(rig: Rig, node: int) -> tuple[Floats, Floats, Floats]:
+    if not rig.has_matrix[node]:
+        return rig.translation[node], rig.rotation[node], rig.scale[node]
+    return decompose(rig.matrix[node])
+
+
+def _lifted(track: Track, old: int, turn: Floats) -> Track:
+    """A track of a split node on the node above it, where it moves or turns."""
+    if track.node != old or track.path not in ("translation", "rotation"):
+        return track
+    values = multiply(track.values, turn) if track.path == "rotation" else track.values
+    return replace(track, node=old - 1, values=values)
 
 
 def scale_allows(rig: Rig, turn: Floats) -> Booleans:

@@ -300,6 +300,59 @@ class Rig:
                 return clip
         raise NameNotFoundError("clip", name, [clip.name for clip in self.clips])
 
+    @cached_property
+    def frame_of(self) -> dict[int, int]:
+        """Joints whose axes a node of their own above them holds (``type: frame`` with ``joint``)."""
+        return {
+            child: node
+            for node, note in self.notes.items()
+            if note.get("type") == "frame" and "joint" in note
+            for child in self.children[node][:1]
+        }
+
+    def insert_above(self, node: int, name: str) -> Rig:
+        """This rig with a new node (key None) between a node and its parent, at ``node``'s place.
+
+        It stands on its parent; what it is to hold is the caller's to say. All indices from
+        ``node`` on grow by one.
+        """
+
+        def moved(index: int) -> int:
+            return index + (index >= node)
+
+        def rows(array: NDArray[Any], row: Any) -> NDArray[Any]:
+            return np.insert(array, node, row, axis=0)
+
+        parents = np.where(self.parents >= node, self.parents + 1, self.parents)
+        parents = rows(parents, parents[node])
+        parents[node + 1] = node
+        payload = np.where(self.payload >= node, self.payload + 1, self.payload)
+        return replace(
+            self,
+            names=(*self.names[:node], name, *self.names[node:]),
+            parents=parents,
+            translation=rows(self.translation, 0.0),
+            rotation=rows(self.rotation, (0.0, 0.0, 0.0, 1.0)),
+            scale=rows(self.scale, 1.0),
+            matrix=rows(self.matrix, np.eye(4)),
+            has_matrix=rows(self.has_matrix, False),
+            payload=rows(payload, -1),
+            keys=(*self.keys[:node], None, *self.keys[node:]),
+            labels=(*self.labels[:node], f"+{name}", *self.labels[node:]),
+            skins=tuple(
+                replace(skin, joints=np.where(skin.joints >= node, skin.joints + 1, skin.joints))
+                for skin in self.skins
+            ),
+            clips=tuple(
+                replace(clip, tracks=tuple(replace(t, node=moved(t.node)) for t in clip.tracks))
+                for clip in self.clips
+            ),
+            bound=tuple(replace(b, node=moved(b.node)) for b in self.bound),
+            fixed={moved(k): reason for k, reason in self.fixed.items()},
+            humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
+            notes={moved(k): note for k, note in self.notes.items()},
+        )
+
     def with_nodes(
         self,
         names: Sequence[str],

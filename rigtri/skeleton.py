@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.matrices import inverse, local
+from rigtri.matrices import decompose, from_frame, inverse, local, turn_before
 from rigtri.pose import bind_worlds, locals_at, worlds
+from rigtri.quaternions import conjugate
 from rigtri.rig import Booleans, Rig, Skin
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
@@ -145,10 +146,31 @@ def reference(tree: Skeleton, pose: str | None) -> Reference:
 def _reference(
     tree: Skeleton, world: Floats, other: Floats, kind: dict[int, str], rounding: float
 ) -> Reference:
+    world = _own_frames(tree, world)
     points = world[list(tree.joints), 3, :3]
     extent = float(length(points.max(axis=0) - points.min(axis=0)))
     differs = not np.allclose(world[:, 3], other[:, 3], rtol=0, atol=SAME_POSE * extent)
     return Reference(world, other if differs else None, kind, extent, rounding)
+
+
+def _own_frames(tree: Skeleton, world: Floats) -> Floats:
+    """World matrices in which a joint's own scale is left out: its rotation is what turns.
+
+    A split joint has the axes of the node above that holds them; under that node it only
+    turns back and scales.
+    """
+    rig, joints = tree.rig, [j for j in tree.joints if tree.rig.parents[j] >= 0]
+    seen = local(world[joints], world[rig.parents[joints]])
+    world = world.copy()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unscaled = world[joints, :3, :3] / length(seen[:, :3, :3])[..., np.newaxis]
+    # A joint of scale 0 has no axes to measure; what it shows is all the same a point.
+    world[joints, :3, :3] = np.where(np.isfinite(unscaled), unscaled, world[joints, :3, :3])
+    for joint in rig.frame_of:
+        _, turn, scale = decompose(rig.local[joint])
+        axes = world[joint, :3, :3] * np.where(scale < 0, -1.0, 1.0)[:, np.newaxis]
+        world[joint, :3, :3] = turn_before(conjugate(turn), from_frame(axes, np.zeros(3)))[:3, :3]
+    return world
 
 
 def _clip_pose(rig: Rig, pose: str) -> Floats:

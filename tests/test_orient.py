@@ -14,7 +14,7 @@ from rigs import chain, rig_of
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import given
-from rigtri.matrices import inverse
+from rigtri.matrices import inverse, multiply
 from rigtri.ops.orient import Options, orient_joints
 from rigtri.ops.presets import PRESETS, Style
 from rigtri.ops.select import Selection
@@ -398,6 +398,51 @@ def test_a_scale_that_would_shear_is_snapped_skipped_or_an_error() -> None:
     assert_allclose(worlds(oriented(rig, on_nonuniform_scale="skip"))[3], worlds(rig)[3], atol=1e-12)
     with pytest.raises(GeometryError, match="'d'"):
         oriented(rig, on_nonuniform_scale="error")
+
+
+def stretched() -> Rig:
+    """An arm whose elbow is scaled (1, 1.33, 1) at rest and differently in a clip."""
+    rig = arm()
+    rig.scale[1] = [1.0, 1.33, 1.0]
+    rig.rotation[1] = from_axis_angle([0, 1, 0.3], 0.4)
+    rig.translation[2] = [1.5, 0.7, 0.5]  # no axis of the scale
+    rig = rebound(rig)
+    times = np.arange(3.0)
+    keys = np.array([[1.6, 0.7, 1.1], [1.0, 1.33, 1.0], [0.8, 1.0, -1.2]])
+    turns = np.stack([from_axis_angle([1, 2, 0], a) for a in (0.1, 0.5, 0.9)])
+    tracks = (Track(1, "scale", "LINEAR", times, keys), Track(1, "rotation", "LINEAR", times, turns))
+    return replace(rig, clips=(Clip("squash", tracks),))
+
+
+def posed(rig: Rig) -> Floats:
+    from rigtri.pose import locals_at
+
+    return worlds(rig, locals_at(rig, rig.clips[0], np.linspace(-0.5, 2.5, 25)))
+
+
+def test_a_split_holds_the_axes_in_a_node_of_its_own_and_moves_nothing() -> None:
+    rig, report = stretched(), Report()
+    out = oriented(rig, report, on_nonuniform_scale="split")
+    holder = out.find("b_orient", "node")
+    assert out.children[holder] == (out.find("b"),)
+    assert_allclose(axes(out, "b_orient")[0], normalise(np.subtract(*worlds(rig)[[2, 1], 3, :3])), atol=1e-12)
+    before, after = posed(rig), posed(out)
+    old = [out.find(name) for name in rig.names]
+    assert_allclose(after[:, old, 3], before[:, :, 3], atol=1e-12)
+    skinned = [
+        multiply(r.skins[0].inverse_bind, w[:, r.skins[0].joints]) for r, w in ((rig, before), (out, after))
+    ]
+    assert_allclose(skinned[1], skinned[0], atol=1e-12)
+    assert [entry["joint"] for entry in report.joints if entry.get("split")] == ["b"]
+
+
+def test_a_split_node_is_the_joints_frame_from_then_on() -> None:
+    once = oriented(stretched(), on_nonuniform_scale="split")
+    assert oriented(once, on_nonuniform_scale="split") is once
+    other = oriented(once, style=Style("y", "x"), on_nonuniform_scale="split")
+    assert len(other) == len(once)
+    assert_allclose(axes(other, "b_orient")[1], axes(once, "b_orient")[0], atol=1e-12)
+    assert_allclose(posed(other)[:, once.find("d"), 3], posed(once)[:, once.find("d"), 3], atol=1e-12)
 
 
 def test_a_plain_hierarchy_needs_its_top_named() -> None:

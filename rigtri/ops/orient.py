@@ -6,6 +6,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, "Aiming node A at node B";
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -17,11 +18,11 @@ from rigtri.matrices import determinant, transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of
 from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, turn_onto
 from rigtri.ops.presets import Style
-from rigtri.ops.scale import Policy, allowed_turns, nearest_cardinal
+from rigtri.ops.scale import Policy, allowed_turns, nearest_cardinal, splits
 from rigtri.ops.select import Selection, select
 from rigtri.ops.ups import Hinges, Up, carried, carry_to_joint, crossing, degrees, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes, turn_angle
-from rigtri.reframe import reframe, turned
+from rigtri.reframe import reframe, split, turned
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
@@ -83,12 +84,30 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     turns = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
     for joint, turn in wanted.items():
         turns[joint] = turn
+    parted = splits(rig, _at_frames(rig, turns)) if options.on_nonuniform_scale == "split" else {}
+    exact = turns.copy()
+    exact[list(parted)] = IDENTITY
     axis = {joint: axis_of(work.style(joint).aim)[0] for joint in wanted}
-    turns = allowed_turns(rig, turns, options.on_nonuniform_scale, axis, report)
-    for joint in wanted if options.frames is None else ():
-        turns[joint] = work.quiet(joint, turns[joint])  # what the snap left over is noise too
-    work.record(turns)
-    return _noted(reframe(rig, turns), work)
+    exact = allowed_turns(rig, _at_frames(rig, exact), options.on_nonuniform_scale, axis, report)
+    for joint in set(wanted) - set(rig.frame_of) - set(parted):
+        if options.frames is None:  # what the snap left over is noise too
+            exact[joint] = work.quiet(joint, exact[joint])
+        turns[joint] = exact[joint]
+    work.record(turns, parted)
+    out = _noted(reframe(rig, exact), work)
+    for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
+        out = split(out, joint, parted[joint])
+    return out
+
+
+def _at_frames(rig: Rig, turns: Floats) -> Floats:
+    """The turns of joints whose axes a node of their own holds, moved to that node."""
+    if not rig.frame_of:
+        return turns
+    moved = turns.copy()
+    for joint, holder in rig.frame_of.items():
+        moved[holder], moved[joint] = turns[joint], IDENTITY
+    return moved
 
 
 @dataclass(eq=False)
@@ -315,7 +334,7 @@ class _Work:
                 geometry=True,
             )
 
-    def record(self, turns: Floats) -> None:
+    def record(self, turns: Floats, parted: Container[int]) -> None:
         """One record per joint: what became of it, why, and how sure that is."""
         rig, moves = self.tree.rig, turned(turns)
         mirrored = determinant(self.ref.world) < 0
@@ -338,6 +357,8 @@ class _Work:
             entry["pose"] = self.ref.kind[joint]
             if mirrored[joint]:
                 entry["mirrored"] = True
+            if joint in parted:
+                entry["split"] = True
             if moves[joint]:
                 entry["degrees"] = round(float(np.degrees(turn_angle(turns[joint]))), 6)
                 entry["turn"] = [float(x) for x in turns[joint]]

@@ -1,8 +1,8 @@
 """What becomes of a turn where a joint's own scale is not uniform.
 
 In place is exact when C·S·C⁻¹ stays diagonal at rest and at every key; else the
-turn is replaced by the nearest one that is (`snap`), given up (`skip`), or an
-error.
+turn is replaced by the nearest one that is (`snap`), given up (`skip`), held by a
+node of its own above the joint (`split`), or an error.
 """
 
 from __future__ import annotations
@@ -48,6 +48,14 @@ def nearest_cardinal(turn: Floats) -> Floats:
     products = turns * turn
     overlap = np.abs(products[:, 0] + products[:, 1] + products[:, 2] + products[:, 3])
     return np.asarray(turns[int(np.argmax(overlap))])
+
+
+def splits(rig: Rig, turn: Floats) -> dict[int, Floats]:
+    """The joints, with their turns (4,), that can take them only by a node of their own."""
+    scales = Scales.of(rig)
+    uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
+    exact = {node: _nearest_exact(turn[node], scales.rows[scales.owner == node]) for node in uneven}
+    return {node: turn[node] for node in uneven if _apart(exact[node], turn[node]) > EXACT}
 
 
 def allowed_turns(rig: Rig, turn: Floats, policy: Policy, aim_axis: dict[int, int], report: Report) -> Floats:
