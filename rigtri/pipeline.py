@@ -76,7 +76,7 @@ def edit(
             place = folder / final.name
             written = _Written(place)
             try:
-                result = _deliver(document, path, rig, written, verify, options, tolerance, clock)
+                result = _deliver(document, path, rig, written, verify, tolerance, clock)
                 if to_stdout and not dry_run:
                     _to_stdout(written)
                 elif not dry_run:
@@ -94,7 +94,6 @@ def _deliver(
     rig: Rig,
     written: _Written,
     verify: bool,
-    options: Options | None,
     tolerance: float,
     clock: _Clock,
 ) -> Comparison | None:
@@ -108,7 +107,7 @@ def _deliver(
     if filecmp.cmp(path, written.part, shallow=False):
         result = self_check(document, document)
     else:
-        result = self_check(document, read(written.part, options))
+        result = self_check(document, document.reopen(written.part))
     clock.lap("verify")
     if not result.passes(tolerance):
         raise DeviationError(

@@ -15,7 +15,7 @@ from places import sample_files
 
 from rigtri import pipeline
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
-from rigtri.formats import read
+from rigtri.formats import Options, read
 from rigtri.ops.orient import orient_joints
 from rigtri.pipeline import edit
 from rigtri.report import Report
@@ -192,3 +192,35 @@ def test_the_output_has_the_format_of_the_input(samples: Path, tmp_path: Path) -
         with pytest.raises(UsageError):
             edit(samples / name, tmp_path / other, orient)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("override", ["layer", "stage"])
+def test_an_override_is_measured_over_its_source(override: str, samples: Path, tmp_path: Path) -> None:
+    out = tmp_path / "over.usda"
+    outcome = edit(samples / "biped.usdz", out, orient, options=Options(override=override))
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 4e-7
+    assert "subLayers" in out.read_text() or override == "layer"
+    with pytest.raises(DeviationError):
+        edit(samples / "biped.usda", tmp_path / "bad.usda", nudge, options=Options(override=override))
+
+
+def test_a_split_is_exact_in_gltf_and_refused_in_usd(samples: Path, tmp_path: Path) -> None:
+    import numpy as np
+
+    from rigtri.ops.orient import Options as Orient
+
+    def squash_and_split(rig: Rig, report: Report) -> Rig:
+        joint = rig.find("forearm_L")
+        scale, matrix = rig.scale.copy(), rig.matrix.copy()
+        scale[joint], matrix[joint, :3, :3] = [1.0, 1.4, 0.8], np.diag([1.0, 1.4, 0.8])
+        squashed = replace(rig, scale=scale, matrix=matrix)
+        return orient_joints(squashed, options=Orient(on_nonuniform_scale="split"), report=report)
+
+    squashed = edit(samples / "biped.glb", tmp_path / "out.glb", squash_and_split, verify=False)
+    assert any(entry.get("split") for entry in squashed.report.joints)
+    again = edit(tmp_path / "out.glb", tmp_path / "again.glb", orient)
+    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "out.glb").read_bytes()
+    assert again.verification is not None
+    with pytest.raises(UsageError, match="split"):
+        edit(samples / "biped.usda", tmp_path / "out.usda", squash_and_split)

@@ -122,7 +122,7 @@ def test_a_prim_called_rigtri_that_is_not_ours_is_left_alone(tmp_path: Path) -> 
     assert "/Root/rigtri_2/b_pole" in third.labels
 
 
-def test_notes_on_joints_lie_in_the_skeletons_custom_data(tmp_path: Path) -> None:
+def test_notes_on_joints_lie_in_attributes_of_the_skeleton(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(), animation(), MESH))
     document = read(source)
     found = {
@@ -136,7 +136,7 @@ def test_notes_on_joints_lie_in_the_skeletons_custom_data(tmp_path: Path) -> Non
         "c": POLE,
     }
     bare = write(again, replace(again.rig, notes={}), tmp_path / "bare.usda")
-    assert "customData" not in bare.read_text()
+    assert "rigtri" not in bare.read_text()
 
 
 @pytest.mark.parametrize(
@@ -151,5 +151,6 @@ def test_any_json_value_reads_back(value: Any) -> None:
         prim.CreateAttribute(name, type_name).Set(stored)
     Sdf.Layer.CreateAnonymous().ImportFromString(stage.GetRootLayer().ExportToString())
     assert notes.read_prim(prim) == note
-    prim.SetCustomDataByKey("rigtri", notes.to_custom_data({"a/b": note}))
+    for name, (type_name, stored) in notes.joint_attributes({"a/b": note}).items():
+        prim.CreateAttribute(name, type_name).Set(stored)
     assert notes.read_joints(prim) == {"a/b": note}

@@ -67,6 +67,9 @@ class Document(Protocol):
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn, for measuring; read when asked for."""
 
+    def reopen(self, part: Path) -> Document:
+        """Read what `write` wrote, as it will be seen: an override over its source."""
+
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file as ``rig`` wants it to ``part``, which will be renamed to ``target``.
 

@@ -79,6 +79,10 @@ class GltfDocument:
             self._meshes = self._reader.read(self._rig.skins)
         return self._meshes
 
+    def reopen(self, part: Path) -> GltfDocument:
+        """Read what `write` wrote."""
+        return GltfDocument.read(part, self.options)
+
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file as ``rig`` wants it to ``part``; see `rigtri.formats.Document`.
 

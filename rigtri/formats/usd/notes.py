@@ -1,10 +1,10 @@
-"""What rigtri knows about a prim or joint, as ``rigtri:*`` attributes or customData, and back.
+"""What rigtri knows about a prim or joint, as ``rigtri:*`` attributes, and back.
 
 A note is a plain JSON object. On prims its keys are custom attributes with
 fitting types, which USD tools show and Blender imports as custom properties
-(`userProperties:` twins included); objects become namespaces. On joints, which
-are no prims, it lies in the Skeleton's ``customData.rigtri``. What neither can
-hold (lists of objects) is kept as JSON text under the extra name ``json``.
+(`userProperties:` twins included); objects become namespaces. Those of joints,
+which are no prims, are JSON texts in an attribute of the Skeleton. What USD has no
+type for (lists of objects) is kept as JSON text under the extra name ``json``.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ PREFIX = "rigtri:"
 TWIN = "userProperties:"
 # Words from a fixed list are tokens, in USD's own way; all other words are strings.
 TOKENS = ("type",)
+# On a Skeleton: which joints have notes, and the notes.
+JOINT_NOTES = ("rigtri:joints", "rigtri:jointNotes")
 
 Note = Mapping[str, Any]
 
@@ -28,7 +30,7 @@ def read_prim(prim: Any) -> dict[str, Any]:
     note: dict[str, Any] = {}
     for attribute in prim.GetAuthoredPropertiesInNamespace("rigtri"):
         value = attribute.Get() if hasattr(attribute, "Get") else None
-        if value is not None:
+        if value is not None and attribute.GetName() not in JOINT_NOTES:
             *spaces, key = attribute.GetName().split(":")[1:]
             place = note
             for space in spaces:
@@ -38,27 +40,28 @@ def read_prim(prim: Any) -> dict[str, Any]:
 
 
 def read_joints(skeleton: Any) -> dict[str, dict[str, Any]]:
-    """The notes of a Skeleton's joints by their tokens."""
-    stored = skeleton.GetCustomDataByKey("rigtri") or {}
+    """The notes of a Skeleton's joints by their tokens; what is no note of ours is passed over."""
+    names, texts = (skeleton.GetAttribute(name).Get() or () for name in JOINT_NOTES)
     found = {}
-    for entry in stored.values():
-        if isinstance(entry, dict) and "joint" in entry:
-            note = {key: _unpacked(_plain(v)) for key, v in entry.items() if key != "joint"}
-            found[str(entry["joint"])] = note
+    for token, text in zip(names, texts, strict=False):
+        try:
+            note = json.loads(str(text))
+        except ValueError:
+            continue
+        if isinstance(note, dict):
+            found[str(token)] = note
     return found
 
 
-def to_custom_data(notes: Mapping[str, Note]) -> dict[str, Any]:
-    """Notes by joint token as the dictionary ``customData.rigtri`` of a Skeleton."""
-    stored: dict[str, Any] = {}
-    for token, note in notes.items():
-        # Keys of USD dictionaries are identifiers; the entry itself says which joint it means.
-        wanted = name = Tf.MakeValidIdentifier(token)
-        count = 2
-        while name in stored:
-            name, count = f"{wanted}_{count}", count + 1
-        stored[name] = {"joint": token, **{key: _storable(value) for key, value in note.items()}}
-    return stored
+def joint_attributes(notes: Mapping[str, Note]) -> dict[str, tuple[Any, Any]]:
+    """Notes by joint token as attributes of a Skeleton: the tokens, and a JSON text for each."""
+    tokens, texts = JOINT_NOTES
+    types = Sdf.ValueTypeNames
+    said = [json.dumps(note, ensure_ascii=False) for note in notes.values()]
+    return {
+        tokens: (types.TokenArray, Vt.TokenArray(list(notes))),
+        texts: (types.StringArray, Vt.StringArray(said)),
+    }
 
 
 def attributes_of(note: Note, prefix: str = PREFIX) -> dict[str, tuple[Any, Any]]:
@@ -93,18 +96,6 @@ def _typed(key: str, value: Any) -> tuple[Any, Any]:
     if len(value) == 3:
         return types.Double3, Gf.Vec3d(*map(float, value))
     return types.DoubleArray, Vt.DoubleArray([float(number) for number in value])
-
-
-def _storable(value: Any) -> Any:
-    """A value for customData, which has no tokens and no vectors of ours."""
-    value = _packed(value)
-    if isinstance(value, Mapping):
-        return {Tf.MakeValidIdentifier(key): _storable(item) for key, item in value.items()}
-    if _all(value, str):
-        return Vt.StringArray(list(value))
-    if isinstance(value, list | tuple):
-        return Vt.DoubleArray([float(number) for number in value])
-    return value
 
 
 def _packed(value: Any) -> Any:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Vt
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, UsageError
 from rigtri.formats.usd import locators, notes, xform
 from rigtri.formats.usd.animations import HELD, Animation, Property
 from rigtri.formats.usd.reader import Source
@@ -36,6 +36,12 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
     before = source.rig
     if rig is before:
         return []
+    if rig.frame_of:
+        names = ", ".join(rig.names[joint] for joint in rig.frame_of)
+        raise UsageError(
+            f"--on-nonuniform-scale split: a USD joint is named by its path, so a node above {names} "
+            "would rename every joint below. Choose snap or skip."
+        )
     if before.keys != rig.keys[: len(before)]:
         raise ValueError("nodes of a file keep their order, and new ones come last")
     moved = np.zeros(len(before), dtype=bool)
@@ -252,7 +258,7 @@ def _bind(skeleton: str, animation: str) -> Edit:
 
 
 def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
-    """customData.rigtri of the skeletons whose joints have other notes than before."""
+    """The attributes of skeletons whose joints have other notes than before."""
     before = source.rig
     wanted: dict[str, dict[str, notes.Note]] = {}
     changed: set[str] = set()
@@ -264,15 +270,18 @@ def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
                 changed.add(path)
             if note:
                 wanted.setdefault(path, {})[token] = note
-    return [_set_custom_data(path, notes.to_custom_data(wanted.get(path, {}))) for path in sorted(changed)]
+    return [edit for path in sorted(changed) for edit in _set_joint_notes(path, wanted.get(path, {}))]
 
 
-def _set_custom_data(path: str, stored: dict[str, Any]) -> Edit:
-    def edit(layer: Any) -> None:
-        prim = Sdf.CreatePrimInLayer(layer, path)
-        if stored:
-            prim.customData["rigtri"] = stored
-        elif "rigtri" in prim.customData:
-            del prim.customData["rigtri"]
+def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> list[Edit]:
+    if wanted:
+        attributes = notes.joint_attributes(wanted)
+        return [set_value(path, n, t, v, uniform=True, custom=True) for n, (t, v) in attributes.items()]
 
-    return edit
+    def remove(layer: Any) -> None:
+        prim = layer.GetPrimAtPath(path)
+        for name in notes.JOINT_NOTES if prim else ():
+            if name in prim.properties:
+                del prim.properties[name]
+
+    return [remove]
