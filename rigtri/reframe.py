@@ -120,13 +120,13 @@ class Scales:
     """Every scale that nodes have, at rest and at keys (tangents are scales too).
 
     rows: (k, 3). owner: (k,), the node of each row. sign: (n, 3), of the scale at rest.
-    uneven: (n,), whether |S| is not uniform somewhere.
+    spread: (n,), the largest share by which |S| is not uniform.
     """
 
     rows: Floats
     owner: Integers
     sign: Floats
-    uneven: Booleans
+    spread: Floats
 
     @staticmethod
     def of(rig: Rig) -> Scales:
@@ -141,10 +141,14 @@ class Scales:
         unsigned = rows * sign[owner]
         largest = np.zeros(len(rig))
         np.maximum.at(largest, owner, np.abs(unsigned).max(axis=1))
-        uneven = np.zeros(len(rig), dtype=bool)
-        spread = unsigned.max(axis=1) - unsigned.min(axis=1)
-        uneven[owner[spread > SAME_SCALE * largest[owner]]] = True
-        return Scales(rows, owner, sign, uneven)
+        spread = np.zeros(len(rig))
+        np.maximum.at(spread, owner, unsigned.max(axis=1) - unsigned.min(axis=1))
+        return Scales(rows, owner, sign, spread / np.where(largest == 0, 1.0, largest))
+
+    @property
+    def uneven(self) -> Booleans:
+        """Which nodes, (n,), have a scale that is not uniform, beyond the noise of exporters."""
+        return np.asarray(self.spread > SAME_SCALE)
 
     def fold(self, where: Booleans) -> Floats:
         """Half turns (n, 4) that a uniform scale of mixed signs stands for: S = ±|S|·half turn."""

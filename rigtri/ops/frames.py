@@ -8,9 +8,19 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError
-from rigtri.matrices import determinant, orthonormal_axes, transform_directions
+from rigtri.matrices import nearest_rotation, transform_directions
 from rigtri.naming import side, twin
-from rigtri.quaternions import conjugate, from_axes, multiply, norm, rotate, to_axes, turn_angle, unit
+from rigtri.quaternions import (
+    IDENTITY,
+    conjugate,
+    from_axes,
+    multiply,
+    norm,
+    rotate,
+    to_axes,
+    turn_angle,
+    unit,
+)
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
@@ -19,6 +29,8 @@ from rigtri.vectors import cross, length, normalise
 
 # A common rotation smaller than this (radians) is what float32 positions leave over.
 NO_ROTATION = 2e-6
+# Joint positions nearer to each other than this, as a share of the skeleton, are one pose.
+SAME_REST = 1e-5
 
 Mirror = Literal["behavior", "orientation", "blender"]
 
@@ -43,43 +55,33 @@ def like_turns(
     namesake are kept and listed. Raises GeometryError when nothing matches.
     """
     other = skeleton(like, plain=True)
-    theirs = reference(other, None)
     pairs = _namesakes(tree.rig, tree.joints, like, other.joints)
     if not pairs:
         raise GeometryError("--like: no joint of the two files has the same name")
-    common = _common_rotation(tree, ref, theirs, pairs)
-    ours, other_turns = _rotations(tree, ref), _rotations(other, theirs)
-    turns: dict[int, Floats] = {}
+    ours, theirs, common = _common_pose(tree, ref, other, pairs)
+    wanted = multiply(common, from_axes(nearest_rotation(theirs.world[list(pairs.values())])))
+    now = from_axes(nearest_rotation(ours.world[list(pairs)]))
+    turn = dict(zip(pairs, unit(multiply(conjugate(now), wanted)), strict=True))
     missing = [tree.rig.title(joint) for joint in joints if joint not in pairs]
-    for joint in joints:
-        if joint not in pairs:
-            continue
-        if ours is not None and other_turns is not None:
-            wanted = multiply(common, other_turns[pairs[joint]])
-            turns[joint] = unit(multiply(conjugate(ours[joint]), wanted))
-        else:
-            axes = rotate(common, normalise(theirs.world[pairs[joint], :3, :3]))
-            turns[joint] = turn_onto(axes, ref, joint)
     if missing:
         shown = ", ".join(missing[:10]) + (" …" if len(missing) > 10 else "")
         report.warn("like-unmatched", f"{len(missing)} joints have no namesake: kept: {shown}")
-    return turns
+    return {joint: turn[joint] for joint in joints if joint in pairs}
 
 
-def _rotations(tree: Skeleton, ref: Reference) -> Floats | None:
-    """World rotations, (n, 4), of the rest pose with scale left out; None where that is not the pose.
+def _common_pose(
+    tree: Skeleton, ref: Reference, other: Skeleton, pairs: Mapping[int, int]
+) -> tuple[Reference, Reference, Floats]:
+    """The poses in which the two skeletons are compared, and the rotation between them, (4,).
 
-    Turns go through these without loss, however a file's scales are rounded.
+    The rest poses where they are one: nodes are stored more exactly than inverse binds.
     """
-    rig = tree.rig
-    if ref.rounding or (rig.scale < 0).any() or (determinant(rig.matrix) < 0).any():
-        return None
-    of_matrix = from_axes(orthonormal_axes(rig.matrix))
-    local = np.where(rig.has_matrix[:, np.newaxis], of_matrix, unit(rig.rotation))
-    world = local.copy()
-    for level in rig.levels[1:]:
-        world[level] = multiply(world[rig.parents[level]], local[level])
-    return world
+    ours, theirs = reference(tree, "nodes"), reference(other, "nodes")
+    common, apart = _common_rotation(ours, theirs, pairs)
+    if apart <= SAME_REST:
+        return ours, theirs, common
+    theirs = reference(other, None)
+    return ref, theirs, _common_rotation(ref, theirs, pairs)[0]
 
 
 def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]) -> dict[int, int]:
@@ -101,19 +103,29 @@ def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]
     return found
 
 
-def _common_rotation(tree: Skeleton, ref: Reference, theirs: Reference, pairs: Mapping[int, int]) -> Floats:
+def _common_rotation(ref: Reference, theirs: Reference, pairs: Mapping[int, int]) -> tuple[Floats, float]:
     """The rotation, (4,), that takes their joint positions nearest to ours, sizes apart.
 
-    Source: B. K. P. Horn, "Closed-form solution of absolute orientation using unit
-    quaternions", 1987; its largest eigenvector by Jacobi rotations.
+    And how far the positions are from each other then, as a share of the skeleton.
     """
     mine = list(pairs)
     ours, other = ref.world[mine, 3, :3], theirs.world[list(pairs.values()), 3, :3]
     ours, other = ours - ours.cumsum(0)[-1] / len(ours), other - other.cumsum(0)[-1] / len(other)
-    size = float(length(ours).max()) * float(length(other).max())
-    if not size > 0:
-        return np.array([0.0, 0.0, 0.0, 1.0])
-    m = np.stack([(other[:, k : k + 1] * ours).cumsum(axis=0)[-1] for k in range(3)]) / size
+    sizes = float(length(ours).max()), float(length(other).max())
+    if not min(sizes) > 0:
+        return IDENTITY, 0.0 if max(sizes) == 0 else 1.0
+    ours, other = ours / sizes[0], other / sizes[1]
+    q = _nearest_turn(other, ours)
+    return q, float(length(rotate(q, other) - ours).max())
+
+
+def _nearest_turn(start: Floats, end: Floats) -> Floats:
+    """The rotation, (4,), that takes points nearest to others, (k, 3), about the origin.
+
+    Source: B. K. P. Horn, "Closed-form solution of absolute orientation using unit
+    quaternions", 1987; its largest eigenvector by Jacobi rotations.
+    """
+    m = np.stack([(start[:, k : k + 1] * end).cumsum(axis=0)[-1] for k in range(3)])
     xx, yy, zz = m[0, 0], m[1, 1], m[2, 2]
     yz, zx, xy = m[1, 2] - m[2, 1], m[2, 0] - m[0, 2], m[0, 1] - m[1, 0]
     yzs, zxs, xys = m[1, 2] + m[2, 1], m[2, 0] + m[0, 2], m[0, 1] + m[1, 0]
@@ -129,10 +141,10 @@ def _common_rotation(tree: Skeleton, ref: Reference, theirs: Reference, pairs: M
     order = np.argsort(values)
     # Collinear positions leave a turn about their line open: then no rotation is taken out.
     if values[order[3]] - values[order[2]] < 1e-9 * max(abs(values[order[3]]), 1e-30):
-        return np.array([0.0, 0.0, 0.0, 1.0])
+        return IDENTITY
     q = unit(vectors[:, order[3]])
     q = -q if q[3] < 0 else q
-    return np.array([0.0, 0.0, 0.0, 1.0]) if turn_angle(q) < NO_ROTATION else q
+    return IDENTITY if turn_angle(q) < NO_ROTATION else q
 
 
 def _eigen(symmetric: Floats) -> tuple[Floats, Floats]:

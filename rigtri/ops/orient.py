@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -22,7 +23,7 @@ from rigtri.ops.scale import Policy, allowed_turns, nearest_cardinal, splits
 from rigtri.ops.select import Selection, select
 from rigtri.ops.ups import Hinges, Up, carried, carry_to_joint, crossing, degrees, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes, turn_angle
-from rigtri.reframe import reframe, split, turned
+from rigtri.reframe import SAME_SCALE, Scales, reframe, split, turned
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
@@ -195,9 +196,22 @@ class _Work:
         """Exactly the identity for a turn that is no more than the noise of storage."""
         if self.options.like is not None:
             return IDENTITY if float(turn_angle(turn)) <= UNCHANGED_LIKE else turn
-        limit = UNCHANGED + self.noise.get(joint, 0.0)
+        limit = self._least(joint) + self.noise.get(joint, 0.0)
         limit = min(limit + self._position_noise(joint), MOST_NOISE)
         return IDENTITY if float(turn_angle(turn)) <= limit else turn
+
+    def _least(self, joint: int) -> float:
+        """The turn that means nothing: float32 rounding, and scale noise that passes as uniform."""
+        return UNCHANGED + float(self.scale_noise[joint])
+
+    @cached_property
+    def scale_noise(self) -> Floats:
+        """How far from uniform the scales of each node and those above it are, (n,), where taken as such."""
+        spread = Scales.of(self.tree.rig).spread
+        noise = np.where(spread <= SAME_SCALE, spread, 0.0)
+        for level in self.tree.rig.levels[1:]:
+            noise[level] = np.maximum(noise[level], noise[self.tree.rig.parents[level]])
+        return noise
 
     def _position_noise(self, joint: int) -> float:
         """What float32 positions (inverse binds) leave uncertain about a bone's direction, in radians."""
@@ -243,7 +257,8 @@ class _Work:
         self.ups[joint] = up
         # A direction near the bone tells the roll badly: its noise grows with 1/sine.
         spread = float(length(cross(normalise(up.vector), bone)))
-        self.noise[joint] = UNCHANGED / max(spread, DEGENERATE_SINE) - UNCHANGED
+        least = self._least(joint)
+        self.noise[joint] = least / max(spread, DEGENERATE_SINE) - least
         if up.step >= 2:
             of_plane = UNCHANGED_PLANE + self._position_noise(joint)
             self.noise[joint] += of_plane / max(up.sine, DEGENERATE_SINE)

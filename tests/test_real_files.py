@@ -1,0 +1,181 @@
+"""orient-joints and add-polevector on files that nobody here made: the figures they must reach."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from places import ASSETS, asset_files
+
+from rigtri.compare import verify
+from rigtri.errors import FileError, GeometryError
+from rigtri.formats import read
+from rigtri.limbs import recognise
+from rigtri.matrices import nearest_rotation
+from rigtri.ops.orient import Options, orient_joints
+from rigtri.ops.polevector import Options as PoleOptions
+from rigtri.ops.polevector import add_polevector
+from rigtri.ops.presets import PRESETS
+from rigtri.pipeline import edit
+from rigtri.pose import worlds
+from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.skeleton import reference, skeleton
+from rigtri.triangle import STRAIGHT_SINE, bend_sine, pole_position
+from rigtri.vectors import angle, length, normalise
+
+FILES = asset_files()
+# A limb turned by this much (radians) about its hinge is a little more bent.
+LITTLE = 0.05
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(ASSETS))
+
+
+def floors() -> dict[str, float]:
+    """file → the deviation of an exact re-orientation stored as float32, as others measured it."""
+    if not (ASSETS / "MANIFEST.tsv").is_file():
+        return {}
+    with (ASSETS / "MANIFEST.tsv").open(encoding="utf-8", newline="") as file:
+        rows = csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)
+        return {row["file"]: float(row["float32_floor"] or 0) for row in rows if row["file"]}
+
+
+FLOORS = floors()
+
+
+def opened(path: Path) -> Rig:
+    """The rig of a file; skipped where rigtri refuses the file, with its reason."""
+    try:
+        rig = read(path).rig
+        skeleton(rig)
+    except FileError as error:
+        pytest.skip("this file has no joints that rigtri reads: " + type(error).__name__)
+    if rig.frozen:
+        pytest.skip("no joint of this file may turn")
+    return rig
+
+
+@pytest.fixture(params=FILES, ids=name_of)
+def path(request: pytest.FixtureRequest) -> Any:
+    return request.param
+
+
+def orient(rig: Rig, report: Report) -> Rig:
+    return orient_joints(rig, report=report)
+
+
+def test_nothing_moves_by_more_than_the_float32_floor(path: Path, tmp_path: Path) -> None:
+    opened(path)
+    edit(path, tmp_path / path.name, orient)
+    found = verify(read(path), read(tmp_path / path.name))
+    floor = FLOORS.get(name_of(path), 0.0)
+    assert found.passes(1e-5)
+    # A file whose floor nobody measured has the gate of all files.
+    assert found.deviation <= (max(2e-7, 1.5 * floor) if floor else 1e-5)
+
+
+@pytest.mark.parametrize("preset", ["article", "blender", "maya"])
+def test_a_second_run_changes_no_byte(path: Path, preset: str, tmp_path: Path) -> None:
+    opened(path)
+    options = Options(style=PRESETS[preset])
+    once, twice = tmp_path / path.name, tmp_path / f"again{path.suffix}"
+    edit(path, once, lambda rig, report: orient_joints(rig, options=options, report=report))
+    edit(once, twice, lambda rig, report: orient_joints(rig, options=options, report=report))
+    assert twice.read_bytes() == once.read_bytes()
+
+
+def test_every_turned_joint_aims_at_its_child_within_a_ten_thousandth_degree(path: Path) -> None:
+    rig, report = opened(path), Report()
+    out = orient_joints(rig, report=report)
+    tree = skeleton(out)
+    ref = reference(tree, None)
+    snapped = {notice.joint for notice in report.warnings if notice.code == "nonuniform-scale"}
+    place = {out.path(node): node for node in range(len(out))}
+    for entry in report.joints:
+        if entry["status"] != "turned" or entry["joint"] in snapped:
+            continue
+        frame = normalise(ref.world[place[entry["path"]], :3, :3])
+        assert_allclose(frame @ frame.T, np.eye(3), atol=5e-5)  # what scaled ancestors shear
+        if not entry.get("mirrored"):
+            assert np.linalg.det(frame) > 0
+        if "aims_at" in entry:
+            target = next(k for k in range(len(out)) if out.title(k) == entry["aims_at"])
+            joint = place[entry["path"]]
+            bone = ref.position(target) - ref.position(joint)
+            assert np.degrees(angle(frame[0], bone)) < 1e-4
+
+
+def test_limbs_flex_about_plus_n(path: Path) -> None:
+    rig = opened(path)
+    at_rest = worlds(rig)
+    out = orient_joints(rig, options=Options(pose="nodes"))
+    turned = {n for n in range(len(rig)) if np.any(out.rotation[n] != rig.rotation[n])}
+    for limb in recognise(rig):
+        a, b, c = limb.triple
+        points = at_rest[[a, b, c], 3, :3]
+        tree = skeleton(rig)
+        below = tree.above.get(c) is not None and b in _line(rig, c)
+        if bend_sine(*points) < STRAIGHT_SINE or b not in turned or not below:
+            continue
+        flexed = out.rotation.copy()
+        flexed[b] = multiply(out.rotation[b], from_axis_angle([0, 1, 0], LITTLE))
+        place = _with_rotation(out, b, flexed[b])
+        before = length(points[2] - points[0])
+        assert length(place[c, 3, :3] - place[a, 3, :3]) < before
+
+
+def _line(rig: Rig, node: int) -> set[int]:
+    found = set()
+    while node >= 0:
+        found.add(node)
+        node = int(rig.parents[node])
+    return found
+
+
+def _with_rotation(rig: Rig, node: int, rotation: Any) -> Any:
+    """World matrices with one joint turned further, matrix nodes included."""
+    from dataclasses import replace
+
+    from rigtri.matrices import compose, decompose
+
+    translation, _, scale = decompose(rig.local[node])
+    matrix, rotations = rig.matrix.copy(), rig.rotation.copy()
+    matrix[node] = compose(translation, rotation, scale)
+    rotations[node] = rotation
+    return worlds(replace(rig, matrix=matrix, rotation=rotations))
+
+
+def test_the_axes_of_the_source_come_back_with_like(path: Path, tmp_path: Path) -> None:
+    rig = opened(path)
+    away, home = tmp_path / f"away{path.suffix}", tmp_path / f"home{path.suffix}"
+    options = Options(style=PRESETS["openxr"])
+    edit(path, away, lambda r, report: orient_joints(r, options=options, report=report))
+    edit(away, home, lambda r, report: orient_joints(r, options=Options(like=rig), report=report))
+    joints = list(skeleton(rig).joints)
+    before = nearest_rotation(worlds(rig)[joints])
+    after = nearest_rotation(worlds(read(home).rig)[joints])
+    assert_allclose(after, before, atol=1e-6)
+
+
+def test_pole_vectors_lie_in_the_plane_of_their_limb(path: Path) -> None:
+    rig, report = opened(path), Report()
+    limbs = recognise(rig)
+    if not limbs:
+        pytest.skip("no limb of this file is known by its names")
+    try:
+        out = add_polevector(rig, options=PoleOptions(auto=True), report=report)
+    except GeometryError:
+        pytest.skip("nothing tells the side of a straight limb of this file")
+    world = worlds(out)
+    for limb, entry in zip(limbs, report.limbs, strict=True):
+        if entry["source"] == "pose":
+            wanted = pole_position(*worlds(rig)[list(limb.triple), 3, :3])
+            assert_allclose(world[out.find(entry["polevector"], "node"), 3, :3], wanted, rtol=1e-9, atol=1e-9)
+    assert np.array_equal(world[: len(rig)], worlds(rig))
