@@ -14,6 +14,7 @@ from .options import (
     given_options,
     output_options,
     reading_options,
+    refuse_given,
     run_edit,
     source_argument,
     target_option,
@@ -22,6 +23,9 @@ from .options import (
 if TYPE_CHECKING:
     from rigtri.report import Report
     from rigtri.rig import Rig
+
+# float32 ends at 3e38; squares of distances must still fit.
+_FAR = 1e18
 
 
 @click.command("add-polevector")
@@ -137,6 +141,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     if values["reach"] is not None and values["distance"] is not None:
         raise UsageError("give --reach or --distance, not both")
+    if values["distance"] is not None:
+        refuse_given({"--reach-of": "reach_of"}, "goes with --reach, not with --distance")
+    for name in ("reach", "distance"):
+        if values[name] is not None and not values[name] < _FAR:
+            raise UsageError(f"--{name} {values[name]:g} is beyond what files can hold")
     if values["bend_joint"] is not None and len(values["chains"]) != 1:
         raise UsageError("--bend-joint goes with exactly one --chain")
     bends = dict(_bend(text) for text in values["bends"])

@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from .options import (
-    output_options,
+    json_option,
+    quiet_option,
     read_options,
     reading_options,
     source_argument,
@@ -18,7 +19,8 @@ from .options import (
 @click.command("inspect")
 @source_argument
 @reading_options
-@output_options
+@quiet_option
+@json_option
 def command(source: str, **values: Any) -> None:
     """Show the joints of a file: axes, lengths, bends, skins, clips, warnings.
 

@@ -49,6 +49,10 @@ class Program(click.Group):
             # The reader of our output has gone; nothing is left to tell it.
             sys.stderr.close()
             sys.exit(1)
+        except OSError as error:
+            # What the pipeline did not foresee, such as a full disk behind standard output.
+            click.echo(f"rigtri: {error.filename or 'output'}: {error.strerror or error}", err=True)
+            sys.exit(3)
         except MemoryError:
             click.echo("rigtri: There is not enough memory for this file.", err=True)
             sys.exit(1)

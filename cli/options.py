@@ -10,6 +10,7 @@ output_options      every command: --json, -q, -v
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 TOLERANCE = 1e-5
+# Warnings of one kind that are shown without -v.
+MOST_ALIKE = 4
 
 source_argument = click.argument("source", metavar="IN", type=click.Path(allow_dash=True))
 target_option = click.option(
@@ -61,15 +64,14 @@ def reading_options(command: F) -> F:
     return command
 
 
+json_option = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+quiet_option = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+
+
 def output_options(command: F) -> F:
     """How much is said, and in which form."""
-    for option in (
-        click.option("-v", "--verbose", is_flag=True, help="Say what became of each joint."),
-        click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors."),
-        click.option("--json", "as_json", is_flag=True, help="Print the result as JSON."),
-    ):
-        command = option(command)
-    return command
+    verbose = click.option("-v", "--verbose", is_flag=True, help="Say more: each joint, each mesh and clip.")
+    return json_option(quiet_option(verbose(command)))
 
 
 def edit_options(command: F) -> F:
@@ -80,7 +82,8 @@ def edit_options(command: F) -> F:
             type=click.Choice(["copy", "relink"]),
             default="copy",
             show_default=True,
-            help="A .gltf that moves to another folder takes its files along, or points back.",
+            help="A .gltf that moves to another folder takes its files along, or points back (what then "
+            "lies outside its folder is read only with --allow-external-paths).",
         ),
         click.option("--override", is_flag=True, help="USD: write only a layer of opinions over IN."),
         click.option(
@@ -101,7 +104,7 @@ def edit_options(command: F) -> F:
             show_default=True,
             help="Compare source and result in every pose before OUT appears.",
         ),
-        click.option("--strict", is_flag=True, help="Make a warning about geometry an error (5)."),
+        click.option("--strict", is_flag=True, help="Make any warning an error (5)."),
         click.option(
             "--report",
             "report_path",
@@ -151,8 +154,8 @@ def run_edit(
     if values["as_json"] and target == "-":
         raise UsageError("--json and -o - both want standard output; use --report FILE.json")
     report_path = values["report_path"]
-    if report_path is not None and not values["overwrite"] and Path(report_path).exists():
-        raise UsageError(f"{report_path} exists; it is replaced only with --overwrite")
+    _check_format(values)
+    check_side_files(values)
     report = Report()
     try:
         outcome = edit(
@@ -169,7 +172,7 @@ def run_edit(
         )
     except RigtriError:
         if not quiet:
-            tell_warnings(report)
+            tell_warnings(report, values["verbose"])
         raise
     document = report_json(
         name,
@@ -185,7 +188,7 @@ def run_edit(
     if values["as_json"]:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     if not quiet:
-        tell_warnings(report)
+        tell_warnings(report, values["verbose"])
         if values["verbose"]:
             tell_joints(report)
         click.echo(summary(report), err=True)
@@ -193,9 +196,55 @@ def run_edit(
     return outcome
 
 
-def tell_warnings(report: Report) -> None:
+def _check_format(values: dict[str, Any]) -> None:
+    """Refuse what the format of IN gives no meaning to."""
+    if str(values["source"]) == "-":
+        return
+    usd = str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz"))
+    foreign = (
+        {"--resources": "resources", "--lenient": "lenient", "--unknown-node-ext": "unknown_node_ext"}
+        if usd
+        else {"--override": "override", "--override-stage": "override_stage", "--bake-xform": "bake_xform"}
+    )
+    refuse_given(foreign, f"means nothing for {'USD' if usd else 'glTF'} files")
+
+
+def refuse_given(options: dict[str, str], why: str) -> None:
+    """UsageError for the first of these options (flag → parameter) that the user gave."""
+    ctx = click.get_current_context()
+    for flag, name in options.items():
+        if ctx.get_parameter_source(name) not in (None, click.core.ParameterSource.DEFAULT):
+            raise UsageError(f"{flag} {why}")
+
+
+def check_side_files(values: dict[str, Any]) -> None:
+    """Before anything is done: the files beside OUT can be written, and are none of the others."""
+    from pathlib import Path
+
+    taken = {Path(values[k]).resolve(): f"{k}" for k in ("source", "target") if str(values[k]) != "-"}
+    for flag, name in (("--report", "report_path"), ("--save-frames", "save_frames")):
+        if values.get(name) is None:
+            continue
+        path = Path(values[name])
+        if path.resolve() in taken:
+            raise UsageError(f"{flag} {path} names a file that is needed for something else")
+        taken[path.resolve()] = flag
+        if path.exists() and not values["overwrite"]:
+            raise UsageError(f"{path} exists; it is replaced only with --overwrite")
+        if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
+            raise FileError(f"{flag} {path}: no file can be written there")
+
+
+def tell_warnings(report: Report, verbose: bool = False) -> None:
+    """The warnings; of many alike, unless ``verbose``, only the first few."""
+    said: dict[str, int] = {}
     for notice in report.warnings:
-        click.echo(f"warning: {notice.text}", err=True)
+        said[notice.code] = said.get(notice.code, 0) + 1
+        if verbose or said[notice.code] <= MOST_ALIKE:
+            click.echo(f"warning: {notice.text}", err=True)
+    for code, count in said.items():
+        if count > MOST_ALIKE and not verbose:
+            click.echo(f"warning: {count - MOST_ALIKE} more of this kind ({code}); -v shows all", err=True)
 
 
 def tell_joints(report: Report) -> None:

@@ -18,6 +18,7 @@ from .options import (
     load_json,
     output_options,
     reading_options,
+    refuse_given,
     run_edit,
     source_argument,
     target_option,
@@ -29,6 +30,19 @@ if TYPE_CHECKING:
 
 _BRANCHES = ("chain", "first", "average", "longest", "incoming", "keep")
 _STYLED = ("aim", "up", "up_from")
+# Options that say where axes go, which frames from elsewhere have said already.
+_GEOMETRY = (
+    "--preset",
+    "--aim",
+    "--up",
+    "--up-from",
+    "--aim-at",
+    "--branch",
+    "--end",
+    "--per-joint-plane",
+    "--facing",
+    "--world",
+)
 
 
 class InOrder(click.Command):
@@ -212,7 +226,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             branch=rules[-1] if rules else "chain",
             branch_to=tuple(word for word in values["branch"] if word not in _BRANCHES),
             end=values["end"],
-            aim_at=tuple(_pair(text) for text in values["aim_at"]),
+            aim_at=tuple(_pair(rig, text) for text in values["aim_at"]),
             limbs=tuple(given(rig, *names) for names in values["limbs"]),
             per_joint_plane=values["per_joint_plane"],
             facing=values["facing"],
@@ -229,11 +243,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             inverse=values["inverse"],
         )
         turned = orient_joints(rig, options=options, report=report)
-        saved["frames"] = frames_json(rig, report)
+        saved["frames"] = frames_json(report)
         return turned
 
     run_edit("orient-joints", values, step, given_options(ctx), _summary)
-    if values["save_frames"] and not values["dry_run"]:
+    if values["save_frames"]:
         from rigtri.pipeline import write_text
 
         write_text(Path(values["save_frames"]), json.dumps(saved["frames"], indent=1) + "\n")
@@ -268,10 +282,21 @@ def _check(values: dict[str, Any]) -> None:
         raise UsageError("--inverse goes with --frames")
     if values["mirror"] and (values["frames"] or values["like"]):
         raise UsageError("--mirror does not go with --like or --frames")
-    if values["save_frames"]:
-        path = Path(values["save_frames"])
-        if path.exists() and not values["overwrite"]:
-            raise UsageError(f"{path} exists; it is replaced only with --overwrite")
+    mirrored = {"--from-side": "from_side", "--plane": "plane"}
+    if not values["mirror"]:
+        refuse_given(mirrored, "goes with --mirror")
+    geometry = {flag: flag[2:].replace("-", "_") for flag in _GEOMETRY}
+    if values["frames"]:
+        refuse_given(geometry | {"--offset": "offset", "--snap": "snap"}, "does not go with --frames")
+    if values["like"]:
+        refuse_given(geometry, "does not go with --like")
+    if values["world"] or values["preset"] == "vrm":
+        axes = {"--aim": "aim", "--up": "up", "--up-from": "up_from"}
+        refuse_given(axes, "does not go with axes parallel to the world")
+    if values["world"] and values["preset"] not in (None, "vrm"):
+        raise UsageError("give --preset or --world, not both")
+    if sum(word in _BRANCHES for word in values["branch"]) > 1:
+        raise UsageError("give one rule with --branch, and any number of names of children")
 
 
 def _selection(values: dict[str, Any]) -> Any:
@@ -285,10 +310,16 @@ def _selection(values: dict[str, Any]) -> Any:
     )
 
 
-def _pair(text: str) -> tuple[str, str]:
-    joint, mark, node = text.partition("=")
-    if not mark or not joint or not node:
+def _pair(rig: Rig, text: str) -> tuple[str, str]:
+    """JOINT=NODE; names may hold ``=`` themselves, so the cut is where both sides are found."""
+    cuts = [k for k, letter in enumerate(text) if letter == "=" and 0 < k < len(text) - 1]
+    if not cuts:
         raise UsageError(f"--aim-at {text}: give JOINT=NODE")
+    pairs = [(text[:k], text[k + 1 :]) for k in cuts]
+    found = [pair for pair in pairs if all(rig.has(name) for name in pair)]
+    joint, node = found[0] if len(found) == 1 else pairs[0]
+    if rig.find(joint) == rig.find(node, "node"):
+        raise UsageError(f"--aim-at {text}: a joint cannot aim at itself")
     return joint, node
 
 

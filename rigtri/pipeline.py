@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import filecmp
+import glob
 import os
 import re
 import shutil
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.compare import TOLERANCE, Comparison, self_check
-from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
+from rigtri.errors import DeviationError, FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import Companion, Document, Options, read
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -56,27 +57,27 @@ def edit(
 
     ``-`` is standard input or output. The file about to be delivered is re-opened and
     compared with the source first: over ``tolerance`` (a share of the bounding-box
-    diagonal) DeviationError is raised and nothing is written. ``strict`` makes a geometry
-    warning a GeometryError. Raises FileError for anything that cannot be read or written,
+    diagonal) DeviationError is raised and nothing is written. ``strict`` makes
+    any warning a GeometryError. Raises FileError for anything that cannot be read or written,
     UsageError for an existing target without ``overwrite``.
     """
     report = report if report is not None else Report()
     clock = _Clock()
     with _opened(source) as path:
         to_stdout = str(target) == "-"
-        final = _final(path, target, to_stdout or dry_run, overwrite)
+        final = _final(path, target, overwrite)
         document = read(path, options)
-        report.warnings.extend(document.warnings)
+        _hear(document, report, strict)
         clock.lap("read")
         rig = step(document.rig, report)
-        if strict:
-            _refuse_geometry(report)
+        _hear(document, report, strict)
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
             place = folder / final.name
-            written = _Written(place)
+            written = _Written(place, overwrite)
             try:
                 result = _deliver(document, path, rig, written, verify, tolerance, clock)
+                _hear(document, report, strict)  # meshes are read, and misread, while measuring
                 if to_stdout and not dry_run:
                     _to_stdout(written)
                 elif not dry_run:
@@ -98,7 +99,8 @@ def _deliver(
     clock: _Clock,
 ) -> Comparison | None:
     """Write the part, re-open it, compare it with the source."""
-    with _as_file_error(written.final):
+    names = {str(written.part): str(written.final), written.part.name: written.final.name}
+    with _called(names), _as_file_error(written.final):
         for companion in document.write(rig, written.part, written.final):
             written.add(companion)
     clock.lap("write")
@@ -107,7 +109,8 @@ def _deliver(
     if filecmp.cmp(path, written.part, shallow=False):
         result = self_check(document, document)
     else:
-        result = self_check(document, document.reopen(written.part))
+        with _called(names):
+            result = self_check(document, document.reopen(written.part))
     clock.lap("verify")
     if not result.passes(tolerance):
         raise DeviationError(
@@ -120,8 +123,9 @@ def _deliver(
 class _Written:
     """A part beside its target and the companions placed so far; either all stay or none."""
 
-    def __init__(self, final: Path) -> None:
-        self.final = final
+    def __init__(self, final: Path, overwrite: bool) -> None:
+        self.final, self.overwrite = final, overwrite
+        _remove_stale(final)
         self.part = final.with_name(f".{final.stem}.part-{os.getpid()}{final.suffix}")
         self.placed: list[tuple[Path, Path | None]] = []
         self._orphans = _our_buffers(final)
@@ -137,6 +141,11 @@ class _Written:
         place = self.final.parent / name
         if place.exists() and _same(companion.content, place):
             return
+        if place.exists() and not self.overwrite:
+            raise UsageError(
+                f"{place} exists and is another file than the one that {self.final.name} needs there; "
+                "it is replaced only with --overwrite"
+            )
         backup = None
         place.parent.mkdir(parents=True, exist_ok=True)
         if place.exists():
@@ -172,6 +181,26 @@ class _Written:
                 place.unlink(missing_ok=True)
 
 
+def _remove_stale(final: Path) -> None:
+    """Remove parts of this target that a run left which was killed: its process is no more."""
+    for part in final.parent.glob(f".{glob.escape(final.stem)}.part-*{glob.escape(final.suffix)}"):
+        owner = part.name[len(final.stem) + len("..part-") : len(part.name) - len(final.suffix)]
+        if owner.isdigit() and int(owner) != os.getpid() and not _runs(int(owner)):
+            part.unlink(missing_ok=True)
+
+
+def _runs(process: int) -> bool:
+    if os.name != "posix":
+        return True  # elsewhere os.kill would end the process it asks about
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
 def _our_buffers(path: Path) -> set[Path]:
     """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to."""
     if path.suffix.lower() != ".gltf" or not path.is_file():
@@ -198,14 +227,15 @@ def _to_stdout(written: _Written) -> None:
     sys.stdout.buffer.flush()
 
 
-def _refuse_geometry(report: Report) -> None:
-    loud = [notice for notice in report.warnings if notice.geometry]
-    if loud:
-        more = f" ({len(loud) - 1} more)" if len(loud) > 1 else ""
-        raise GeometryError(f"--strict: {loud[0].text}{more}")
+def _hear(document: Document, report: Report, strict: bool) -> None:
+    """Take the document's notices into the report; with ``strict`` the first of all is an error."""
+    report.warnings.extend(n for n in document.warnings if n not in report.warnings)
+    if strict and report.warnings:
+        more = f" ({len(report.warnings) - 1} more)" if len(report.warnings) > 1 else ""
+        raise GeometryError(f"--strict: {report.warnings[0].text}{more}")
 
 
-def _final(path: Path, target: Path | str, elsewhere: bool, overwrite: bool) -> Path:
+def _final(path: Path, target: Path | str, overwrite: bool) -> Path:
     if str(target) == "-":
         return Path(path.name)
     final = Path(target)
@@ -215,7 +245,7 @@ def _final(path: Path, target: Path | str, elsewhere: bool, overwrite: bool) -> 
         raise UsageError(f"{final} has no suffix; the output's format is the input's: {path.suffix}")
     if final.exists() and not overwrite:
         raise UsageError(f"{final} exists; it is replaced only with --overwrite")
-    if not elsewhere and not final.parent.is_dir():
+    if not final.parent.is_dir():
         raise FileError(f"There is no folder {final.parent} to write {final.name} into")
     return final
 
@@ -236,10 +266,24 @@ def _opened(source: Path | str) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
         path = Path(folder, f"stdin{suffix}")
         path.write_bytes(content)
-        yield path
+        with _called({str(path): "standard input", path.name: "standard input"}):
+            yield path
 
 
 opened = _opened
+
+
+@contextmanager
+def _called(names: dict[str, str]) -> Iterator[None]:
+    """Let errors speak of files by the names that the user gave."""
+    try:
+        yield
+    except RigtriError as error:
+        text = str(error)
+        for name, known in names.items():
+            text = text.replace(name, known)
+        error.args = (text, *error.args[1:])
+        raise
 
 
 @contextmanager
@@ -259,7 +303,7 @@ def _as_file_error(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         reason = error.strerror or str(error)
-        raise FileError(f"{path} cannot be written: {reason}. Nothing was changed.") from error
+        raise FileError(f"{path} cannot be written: {reason}") from error
 
 
 def _sync(path: Path) -> None:

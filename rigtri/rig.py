@@ -198,6 +198,17 @@ class Rig:
             node = int(self.parents[node])
         return "/" + "/".join(reversed(parts))
 
+    def address(self, node: int) -> str:
+        """What finds a node again, in this file and in others like it: name, path or label.
+
+        The first of the three that no other node shares.
+        """
+        name = self.names[node]
+        if name and len(self._by_name[name]) == 1:
+            return name
+        path = self.path(node)
+        return path if len(self._by_address[path]) == 1 else self.labels[node]
+
     def title(self, node: int) -> str:
         """What to call a node in a message: its name, with its label where several share it."""
         name = self.names[node]
@@ -239,6 +250,10 @@ class Rig:
         if len(found) > 1:
             raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
         return found[0]
+
+    def has(self, name: str) -> bool:
+        """Whether any node is called so, by name, label, path or VRM bone."""
+        return bool(name and (self._by_name.get(name) or self._by_address.get(name)))
 
     def match(self, pattern: str, among: Iterable[int] | None = None) -> list[int]:
         """All nodes that a glob such as ``*_L`` matches by name, label or path.

@@ -187,12 +187,20 @@ def _clip_pose(rig: Rig, pose: str) -> Floats:
 def _main_skin(tree: Skeleton, root: int) -> Skin | None:
     """The skin that holds most joints of a tree, its inverse binds usable; the first of equals."""
     inside = {j for j in tree.joints if tree.root_of(j) == root}
-    best, most = None, 0
+    best, most, at_rest = None, 0, worlds(tree.rig)
     for skin in tree.rig.skins:
-        held = len(inside.intersection(skin.joints.tolist()))
-        if held > most and skin.stored and np.isfinite(bind_worlds(tree.rig, skin)).all():
-            best, most = skin, held
+        held = sorted(inside.intersection(skin.joints.tolist()))
+        if len(held) > most and skin.stored and _is_pose(bind_worlds(tree.rig, skin)[held], at_rest[held]):
+            best, most = skin, len(held)
     return best
+
+
+def _is_pose(bind: Floats, at_rest: Floats) -> bool:
+    """Whether inverse binds place joints: not if they are singular, or identities that hold no places."""
+    if not np.isfinite(bind).all():
+        return False
+    apart = [float(np.ptp(world[:, 3, :3], axis=0).max()) for world in (bind, at_rest)]
+    return apart[0] > ZERO_LENGTH * apart[1] or apart[1] == 0
 
 
 def _same_pose(rig: Rig, skin: Skin, posed: Floats) -> bool:

@@ -21,6 +21,8 @@ from rigtri.rig import Booleans, Clip, Integers, Mesh, Rig, Skin
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
+# What rigtri adds to a file, by the type in its note; the rest of a file it must not move.
+OWN = ("poleVector", "group")
 # Points moved in one matrix product.
 _CHUNK = 4096
 
@@ -337,7 +339,10 @@ def _framed(nodes: Sequence[int], m: Matching, points: Floats, titles: list[str]
 
 
 def origins(before: Rig, m: Matching, moving: Booleans) -> Rows:
-    nodes = np.flatnonzero(moving & (m.node >= 0))
+    """Where nodes are; locators that rigtri itself has added may move."""
+    watched = moving & (m.node >= 0)
+    watched[[node for node, note in before.notes.items() if note.get("type") in OWN]] = False
+    nodes = np.flatnonzero(watched)
     points = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(nodes), 1, 4))
     titles = [f"origin of {before.title(node)}" for node in nodes.tolist()]
     return Rows((nodes, m.node[nodes]), (points, points), titles, [""] * len(nodes))

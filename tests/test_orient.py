@@ -378,7 +378,7 @@ def test_stored_frames_are_applied_and_undone() -> None:
 
     report = Report()
     out = oriented(arm(), report)
-    stored = frames_json(arm(), report)
+    stored = frames_json(report)
     again = oriented(arm(), frames=stored)
     assert_allclose(again.rotation, out.rotation, atol=1e-15)
     back = oriented(out, frames=stored, inverse=True)

@@ -85,21 +85,15 @@ def _common_pose(
 
 
 def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]) -> dict[int, int]:
-    """Joint → joint of the same VRM bone, path, label-path or unique name in the other rig."""
-    by_path = {like.path(k): k for k in others}
-    by_name: dict[str, list[int]] = {}
-    for k in others:
-        by_name.setdefault(like.names[k], []).append(k)
+    """Joint → joint of the same VRM bone or the same address in the other rig."""
+    theirs = {like.address(k): k for k in others}
     bones = {node: bone for bone, node in rig.humanoid.items()}
     found = {}
     for joint in joints:
-        name = rig.names[joint]
         if joint in bones and bones[joint] in like.humanoid:
             found[joint] = like.humanoid[bones[joint]]
-        elif rig.path(joint) in by_path:
-            found[joint] = by_path[rig.path(joint)]
-        elif name and len(by_name.get(name, [])) == 1 and rig.names.count(name) == 1:
-            found[joint] = by_name[name][0]
+        elif rig.address(joint) in theirs:
+            found[joint] = theirs[rig.address(joint)]
     return found
 
 
@@ -205,15 +199,9 @@ def mirrored_turns(
     return result
 
 
-def frames_json(rig: Rig, report: Report) -> dict[str, Any]:
+def frames_json(report: Report) -> dict[str, Any]:
     """What ``--save-frames`` writes: the change of frame C of each turned joint, by name or path."""
-    by_path = {rig.path(node): node for node in range(len(rig))}
-    joints = {}
-    for entry in report.joints:
-        if "turn" in entry:
-            name = rig.names[by_path[entry["path"]]]
-            unique = name and rig.names.count(name) == 1
-            joints[name if unique else entry["path"]] = entry["turn"]
+    joints = {entry["address"]: entry["turn"] for entry in report.joints if "turn" in entry}
     return {"rigtri": "frames", "v": 1, "joints": joints}
 
 
@@ -228,12 +216,11 @@ def stored_turns(
         raise FileError("--frames: 'joints' is missing")
     turns, known = {}, set()
     for joint in joints:
-        for name in (rig.names[joint], rig.path(joint)):
-            if name and name in stored:
-                known.add(name)
-                q = _checked(name, stored[name])
-                turns[joint] = conjugate(q) if inverted else q
-                break
+        name = rig.address(joint)
+        if name in stored:
+            known.add(name)
+            q = _checked(name, stored[name])
+            turns[joint] = conjugate(q) if inverted else q
     lost = [name for name in stored if name not in known]
     if lost:
         report.warn("frames-unmatched", f"{len(lost)} stored frames fit no joint: {', '.join(lost[:10])}")
@@ -247,4 +234,5 @@ def _checked(name: str, value: object) -> Floats:
     q = np.asarray(value, dtype=np.float64)
     if not abs(float(norm(q)) - 1.0) < 1e-6:
         raise FileError(f"--frames: the quaternion of '{name}' is not a rotation (length {norm(q):.6g})")
-    return unit(q)
+    # As it was written, to the bit, where it is a rotation to the bit.
+    return q if abs(float(norm(q)) - 1.0) < 1e-14 else unit(q)

@@ -356,11 +356,8 @@ class _Work:
         for joint in self.tree.joints:
             aim, up = self.aims.get(joint), self.ups.get(joint)
             status = "turned" if moves[joint] else "kept" if joint in self.kept else "unchanged"
-            entry: dict[str, Any] = {
-                "joint": rig.title(joint),
-                "path": rig.path(joint),
-                "status": status,
-            }
+            entry: dict[str, Any] = {"joint": rig.title(joint), "address": rig.address(joint)}
+            entry |= {"path": rig.path(joint), "status": status}
             if joint in self.kept:
                 entry["reason"] = self.kept[joint]
             if aim is not None:

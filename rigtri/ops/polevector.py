@@ -200,7 +200,7 @@ def _place(rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, 
 
 
 def _note(rig: Rig, limb: Limb, options: Options, found: Bend, degrees: float) -> dict[str, Any]:
-    chain = [_address(rig, node) for node in limb.triple]
+    chain = [rig.address(node) for node in limb.triple]
     note: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": chain}
     note |= {"method": options.method, "from": options.origin}
     if options.distance is not None:
@@ -208,14 +208,6 @@ def _note(rig: Rig, limb: Limb, options: Options, found: Bend, degrees: float) -
     else:
         note |= {"reach": float(options.reach), "reachOf": options.reach_of}
     return note | {"bend": round(degrees, 4), "source": found.source, "pose": options.pose}
-
-
-def _address(rig: Rig, node: int) -> str:
-    """A name that finds the node again: its name where no other has it, else ``name#index``."""
-    name = rig.names[node]
-    if name and rig.names.count(name) == 1:
-        return name
-    return f"{name}{rig.labels[node]}" if rig.labels[node].startswith("#") else rig.labels[node]
 
 
 def _tell(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:

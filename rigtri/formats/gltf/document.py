@@ -6,6 +6,7 @@ Source: glTF 2.0; VRM 0.0 and 1.0; docs/design.md, "How formats fill a Rig".
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +82,9 @@ class GltfDocument:
 
     def reopen(self, part: Path) -> GltfDocument:
         """Read what `write` wrote."""
-        return GltfDocument.read(part, self.options)
+        # A relinked output may point anywhere that the source's data already came from.
+        trusted = self.options.allow_external_paths or self.options.relink
+        return GltfDocument.read(part, replace(self.options, allow_external_paths=trusted))
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file as ``rig`` wants it to ``part``; see `rigtri.formats.Document`.
@@ -89,11 +92,11 @@ class GltfDocument:
         Raises UsageError where the suffix of ``target`` is not the kind of file that was
         read, FileError for what cannot be written.
         """
-        if (target.suffix.lower() == ".gltf") == self.container.is_glb:
-            kind = "GLB, so give it the suffix .glb or .vrm" if self.container.is_glb else ".gltf"
+        allowed = (".glb", ".vrm", ".vrma") if self.container.is_glb else (".gltf",)
+        if target.suffix.lower() not in allowed:
             raise UsageError(
-                f"{target.name}: the output is what the input is, {kind}. "
-                "To convert between the two use e.g. gltf-transform copy IN OUT"
+                f"{target.name}: the output has the format of the input; give it the suffix "
+                f"{' or '.join(allowed)}"
             )
         return write_file(self, rig, part, target)
 
