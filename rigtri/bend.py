@@ -73,10 +73,9 @@ def bend(
     own = _own(rig, limb, world, least_sine, other_pose)
     if own is not None:
         return own
-    twin = next(
-        (o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}),
-        None,
-    )
+    twins = [o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}]
+    # Of several characters in a file, the nearest twin is the limb's own.
+    twin = min(twins, key=lambda o: abs(o.start - limb.start), default=None)
     if twin is not None:
         theirs = _own(rig, twin, world, least_sine, other_pose)
         if theirs is not None:

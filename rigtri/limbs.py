@@ -46,6 +46,8 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     triple = (rig.find(start), rig.find(middle), rig.find(end))
     if len(set(triple)) < 3:
         raise UsageError(f"a limb has three different joints, not '{start}', '{middle}', '{end}'")
+    if _below(rig, triple[0], triple[1]) or _below(rig, triple[1], triple[2]):
+        raise UsageError(f"the limb '{start}', '{middle}', '{end}' is upside down; name it from root to end")
     known = {limb.triple: limb for limb in recognise(rig)}
     if triple in known:
         return Limb(*triple, kind=known[triple].kind, side=known[triple].side)
@@ -78,6 +80,24 @@ def recognise(rig: Rig) -> list[Limb]:
     joints = [node for node in range(len(rig)) if rig.is_joint[node] and rig.names[node]]
     if not joints:  # a hierarchy without skin: its plain nodes may be named like limbs
         joints = [node for node in range(len(rig)) if rig.names[node]]
+    return [limb for group in _characters(rig, joints) for limb in _from_names(rig, group)]
+
+
+def _characters(rig: Rig, joints: list[int]) -> list[list[int]]:
+    """Joints by character: one group, unless several root joints have joints of the same names below."""
+    if len({rig.names[joint] for joint in joints}) == len(joints):
+        return [joints]
+    groups: dict[int, list[int]] = {}
+    for joint in joints:
+        top = node = joint
+        while node >= 0:
+            top = node if rig.is_joint[node] or not rig.is_joint.any() else top
+            node = int(rig.parents[node])
+        groups.setdefault(top, []).append(joint)
+    return list(groups.values())
+
+
+def _from_names(rig: Rig, joints: list[int]) -> list[Limb]:
     names = dict(zip(joints, without_prefix([rig.names[node] for node in joints]), strict=True))
     limbs = []
     kinds: tuple[Kind, ...] = ("arm", "leg")

@@ -9,7 +9,7 @@ import numpy as np
 
 from rigtri.errors import FileError, UsageError
 from rigtri.matrices import decompose, from_frame, inverse, local, turn_before
-from rigtri.pose import bind_worlds, locals_at, worlds
+from rigtri.pose import bind_worlds, key_times, locals_at, worlds
 from rigtri.quaternions import conjugate
 from rigtri.rig import Booleans, Rig, Skin
 from rigtri.trigonometry import Floats
@@ -181,7 +181,11 @@ def _clip_pose(rig: Rig, pose: str) -> Floats:
         at = float("nan")
     if not mark or not np.isfinite(at):
         raise UsageError(f"--pose {pose}: give bind, nodes or CLIP@TIME, e.g. Walk@0.5")
-    return worlds(rig, locals_at(rig, rig.clip(name), at)[0])
+    clip = rig.clip(name)
+    times = key_times(clip)
+    if len(times) and not times[0] <= at <= times[-1]:
+        raise UsageError(f"--pose {pose}: '{clip.name}' runs from {times[0]:g} to {times[-1]:g}")
+    return worlds(rig, locals_at(rig, clip, at)[0])
 
 
 def _main_skin(tree: Skeleton, root: int) -> Skin | None:

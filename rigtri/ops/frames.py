@@ -196,6 +196,8 @@ def mirrored_turns(
         elif mirror == "blender":
             axes = np.array([[-1.0], [1.0], [1.0]]) * axes * reflect
         result[joint] = turn_onto(axes, ref, joint)
+    if not any(side(rig.names[joint]) for joint in turns):
+        raise GeometryError("--mirror: no joint that turns says left or right in its name")
     return result
 
 

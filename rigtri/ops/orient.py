@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import determinant, transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of
@@ -94,6 +94,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
         if options.frames is None:  # what the snap left over is noise too
             exact[joint] = work.quiet(joint, exact[joint])
         turns[joint] = exact[joint]
+    work.check(turns)
     work.record(turns, parted)
     out = _noted(reframe(rig, exact), work)
     for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
@@ -141,6 +142,7 @@ class _Work:
         selection = replace(selection, chains=(*selection.chains, *chains))
         turning, kept = select(tree, ref, selection, all_named=elsewhere or options.root is not None)
         _tell_fixed(rig, kept, report)
+        _check_named(rig, selection)
         styles = {}
         for start, end, style in options.chain_styles:
             for joint in along(rig, rig.find(start), rig.find(end)):
@@ -230,13 +232,12 @@ class _Work:
         )
         hinges.collect()
         turns: dict[int, Floats] = {}
-        order = self.turning
-        for joint in order:
-            if self.style(joint).up_from != "child":
-                turns[joint] = self._turn(joint, hinges, turns)
-        for joint in reversed(order):
-            if joint not in turns:
-                turns[joint] = self._turn(joint, hinges, turns)
+        late = [joint for joint in self.turning if self.style(joint).up_from == "child"]
+        # An end joint that copies its parent comes after it, whichever way the others are taken.
+        copies = [joint for joint in self.turning if self.aims[joint].how == "parent"]
+        first = [joint for joint in self.turning if joint not in late and joint not in copies]
+        for joint in (*first, *reversed([j for j in late if j not in copies]), *copies):
+            turns[joint] = self._turn(joint, hinges, turns)
         self._tell_straight(hinges)
         return turns
 
@@ -291,7 +292,9 @@ class _Work:
             along_ = transform_directions(other.direction, self.ref.world[above])
             normal = hinges.found.get(above) or self.normals.get(above)
             before = carried(normal, normalise(along_), bone) if normal else None
-        up = hinges.normal(joint, bone, style.up, before)
+        # After an offset or a snap the present axis is not the one that a run before has found.
+        present = not any(self.options.offset) and not self.options.snap
+        up = hinges.normal(joint, bone, style.up, before, present=present)
         self.normals[joint] = up
         if style.up_from != "plane" and source is not None:
             self.report.warn(
@@ -315,6 +318,8 @@ class _Work:
             other = self.aims[joint].node
             if other not in self.tree.above:
                 other = next(iter(self.tree.below[joint]), None)
+        if other in self.aims and self.aims[other].how == "parent" and style.up_from == "child":
+            other = None  # it copies this joint, so it has nothing to say
         if other is None or other < 0:
             return np.asarray(self.ref.world[joint, letter, :3] * sign)
         return np.asarray(self._axes(other, turns)[letter] * sign)
@@ -348,6 +353,30 @@ class _Work:
                 joint=self._name(joint),
                 geometry=True,
             )
+
+    def check(self, turns: Floats) -> None:
+        """GeometryError for a turned joint of scale 0; warnings for bones and sources that are doubtful."""
+        rig, moves = self.tree.rig, turned(turns)
+        flat = np.flatnonzero(moves & ~rig.has_matrix & (rig.scale == 0).any(axis=1)).tolist()
+        if flat:
+            raise GeometryError(
+                f"'{rig.title(flat[0])}' has scale 0 at rest, so its axes mean nothing below it. "
+                f"Leave it out with --exclude '{rig.title(flat[0])}'."
+            )
+        short = [self._name(j) for j, aim in self.aims.items() if aim.how == "descendant"]
+        if short:
+            names = ", ".join(short[:6]) + (" …" if len(short) > 6 else "")
+            self.report.warn(
+                "zero-length", f"bones of length 0 aim at the next joint that lies elsewhere: {names}"
+            )
+        sources = {self.style(joint).up_from for joint in self.aims}
+        for source in sorted(text for text in sources if text.startswith("noderot:")):
+            node = rig.find(source.split(":", 2)[2], "node")
+            if moves[node]:
+                self.report.warn(
+                    "up-source-turns",
+                    f"{source}: '{rig.title(node)}' turns too; a second run would see other axes",
+                )
 
     def record(self, turns: Floats, parted: Container[int]) -> None:
         """One record per joint: what became of it, why, and how sure that is."""
@@ -392,6 +421,16 @@ class _Work:
             entry["aim_error_degrees"] = round(off, 6)
 
 
+def _check_named(rig: Rig, selection: Selection) -> None:
+    """GeometryError for a joint that the user named by itself and that may not turn."""
+    named = [name for name in selection.joints if rig.has(name)]
+    named += [name for chain in selection.chains for name in chain]
+    for name in named:
+        node = rig.find(name)
+        if node in rig.fixed:
+            raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.fixed[node]}")
+
+
 def _tell_fixed(rig: Rig, kept: dict[int, str], report: Report) -> None:
     """Warn of joints that the file itself holds in place, once per reason."""
     reasons: dict[str, list[str]] = {}
@@ -432,6 +471,6 @@ def _noted(rig: Rig, work: _Work) -> Rig:
             if own.get("invented") and rig is work.tree.rig:
                 continue
             notes[joint] = {"v": 1, "type": "frame", "up": up.source, "invented": True}
-        elif own.get("invented"):
+        elif own.get("invented") and work.style(joint).up_from != "keep":
             del notes[joint]
     return rig if notes == rig.notes else replace(rig, notes=notes)

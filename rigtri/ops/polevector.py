@@ -67,6 +67,7 @@ def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) 
     limbs = _limbs(rig, options)
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")
+    _check_name(rig, limbs, options)
     ref = _reference(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
     others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
@@ -80,6 +81,16 @@ def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) 
     if unsaid:
         raise GeometryError(_straight_message(rig, unsaid, ref))
     return rig
+
+
+def _check_name(rig: Rig, limbs: list[Limb], options: Options) -> None:
+    """UsageError for a name that another node has."""
+    if options.name is None:
+        return
+    chain = [rig.address(node) for node in limbs[0].triple]
+    own = [k for k, note in rig.notes.items() if note.get("chain") == chain]
+    if _free_name(rig, options.name, own[0] if own else None) != _plain_name(options.name):
+        raise UsageError(f"--name {options.name}: another node is called so")
 
 
 def _limbs(rig: Rig, options: Options) -> list[Limb]:
@@ -264,13 +275,17 @@ def _free_name(rig: Rig, wanted: str, own: int | None) -> str:
 
     USD prims allow nothing else, and three.js alters other names.
     """
-    name = re.sub(r"[^A-Za-z0-9_]+", "_", wanted).strip("_") or "locator"
-    name = f"_{name}" if name[0].isdigit() else name
+    name = _plain_name(wanted)
     taken = {known for node, known in enumerate(rig.names) if node != own}
     free, count = name, 2
     while free in taken:
         free, count = f"{name}_{count}", count + 1
     return free
+
+
+def _plain_name(wanted: str) -> str:
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", wanted).strip("_") or "locator"
+    return f"_{name}" if name[0].isdigit() else name
 
 
 def _axes(points: Floats, found: Bend, options: Options) -> Floats:

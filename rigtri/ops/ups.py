@@ -182,10 +182,10 @@ class Hinges:
                     self.found[joint] = Up(normal, 4, "other side", self.found[there].sine)
                     break
 
-    def normal(self, joint: int, aim: Floats, up_axis: str, above: Up | None) -> Up:
+    def normal(self, joint: int, aim: Floats, up_axis: str, above: Up | None, *, present: bool = True) -> Up:
         """The plane normal of a joint, for a bone along ``aim`` (3,), by the first step that holds.
 
-        above: what the joint above got, with its bone, for step 7.
+        above: what the joint above got, carried along, for step 7. present: whether step 8 counts.
         """
         candidates: list[Up | None] = [self.found.get(joint), self._adjoining(joint)]
         for candidate in (*candidates, above):
@@ -193,7 +193,7 @@ class Hinges:
                 return candidate
         letter, sign = axis_of(up_axis)
         own = normalise(self.ref.world[joint, letter, :3]) * sign
-        if _across(own, aim):
+        if present and _across(own, aim):
             return Up(own, 8, "its present axis")
         least = np.eye(3)[int(np.argmin(np.abs(normalise(aim))))]
         return Up(least, 9, "world axis least parallel to the bone")
@@ -281,8 +281,13 @@ def _up(found: Bend) -> Up:
 
 
 def _area_weighted(areas: Floats, sines: Floats) -> tuple[Floats, float]:
-    """The common normal of a chain: areas summed, each on the side of the largest."""
-    largest = areas[int(np.argmax(length(areas)))]
+    """The common normal of a chain: areas summed, each on the side of the largest.
+
+    Of areas that differ by less than a tenth the first counts as the largest, so that
+    rounding does not choose between them.
+    """
+    size = length(areas)
+    largest = areas[int(np.argmax(size >= 0.9 * size.max()))]
     flip = np.where(dot(areas, largest) < 0, -1.0, 1.0)[:, np.newaxis]
     total = (areas * flip).cumsum(axis=0)[-1]
     return normalise(total), float(sines.max())
