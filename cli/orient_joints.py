@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import RigtriError, UsageError
+from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.ops.presets import PRESETS, Style
 
 from .options import (
@@ -327,7 +327,7 @@ def _like(path: str) -> Rig:
     from rigtri.formats import read
 
     if not Path(path).is_file():
-        raise UsageError(f"--like {path}: there is no such file")
+        raise FileError(f"--like {path}: there is no such file")
     try:
         return read(Path(path)).rig
     except RigtriError as error:

@@ -211,3 +211,43 @@ def test_pole_vectors_stand_where_a_reviewer_has_read(
     out = tmp_path / name
     told = run("add-polevector", samples / name, "-o", out, "--limbs", "auto").stderr
     golden.check(f"add-polevector_{name}.txt", told.replace(str(out), name))
+
+
+IGNORED = {
+    "a mirror's side": (["--from-side", "left"], "--mirror"),
+    "a mirror": (["--plane", "xz"], "--mirror"),
+    "an override of glTF": (["--override"], "glTF"),
+    "axes of the world": (["--world", "--aim", "z"], "world"),
+    "two rules": (["--branch", "first", "--branch", "longest"], "one rule"),
+    "a joint aimed at itself": (["--aim-at", "head=head"], "itself"),
+    "no sides": (["--mirror", "behavior", "--joints", "spine"], "left or right"),
+    "beyond the clip": (["--pose", "walk@99"], "runs from"),
+    "upside down": (["--limb", "hand_L", "forearm_L", "upper_arm_L"], "upside down"),
+    "aims for frames": (["--frames", "frames.json", "--aim", "z"], "--frames"),
+    "a report over the result": (["--report", "out.glb"], "something else"),
+    "a report in no folder": (["--report", "none/report.json"], "written there"),
+}
+
+
+@pytest.mark.parametrize("case", IGNORED)
+def test_an_option_that_would_mean_nothing_is_refused(
+    case: str, app: click.Group, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments, word = IGNORED[case]
+    result = CliRunner().invoke(
+        app,
+        ["orient-joints", str(samples / "biped.glb"), "-o", "out.glb", *arguments],
+    )
+    assert result.exit_code in (2, 3, 5)
+    assert word in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_with_an_equals_sign_can_be_aimed(run: Any, tmp_path: Path, samples: Path) -> None:
+    source = tmp_path / "odd.gltf"
+    text = (samples / "biped.gltf").read_text().replace('"forearm_L"', '"a=b"').replace('"hand_L"', '"c=d"')
+    source.write_text(text)
+    (tmp_path / "biped.bin").write_bytes((samples / "biped.bin").read_bytes())
+    result = run("orient-joints", source, "-o", tmp_path / "out.gltf", "--aim-at", "a=b=c=d", "-v")
+    assert "a=b: turned" in result.stderr

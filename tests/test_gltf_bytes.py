@@ -100,8 +100,10 @@ def test_a_glb_of_more_than_4_gib_is_refused(tmp_path: Path) -> None:
 def test_the_output_is_of_the_kind_of_the_input(tmp_path: Path) -> None:
     document = GltfDocument.read(small().glb(tmp_path / "a.glb"))
     for name in ("b.gltf", "b.GLTF"):
-        with pytest.raises(UsageError, match="GLB"):
+        with pytest.raises(UsageError, match=r"\.glb"):
             document.write(document.rig, tmp_path / "part", tmp_path / name)
+    with pytest.raises(UsageError, match=r"\.glb"):
+        document.write(document.rig, tmp_path / "part", tmp_path / "b.usda")
     document.write(document.rig, tmp_path / "part", tmp_path / "b.vrm")
     text = GltfDocument.read(small().gltf_file(tmp_path / "a.gltf"))
     with pytest.raises(UsageError, match=r"\.gltf"):

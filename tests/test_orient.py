@@ -14,12 +14,12 @@ from rigs import chain, rig_of
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import given
-from rigtri.matrices import inverse, multiply
+from rigtri.matrices import inverse
 from rigtri.ops.orient import Options, orient_joints
 from rigtri.ops.presets import PRESETS, Style
 from rigtri.ops.select import Selection
-from rigtri.pose import worlds
-from rigtri.quaternions import from_axis_angle
+from rigtri.pose import skin_matrices, worlds
+from rigtri.quaternions import conjugate, from_axis_angle, multiply, rotate
 from rigtri.report import Report
 from rigtri.rig import Clip, Rig, Skin, Track
 from rigtri.triangle import axis_of
@@ -117,8 +117,6 @@ def test_the_middle_joint_flexes_about_plus_n() -> None:
     out = oriented(arm(), limbs=(given(arm(), "a", "b", "c"),))
     flexed = replace(out, rotation=out.rotation.copy())
     elbow = out.find("b")
-    from rigtri.quaternions import multiply
-
     flexed.rotation[elbow] = multiply(out.rotation[elbow], from_axis_angle([0, 1, 0], 0.3))
     straight, bent = worlds(out)[:3, 3, :3], worlds(flexed)[:3, 3, :3]
     assert np.linalg.norm(bent[2] - bent[0]) < np.linalg.norm(straight[2] - straight[0])
@@ -255,8 +253,10 @@ def test_a_straight_knee_bends_forward_and_a_straight_elbow_back() -> None:
 
 
 def test_a_straight_limb_nobody_knows_is_marked_as_invented_and_strictly_refused() -> None:
-    report = Report()
-    out = oriented(straight(), report)
+    report, rig = Report(), straight()
+    rig.rotation[1] = from_axis_angle([0, 1, 1], 0.4)
+    rig.translation[2] = rotate(conjugate(rig.rotation[1]), [1, 0, 0])
+    out = oriented(rebound(rig), report)
     assert report.joints[1]["invented"]
     assert any(notice.geometry for notice in report.warnings)
     assert out.notes[1]["invented"] is True
@@ -429,9 +429,7 @@ def test_a_split_holds_the_axes_in_a_node_of_its_own_and_moves_nothing() -> None
     before, after = posed(rig), posed(out)
     old = [out.find(name) for name in rig.names]
     assert_allclose(after[:, old, 3], before[:, :, 3], atol=1e-12)
-    skinned = [
-        multiply(r.skins[0].inverse_bind, w[:, r.skins[0].joints]) for r, w in ((rig, before), (out, after))
-    ]
+    skinned = [skin_matrices(r.skins[0], world) for r, world in ((rig, before), (out, after))]
     assert_allclose(skinned[1], skinned[0], atol=1e-12)
     assert [entry["joint"] for entry in report.joints if entry.get("split")] == ["b"]
 
@@ -476,3 +474,82 @@ def test_files_of_one_skeleton_get_one_set_of_axes_in_the_bind_pose() -> None:
     assert_allclose(one_turn, other_turn, atol=1e-9)
     moved = oriented(posed, pose="nodes")
     assert np.abs(worlds(moved)[:3, :3, :3] - worlds(other)[:3, :3, :3]).max() > 1e-3
+
+
+def test_identity_inverse_binds_are_no_bind_pose() -> None:
+    rig = arm()
+    rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
+    identity = replace(rig, skins=(replace(rig.skins[0], inverse_bind=np.tile(np.eye(4), (4, 1, 1))),))
+    report = Report()
+    once = oriented(identity, report)
+    assert {entry["pose"] for entry in report.joints} == {"nodes"}
+    assert oriented(once) is once
+
+
+def twins() -> Rig:
+    """Two characters of one file that share all names; the second stands aside and differs in axes."""
+    names = ["hips", "thigh_L", "shin_L", "foot_L"]
+    points = np.array([[0, 0, 0], [0.3, 0, 0], [0, -1, 0.3], [0, -1, -0.3]], dtype=float)
+    rig = rig_of(
+        names * 2, [-1, 0, 1, 2, -1, 4, 5, 6], np.concatenate([points, points + [[5, 0, 0]] + 0 * points])
+    )
+    rig.translation[5:] = points[1:]
+    rig.rotation[5] = from_axis_angle([1, 1, 0], 0.5)
+    inverse_bind = inverse(worlds(rig))
+    halves = (np.arange(4), np.arange(4, 8))
+    return replace(rig, skins=tuple(Skin(f"s{k}", half, inverse_bind[half]) for k, half in enumerate(halves)))
+
+
+def test_each_of_two_characters_has_limbs_of_its_own() -> None:
+    report = Report()
+    oriented(twins(), report)
+    assert [e["up"] for e in report.joints if "shin" in e["joint"]] == ["plane of the limb"] * 2
+
+
+def test_frames_of_characters_that_share_names_are_not_mixed_up() -> None:
+    from rigtri.ops.frames import frames_json
+
+    report = Report()
+    out = oriented(twins(), report, style=Style("y", "x"))
+    back = oriented(out, frames=frames_json(report), inverse=True)
+    assert_allclose(worlds(back), worlds(twins()), atol=1e-12)
+    assert_allclose(worlds(oriented(out, like=twins())), worlds(twins()), atol=1e-9)
+
+
+def test_a_regular_zigzag_keeps_its_side_in_a_second_run() -> None:
+    rig = chain(*((float(k), 0.5 * (k % 2), 0.0) for k in range(8)))
+    shaken = replace(rig, translation=rig.translation + np.random.default_rng(1).normal(size=(8, 3)) * 1e-8)
+    for one in (rig, rebound(shaken)):
+        assert axes(oriented(one), "b")[1] @ axes(oriented(rig), "b")[1] > 0.99
+
+
+@pytest.mark.parametrize(
+    "style", [Style("x", "y", "child"), Style("x", "y", "keep"), Style("x", "y", "parent")]
+)
+def test_every_source_of_up_is_stable(style: Style) -> None:
+    rig = arm()
+    rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
+    once = oriented(rebound(rig), style=style)
+    assert oriented(once, style=style) is once
+
+
+def test_an_offset_is_stable_where_nothing_tells_the_up_direction() -> None:
+    once = oriented(straight(), offset=(10.0, 20.0, 30.0))
+    assert oriented(once, offset=(10.0, 20.0, 30.0)) is once
+
+
+def test_a_joint_of_scale_zero_cannot_turn() -> None:
+    rig = arm()
+    rig.scale[3] = 0.0
+    with pytest.raises(GeometryError, match="'d' has scale 0"):
+        oriented(rig, pose="nodes", end="parent")
+    oriented(rig, pose="nodes", end="keep")
+
+
+def test_a_named_joint_that_may_not_turn_is_an_error() -> None:
+    rig = replace(arm(), fixed={1: "an extension holds it"})
+    with pytest.raises(GeometryError, match="an extension holds it"):
+        oriented(rig, selection=Selection(joints=("b",)))
+    report = Report()
+    oriented(rig, report)
+    assert "fixed" in [notice.code for notice in report.warnings]

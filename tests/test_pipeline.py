@@ -224,3 +224,43 @@ def test_a_split_is_exact_in_gltf_and_refused_in_usd(samples: Path, tmp_path: Pa
     assert again.verification is not None
     with pytest.raises(UsageError, match="split"):
         edit(samples / "biped.usda", tmp_path / "out.usda", squash_and_split)
+
+
+def test_a_resource_that_is_another_file_is_not_replaced_unasked(samples: Path, tmp_path: Path) -> None:
+    (tmp_path / "biped.bin").write_bytes(b"precious")
+    with pytest.raises(UsageError, match="--overwrite"):
+        edit(samples / "biped.gltf", tmp_path / "out.gltf", orient)
+    assert [p.name for p in tmp_path.iterdir()] == ["biped.bin"]
+    assert (tmp_path / "biped.bin").read_bytes() == b"precious"
+    edit(samples / "biped.gltf", tmp_path / "out.gltf", orient, overwrite=True)
+    assert (tmp_path / "biped.bin").read_bytes() == (samples / "biped.bin").read_bytes()
+
+
+def test_a_relinked_gltf_points_back_at_its_old_buffer(samples: Path, tmp_path: Path) -> None:
+    outcome = edit(samples / "biped.gltf", tmp_path / "out.gltf", orient, options=Options(relink=True))
+    assert outcome.verification is not None
+    assert not (tmp_path / "biped.bin").exists()
+    assert len(read(tmp_path / "out.gltf", Options(allow_external_paths=True)).meshes())
+
+
+def test_the_part_of_a_run_that_was_killed_is_removed_by_the_next(samples: Path, tmp_path: Path) -> None:
+    dead = tmp_path / ".out.part-999999999.glb"
+    alive = tmp_path / f".out.part-{os.getppid()}.glb"
+    for part in (dead, alive):
+        part.write_bytes(b"half")
+    edit(samples / "biped.glb", tmp_path / "out.glb", orient)
+    assert not dead.exists()
+    assert alive.exists()
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_pole_vector_may_be_moved_by_a_second_run(name: str, samples: Path, tmp_path: Path) -> None:
+    from rigtri.ops.polevector import Options as Pole
+    from rigtri.ops.polevector import add_polevector
+
+    one, two = tmp_path / f"one{name}", tmp_path / f"two{name}"
+    edit(samples / name, one, lambda rig, report: add_polevector(rig, options=Pole(auto=True)))
+    further = Pole(auto=True, reach=1.2)
+    outcome = edit(one, two, lambda rig, report: add_polevector(rig, options=further))
+    assert outcome.changed
+    assert len(read(one).rig) == len(read(two).rig)

@@ -65,7 +65,7 @@ def test_a_report_has_exactly_its_keys() -> None:
         "written": True,
         "dry_run": False,
         "options": {},
-        "joints": [{"joint": "a", "path": "/a", "status": "kept", "reason": "a root joint"}],
+        "joints": [{"joint": "a", "address": "a", "path": "/a", "status": "kept", "reason": "a root joint"}],
         "limbs": [
             {
                 "limb": ["a", "b", "c"],
@@ -84,6 +84,6 @@ def test_a_report_has_exactly_its_keys() -> None:
     assert not check.is_valid(report | {"bytes": 1})
     for key in report:
         assert not check.is_valid({k: v for k, v in report.items() if k != key})
-    turned = {"joint": "a", "path": "/a", "status": "turned"}
+    turned = {"joint": "a", "address": "a", "path": "/a", "status": "turned"}
     assert not check.is_valid(report | {"joints": [turned]})
     assert not check.is_valid(report | {"limbs": [report["limbs"][0] | {"source": "noise"}]})

@@ -96,7 +96,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
         turns[joint] = exact[joint]
     work.check(turns)
     work.record(turns, parted)
-    out = _noted(reframe(rig, exact), work)
+    out = _noted(reframe(rig, exact), work, turns)
     for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
         out = split(out, joint, parted[joint])
     return out
@@ -357,7 +357,7 @@ class _Work:
     def check(self, turns: Floats) -> None:
         """GeometryError for a turned joint of scale 0; warnings for bones and sources that are doubtful."""
         rig, moves = self.tree.rig, turned(turns)
-        flat = np.flatnonzero(moves & ~rig.has_matrix & (rig.scale == 0).any(axis=1)).tolist()
+        flat = np.flatnonzero(moves & (length(rig.local[:, :3, :3]) == 0).any(axis=1)).tolist()
         if flat:
             raise GeometryError(
                 f"'{rig.title(flat[0])}' has scale 0 at rest, so its axes mean nothing below it. "
@@ -459,18 +459,17 @@ def _facing(rig: Rig, options: Options) -> Floats | None:
     return direction
 
 
-def _noted(rig: Rig, work: _Work) -> Rig:
-    """Mark in the file the joints whose up direction was invented, and unmark those that no longer are."""
+def _noted(rig: Rig, work: _Work, turns: Floats) -> Rig:
+    """Mark in the file the turned joints whose up direction was invented, and unmark the others.
+
+    What did not turn keeps its mark or none: nothing was invented for it now.
+    """
     notes = {node: dict(note) for node, note in rig.notes.items()}
-    for joint in work.turning:
-        up = work.ups.get(joint)
-        own = notes.get(joint, {})
-        if own.get("type", "frame") != "frame" or joint not in work.aims:
-            continue
+    moves = turned(turns)
+    for joint in (joint for joint in work.turning if moves[joint]):
+        up, own = work.ups.get(joint), notes.get(joint, {})
         if up is not None and up.step >= 7:
-            if own.get("invented") and rig is work.tree.rig:
-                continue
             notes[joint] = {"v": 1, "type": "frame", "up": up.source, "invented": True}
-        elif own.get("invented") and work.style(joint).up_from != "keep":
+        elif own.get("type") == "frame" and own.get("invented"):
             del notes[joint]
     return rig if notes == rig.notes else replace(rig, notes=notes)

@@ -26,7 +26,7 @@ from rigtri.naming import twin
 from rigtri.ops.aims import Aim, chain_child, limb_path
 from rigtri.quaternions import between, rotate
 from rigtri.report import Report
-from rigtri.skeleton import Reference, Skeleton
+from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
 from rigtri.triangle import STRAIGHT_SINE, axis_of, bend_sine
 from rigtri.trigonometry import Floats, arc_tangent
 from rigtri.vectors import cross, dot, length, normalise
@@ -162,10 +162,18 @@ class Hinges:
                 self.found[joint] = Up(normal, 2, "plane of the joint", float(sines[k]))
 
     def _moving(self, nodes: list[int]) -> Up | None:
-        """The hinge of a straight chain as its clips show it: first, second and last point."""
-        limb = Limb(nodes[0], nodes[1], nodes[-1] if len(nodes) == 3 else nodes[2])
-        found = bend(self.tree.rig, limb, self.ref.world, least_sine=2.0, other_pose=self.ref.other)
-        return None if found is None else _up(found)
+        """The hinge of a straight chain as its clips show it, at the first joint that they bend."""
+        apart = [nodes[0]]
+        for node in nodes[1:]:
+            if length(self.ref.position(node) - self.ref.position(apart[-1])) > ZERO_LENGTH * self.ref.extent:
+                apart.append(node)
+        for triple in zip(apart, apart[1:], apart[2:], strict=False):
+            limb = Limb(*triple)
+            # No sine reaches 2: the pose itself has no say here.
+            found = bend(self.tree.rig, limb, self.ref.world, least_sine=2.0, other_pose=self.ref.other)
+            if found is not None:
+                return _up(found)
+        return None
 
     def _from_twin(self, chain: list[int]) -> None:
         rig = self.tree.rig
@@ -195,7 +203,9 @@ class Hinges:
         own = normalise(self.ref.world[joint, letter, :3]) * sign
         if present and _across(own, aim):
             return Up(own, 8, "its present axis")
-        least = np.eye(3)[int(np.argmin(np.abs(normalise(aim))))]
+        # The first axis of those that are about the least parallel: rounding is not to choose.
+        off = np.abs(normalise(aim))
+        least = np.eye(3)[int(np.argmax(off <= off.min() + 0.1))]
         return Up(least, 9, "world axis least parallel to the bone")
 
     def _adjoining(self, joint: int) -> Up | None:
