@@ -20,6 +20,7 @@ from usd_files import (
     write,
 )
 
+from rigtri.compare import self_check
 from rigtri.errors import FileError, UsageError
 from rigtri.quaternions import IDENTITY
 from rigtri.reframe import reframe
@@ -227,6 +228,17 @@ def test_a_layer_override_holds_only_opinions_and_fits_over_the_source(suffix: s
     both = save(tmp_path, f"#usda 1.0\n(subLayers = [@./{out.name}@, @./in.usda@])\n", "both.usda")
     assert deviation(source, both) < 1e-6
     assert document.reopen(out).rig.labels == document.rig.labels
+
+
+@pytest.mark.parametrize("head", ["timeCodesPerSecond = 30", "framesPerSecond = 48", ""])
+def test_a_layer_override_counts_time_as_its_source(head: str, tmp_path: Path) -> None:
+    save(tmp_path, ASSET, "asset.usda")
+    source = save(tmp_path, f"#usda 1.0\n(\n{head}\nsubLayers = [@./asset.usda@]\n)\n")
+    document = read(source, override="layer")
+    out = write(document, turned(document.rig), tmp_path / "over.usda")
+    assert self_check(document, document.reopen(out)).deviation < 1e-6
+    both = f"#usda 1.0\n(\n{head}\nsubLayers = [@./over.usda@, @./in.usda@]\n)\n"
+    assert deviation(source, save(tmp_path, both, "both.usda")) < 1e-6
 
 
 def test_a_stage_override_looks_like_the_source_and_is_edited_in_place(tmp_path: Path) -> None:

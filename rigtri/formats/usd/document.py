@@ -86,7 +86,7 @@ class UsdDocument:
     def _write(self, edits: list[Edit], part: Path, target: Path) -> None:
         source, override = self._source, self._options.override
         if override and not self._is_override():
-            layer = self._override(target) if override == "stage" else layers.empty()
+            layer = self._override(target) if override == "stage" else self._opinions()
             _apply(edits, layer)
             part.write_bytes(layers.to_bytes(layer, _encoding(target.suffix)))
             return
@@ -107,6 +107,12 @@ class UsdDocument:
             package.write(whole, layers.to_bytes(layer, encoding), part)
         else:
             part.write_bytes(layers.to_bytes(layer, layers.encoding_of(source.layer)))
+
+    def _opinions(self) -> Any:
+        """A layer for bare opinions on the source, to be inserted into any layer stack above it."""
+        layer = layers.empty()
+        layers.copy_clock(self._source.layer, layer)
+        return layer
 
     def _override(self, target: Path) -> Any:
         """A layer over the source: its stage metadata, and the source as its only sublayer."""

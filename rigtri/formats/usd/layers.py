@@ -37,6 +37,15 @@ def copy_metadata(source: Any, target: Any) -> None:
     UsdUtils.CopyLayerMetadata(source, target, True)
 
 
+def copy_clock(source: Any, target: Any) -> None:
+    """Let a layer count time as another: its samples are scaled where it is sublayered otherwise."""
+    if source.HasTimeCodesPerSecond() or source.HasFramesPerSecond():
+        # Without timeCodesPerSecond USD goes by framesPerSecond.
+        target.timeCodesPerSecond = source.timeCodesPerSecond
+    if source.HasFramesPerSecond():
+        target.framesPerSecond = source.framesPerSecond
+
+
 def to_bytes(layer: Any, encoding: str) -> bytes:
     """A layer as the bytes of a file in ``usda`` or ``usdc``."""
     if encoding == "usda":
