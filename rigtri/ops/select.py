@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import along
 from rigtri.ops.aims import chain_child
 from rigtri.rig import Rig
@@ -42,6 +42,7 @@ def select(
     Raises NameNotFoundError for names that the rig does not have.
     """
     rig = tree.rig
+    _check_named(rig, selection)
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
     named = _named(tree, selection)
@@ -61,6 +62,16 @@ def select(
         else:
             turning.append(joint)
     return turning, kept
+
+
+def _check_named(rig: Rig, selection: Selection) -> None:
+    """GeometryError for a joint that the user named by itself and that may not turn."""
+    named = [name for name in selection.joints if rig.has(name)]
+    named += [name for chain in selection.chains for name in chain]
+    for name in named:
+        node = rig.find(name)
+        if node in rig.fixed:
+            raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.fixed[node]}")
 
 
 def _named(tree: Skeleton, selection: Selection) -> set[int]:

@@ -1,0 +1,298 @@
+"""The plan of orient-joints: the options, and for each joint the turn that it should take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from rigtri.errors import FileError, UsageError
+from rigtri.limbs import Limb, along, recognise
+from rigtri.matrices import transform_directions
+from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of
+from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, turn_onto
+from rigtri.ops.presets import Style
+from rigtri.ops.scale import Policy, nearest_cardinal
+from rigtri.ops.select import Selection, select
+from rigtri.ops.ups import Hinges, Up, carried, carry_to_joint, crossing, stated
+from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes, turn_angle
+from rigtri.reframe import SAME_SCALE, Scales
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.triangle import DEGENERATE_SINE, axis_of, frame
+from rigtri.trigonometry import Floats
+from rigtri.vectors import cross, length, normalise
+
+# A joint that would turn by less than this (radians) is left bit-exact: float32 storage
+# re-derives frames with up to this much noise (docs/exactness.md).
+UNCHANGED = 2e-6
+# … plus this over |sin bend| about the aim axis, where up comes from a plane.
+UNCHANGED_PLANE = 2e-7
+# However poor the positions are, a turn of more than this (0.06°) is meant.
+MOST_NOISE = 1e-3
+# Axes copied from a file (--like) hold no positions: only the rounding of rotations.
+UNCHANGED_LIKE = 5e-7
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `orient_joints` can be told; the defaults are the command's."""
+
+    style: Style = Style()
+    selection: Selection = Selection()
+    chain_styles: tuple[tuple[str, str, Style], ...] = ()
+    branch: Branch = "chain"
+    branch_to: tuple[str, ...] = ()
+    end: End = "tip"
+    aim_at: tuple[tuple[str, str], ...] = ()
+    limbs: tuple[Limb, ...] = ()
+    per_joint_plane: bool = False
+    facing: tuple[float, float, float] | None = None
+    pose: str | None = None
+    on_nonuniform_scale: Policy = "snap"
+    snap: bool = False
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mirror: Mirror | None = None
+    from_side: Literal["left", "right"] = "left"
+    plane: str = "yz"
+    root: str | None = None
+    like: Rig | None = None
+    frames: object = None
+    inverse: bool = False
+
+
+@dataclass(eq=False)
+class Plan:
+    """One run: what turns, where it aims, and what was decided for each joint.
+
+    ups: what told the up direction of each joint; normals: the same before ``pole`` turns
+    it; straight: limbs and chains without a plane; noise: radians per joint that mean nothing.
+    """
+
+    tree: Skeleton
+    ref: Reference
+    options: Options
+    report: Report
+    turning: list[int]
+    kept: dict[int, str]
+    aims: dict[int, Aim]
+    limbs: tuple[Limb, ...]
+    styles: dict[int, Style] = field(default_factory=dict)
+    ups: dict[int, Up] = field(default_factory=dict)
+    normals: dict[int, Up] = field(default_factory=dict)  # before `pole` turns them
+    noise: dict[int, float] = field(default_factory=dict)
+    straight: dict[int, tuple[str, float]] = field(default_factory=dict)
+
+    @staticmethod
+    def of(rig: Rig, options: Options, report: Report) -> Plan:
+        # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
+        elsewhere = options.like is not None or options.frames is not None
+        tree = skeleton(rig, options.root, plain=elsewhere)
+        if rig.frozen:
+            raise FileError(f"No joint of this file may turn: {rig.frozen}.")
+        ref = reference(tree, options.pose)
+        selection = options.selection
+        chains = tuple((start, end) for start, end, _ in options.chain_styles)
+        selection = replace(selection, chains=(*selection.chains, *chains))
+        turning, kept = select(tree, ref, selection, all_named=elsewhere or options.root is not None)
+        styles = {}
+        for start, end, style in options.chain_styles:
+            for joint in along(rig, rig.find(start), rig.find(end)):
+                styles[joint] = style.checked()
+        options.style.checked()
+        limbs = _limbs(rig, options)
+        rules = Rules(
+            options.branch,
+            tuple(rig.find(name) for name in options.branch_to),
+            options.end,
+            {rig.find(a): rig.find(b, "node") for a, b in options.aim_at},
+            limbs,
+        )
+        aims = {joint: aim_of(tree, ref, joint, rules) for joint in turning}
+        return Plan(tree, ref, options, report, turning, kept, aims, limbs, styles)
+
+    def style(self, joint: int) -> Style:
+        return self.styles.get(joint, self.options.style)
+
+    def wanted(self) -> dict[int, Floats]:
+        """The turn that each joint should take, identity where it already stands so."""
+        options, rig = self.options, self.tree.rig
+        if options.frames is not None:  # applied as they are, however small
+            stored, undo = options.frames, options.inverse
+            return stored_turns(rig, self.turning, stored, inverted=undo, report=self.report)
+        if options.like is not None:
+            turns = like_turns(self.tree, self.ref, self.turning, options.like, self.report)
+        else:
+            turns = self._oriented()
+        turns = {joint: self._finished(joint, turn) for joint, turn in turns.items()}
+        if options.mirror is not None:
+            turns |= mirrored_turns(
+                self.tree,
+                self.ref,
+                turns,
+                mirror=options.mirror,
+                from_side=options.from_side,
+                plane=options.plane,
+                report=self.report,
+            )
+        return {joint: self.quiet(joint, turn) for joint, turn in turns.items()}
+
+    def _finished(self, joint: int, turn: Floats) -> Floats:
+        """``--snap`` and ``--offset``: after everything else."""
+        if self.options.snap:
+            turn = nearest_cardinal(turn)
+        for axis, angle_ in zip(np.eye(3), self.options.offset, strict=True):
+            if angle_:
+                turn = multiply(turn, from_axis_angle(axis, angle_ * (np.pi / 180.0)))
+        return turn
+
+    def quiet(self, joint: int, turn: Floats) -> Floats:
+        """Exactly the identity for a turn that is no more than the noise of storage."""
+        if self.options.like is not None:
+            return IDENTITY if float(turn_angle(turn)) <= UNCHANGED_LIKE else turn
+        limit = self._least(joint) + self.noise.get(joint, 0.0)
+        limit = min(limit + self._position_noise(joint), MOST_NOISE)
+        return IDENTITY if float(turn_angle(turn)) <= limit else turn
+
+    def _least(self, joint: int) -> float:
+        """The turn that means nothing: float32 rounding, and scale noise that passes as uniform."""
+        return UNCHANGED + float(self.scale_noise[joint])
+
+    @cached_property
+    def scale_noise(self) -> Floats:
+        """How far from uniform the scales of each node and those above it are, (n,), where taken as such."""
+        spread = Scales.of(self.tree.rig).spread
+        noise = np.where(spread <= SAME_SCALE, spread, 0.0)
+        for level in self.tree.rig.levels[1:]:
+            noise[level] = np.maximum(noise[level], noise[self.tree.rig.parents[level]])
+        return noise
+
+    def _position_noise(self, joint: int) -> float:
+        """What float32 positions (inverse binds) leave uncertain about a bone's direction, in radians."""
+        bone = self.aims[joint].length if joint in self.aims else 0.0
+        return self.ref.rounding * self.ref.extent / max(bone, 1e-3 * self.ref.extent, 1e-30)
+
+    def _oriented(self) -> dict[int, Floats]:
+        hinges = Hinges(
+            self.tree,
+            self.ref,
+            self.aims,
+            self.limbs,
+            _facing(self.tree.rig, self.options),
+            self.options.per_joint_plane,
+            self.report,
+        )
+        hinges.collect()
+        turns: dict[int, Floats] = {}
+        late = [joint for joint in self.turning if self.style(joint).up_from == "child"]
+        # An end joint that copies its parent comes after it, whichever way the others are taken.
+        copies = [joint for joint in self.turning if self.aims[joint].how == "parent"]
+        first = [joint for joint in self.turning if joint not in late and joint not in copies]
+        for joint in (*first, *reversed([j for j in late if j not in copies]), *copies):
+            turns[joint] = self._turn(joint, hinges, turns)
+        self.straight = hinges.straight
+        return turns
+
+    def _turn(self, joint: int, hinges: Hinges, turns: dict[int, Floats]) -> Floats:
+        aim, style, ref = self.aims[joint], self.style(joint), self.ref
+        if style.world or aim.how == "world":
+            return turn_onto(np.eye(3), ref, joint)
+        if aim.how == "keep":
+            return IDENTITY
+        if aim.how == "parent":
+            above = self.tree.above[joint]
+            if above in self.noise:
+                self.noise[joint] = self.noise[above]
+            return turn_onto(self._axes(above, turns), ref, joint)
+        assert aim.direction is not None
+        bone = normalise(transform_directions(aim.direction, ref.world[joint]))
+        up = self._up(joint, bone, hinges, turns)
+        self.ups[joint] = up
+        # A direction near the bone tells the roll badly: its noise grows with 1/sine.
+        spread = float(length(cross(normalise(up.vector), bone)))
+        least = self._least(joint)
+        self.noise[joint] = least / max(spread, DEGENERATE_SINE) - least
+        if up.step >= 2:
+            of_plane = UNCHANGED_PLANE + self._position_noise(joint)
+            self.noise[joint] += of_plane / max(up.sine, DEGENERATE_SINE)
+        axes = frame(
+            aim.direction,
+            carry_to_joint(ref, joint, up.vector),
+            aim_axis=style.aim,
+            up_axis=style.up,
+        )
+        return from_axes(axes)
+
+    def _axes(self, joint: int, turns: dict[int, Floats]) -> Floats:
+        """The world axes (rows) that a joint will have."""
+        axes = to_axes(self.quiet(joint, turns.get(joint, IDENTITY)))
+        return normalise(transform_directions(axes, self.ref.world[joint]))
+
+    def _up(self, joint: int, bone: Floats, hinges: Hinges, turns: dict[int, Floats]) -> Up:
+        """The up direction in the world by the ladder; for ``pole`` already turned to the bend's side."""
+        style = self.style(joint)
+        source = stated(self.tree, self.ref, joint, style.up_from, style.up)
+        if style.up_from in ("parent", "child"):
+            source = self._relative(joint, style, turns)
+        if source is not None and crossing(source, bone):
+            return Up(source, 1, style.up_from)
+        above = self.tree.above[joint]
+        before = None
+        if above in self.ups and above in self.aims and self.ups[above].step >= 2:
+            other = self.aims[above]
+            assert other.direction is not None
+            along_ = transform_directions(other.direction, self.ref.world[above])
+            normal = hinges.found.get(above) or self.normals.get(above)
+            before = carried(normal, normalise(along_), bone) if normal else None
+        # After an offset or a snap the present axis is not the one that a run before has found.
+        present = not any(self.options.offset) and not self.options.snap
+        up = hinges.normal(joint, bone, style.up, before, present=present)
+        self.normals[joint] = up
+        if style.up_from != "plane" and source is not None:
+            name = self.tree.rig.title(joint)
+            self.report.warn(
+                "up-parallel",
+                f"'{name}': {style.up_from} runs along the bone; up is taken from: {up.source}.",
+                joint=name,
+                geometry=True,
+            )
+        if style.up_from == "pole" and up.step == 8:
+            # The present axis is an up direction already, not a normal.
+            self.normals[joint] = replace(up, vector=cross(up.vector, bone))
+        elif style.up_from == "pole":
+            return replace(up, vector=cross(bone, up.vector))
+        return up
+
+    def _relative(self, joint: int, style: Style, turns: dict[int, Floats]) -> Floats | None:
+        letter, sign = axis_of(style.up)
+        if style.up_from == "parent":
+            other: int | None = self.tree.above[joint]
+        else:
+            other = self.aims[joint].node
+            if other not in self.tree.above:
+                other = next(iter(self.tree.below[joint]), None)
+        if other in self.aims and self.aims[other].how == "parent" and style.up_from == "child":
+            other = None  # it copies this joint, so it has nothing to say
+        if other is None or other < 0:
+            return np.asarray(self.ref.world[joint, letter, :3] * sign)
+        return np.asarray(self._axes(other, turns)[letter] * sign)
+
+
+def _limbs(rig: Rig, options: Options) -> tuple[Limb, ...]:
+    """The user's limbs, then the recognised ones that share no joint with them."""
+    mine = {node for limb in options.limbs for node in limb.triple}
+    found = [limb for limb in recognise(rig) if not mine.intersection(limb.triple)]
+    return (*options.limbs, *found)
+
+
+def _facing(rig: Rig, options: Options) -> Floats | None:
+    facing = options.facing if options.facing is not None else rig.facing
+    if facing is None:
+        return None
+    direction = np.asarray(facing, dtype=np.float64)
+    if not direction.any() or not np.isfinite(direction).all():
+        raise UsageError(f"--facing {facing} is no direction")
+    return direction

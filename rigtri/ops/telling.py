@@ -1,0 +1,125 @@
+"""What orient-joints says of each joint: records for the report, and warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.matrices import determinant
+from rigtri.ops.plan import Plan
+from rigtri.ops.ups import degrees
+from rigtri.quaternions import to_axes, turn_angle
+from rigtri.reframe import turned
+from rigtri.triangle import DEGENERATE_SINE, axis_of
+from rigtri.trigonometry import Floats
+from rigtri.vectors import angle, length
+
+
+def tell_straight(plan: Plan) -> None:
+    """One warning per straight limb or chain: how straight, and what told the up direction."""
+    said: dict[str, tuple[float, set[int], set[str]]] = {}
+    for joint, (name, sine) in plan.straight.items():
+        if joint in plan.ups and plan.ups[joint].step >= 2:
+            entry = said.setdefault(name, (sine, set(), set()))
+            entry[1].add(plan.ups[joint].step)
+            entry[2].add(plan.ups[joint].source)
+    for name, (sine, steps, sources) in said.items():
+        word = "straight" if sine < DEGENERATE_SINE else "nearly straight"
+        plan.report.warn(
+            "straight",
+            f"{name} is {word} ({degrees(sine):.3g}° bent); up is taken from: {', '.join(sorted(sources))}.",
+            joint=name,
+            geometry=max(steps) > 3,
+        )
+    loose = [j for j, up in plan.ups.items() if up.step >= 7 and j not in plan.straight]
+    for joint in loose:
+        plan.report.warn(
+            "invented-up",
+            f"'{plan.tree.rig.title(joint)}': no plane tells its up direction; taken from: "
+            f"{plan.ups[joint].source}.",
+            joint=plan.tree.rig.title(joint),
+            geometry=True,
+        )
+
+
+def check(plan: Plan, turns: Floats) -> None:
+    """GeometryError for a turned joint of scale 0; warnings for bones and sources that are doubtful."""
+    rig, moves = plan.tree.rig, turned(turns)
+    flat = np.flatnonzero(moves & (length(rig.local[:, :3, :3]) == 0).any(axis=1)).tolist()
+    if flat:
+        raise GeometryError(
+            f"'{rig.title(flat[0])}' has scale 0 at rest, so its axes mean nothing below it. "
+            f"Leave it out with --exclude '{rig.title(flat[0])}'."
+        )
+    short = [plan.tree.rig.title(j) for j, aim in plan.aims.items() if aim.how == "descendant"]
+    if short:
+        names = ", ".join(short[:6]) + (" …" if len(short) > 6 else "")
+        plan.report.warn(
+            "zero-length", f"bones of length 0 aim at the next joint that lies elsewhere: {names}"
+        )
+    sources = {plan.style(joint).up_from for joint in plan.aims}
+    for source in sorted(text for text in sources if text.startswith("noderot:")):
+        node = rig.find(source.split(":", 2)[2], "node")
+        if moves[node]:
+            plan.report.warn(
+                "up-source-turns",
+                f"{source}: '{rig.title(node)}' turns too; a second run would see other axes",
+            )
+
+
+def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
+    """One record per joint: what became of it, why, and how sure that is."""
+    rig, moves = plan.tree.rig, turned(turns)
+    mirrored = determinant(plan.ref.world) < 0
+    for joint in plan.tree.joints:
+        aim, up = plan.aims.get(joint), plan.ups.get(joint)
+        status = "turned" if moves[joint] else "kept" if joint in plan.kept else "unchanged"
+        entry: dict[str, Any] = {"joint": rig.title(joint), "address": rig.address(joint)}
+        entry |= {"path": rig.path(joint), "status": status}
+        if joint in plan.kept:
+            entry["reason"] = plan.kept[joint]
+        if aim is not None:
+            entry["aim"] = aim.how
+            if aim.node is not None:
+                entry["aims_at"] = rig.title(aim.node)
+        if up is not None:
+            entry |= {"up": up.source, "step": up.step, "invented": up.step >= 7}
+        entry["pose"] = plan.ref.kind[joint]
+        if mirrored[joint]:
+            entry["mirrored"] = True
+        if joint in parted:
+            entry["split"] = True
+        if moves[joint]:
+            entry["degrees"] = round(float(np.degrees(turn_angle(turns[joint]))), 6)
+            entry["turn"] = [float(x) for x in turns[joint]]
+            _check_aim(plan, joint, turns[joint], entry)
+        plan.report.joints.append(entry)
+    named = [rig.title(j) for j in plan.tree.joints if mirrored[j] and moves[j]]
+    if named:
+        plan.report.warn(
+            "mirrored",
+            f"{len(named)} joints are mirrored and stay so (left-handed axes): "
+            f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
+        )
+
+
+def _check_aim(plan: Plan, joint: int, turn: Floats, entry: dict[str, Any]) -> None:
+    aim, style = plan.aims[joint], plan.style(joint)
+    if aim.direction is not None and not style.world:
+        letter, sign = axis_of(style.aim)
+        off = float(np.degrees(angle(to_axes(turn)[letter] * sign, aim.direction)))
+        entry["aim_error_degrees"] = round(off, 6)
+
+
+def tell_fixed(plan: Plan) -> None:
+    """Warn of joints that the file itself holds in place, once per reason."""
+    reasons: dict[str, list[str]] = {}
+    for joint, reason in plan.kept.items():
+        if plan.tree.rig.fixed.get(joint) == reason:
+            reasons.setdefault(reason, []).append(plan.tree.rig.title(joint))
+    for reason, names in reasons.items():
+        more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+        plan.report.warn("fixed", f"kept as it is: {', '.join(names[:3])}{more}: {reason}")
