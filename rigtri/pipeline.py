@@ -12,7 +12,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +66,7 @@ def edit(
     with _opened(source) as path:
         to_stdout = str(target) == "-"
         final = _final(path, target, overwrite)
+        options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
         document = read(path, options)
         _hear(document, report, strict)
         clock.lap("read")

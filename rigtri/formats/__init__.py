@@ -32,6 +32,8 @@ class Options:
     relink: point a moved .gltf at its old resources instead of copying them (glTF).
     override: write bare opinions over the source (USD): "", "layer" or "stage".
     bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
+    from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
+    to_stream: the output goes to a stream, and stands where the source stood (USD).
     """
 
     lenient: bool = False
@@ -41,6 +43,8 @@ class Options:
     relink: bool = False
     override: str = ""
     bake_xform: bool = False
+    from_stream: bool = False
+    to_stream: bool = False
 
 
 @dataclass(frozen=True)

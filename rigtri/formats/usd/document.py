@@ -71,17 +71,37 @@ class UsdDocument:
 
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""
-        if self._options.override != "layer" or self._is_override():
+        bare = self._options.override == "layer" and not self._is_override()
+        if not bare and (not self._streamed or part.suffix.lower() == ".usdz"):
             return UsdDocument.read(part, self._options)
-        over = layers.empty()
-        over.subLayerPaths = [str(part.resolve()), str(self._source.path.resolve())]
-        layers.copy_metadata(self._source.layer, over)
         with quiet(f"{part}: USD cannot read it"):
-            stage = Usd.Stage.Open(over)
+            # What a stream got stands where the source stood; a twin with absolute paths does, too.
+            layer = layers.fresh(part)
+            if self._streamed:
+                layer = layers.copy_of(layer)
+                layers.rename_assets(layer, layers.anchored(self._source.path.parent))
+            stage = layers.over(layer, self._source.layer) if bare else Usd.Stage.Open(layer)
         return UsdDocument(read_source(part, self._options, stage), self._options)
+
+    @property
+    def _streamed(self) -> bool:
+        return self._options.from_stream or self._options.to_stream
 
     def _is_override(self) -> bool:
         return "override" in dict(self._source.layer.customLayerData.get(MARK, {}))
+
+    def _rename(self, target: Path) -> layers.Rename | None:
+        """How relative asset paths of the source read in the output; None where they stay."""
+        if self._streamed:
+            return None
+        return layers.from_folder(self._source.path.parent, target.parent)
+
+    def _seen_from(self, target: Path) -> str:
+        """The source as a relative asset path of the output."""
+        if self._options.to_stream:
+            return f"./{self._source.path.name}"
+        path = os.path.relpath(self._source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
+        return path if path.startswith("../") else f"./{path}"
 
     def _write(self, edits: list[Edit], part: Path, target: Path) -> None:
         source, override = self._source, self._options.override
@@ -91,7 +111,7 @@ class UsdDocument:
             part.write_bytes(layers.to_bytes(layer, _encoding(target.suffix)))
             return
         packed = source.path.suffix.lower() == ".usdz"
-        rename = None if packed else layers.from_folder(source.path.parent, target.parent)
+        rename = None if packed else self._rename(target)
         if not edits and rename is None:
             shutil.copyfile(source.path, part)
             return
@@ -117,13 +137,17 @@ class UsdDocument:
     def _override(self, target: Path) -> Any:
         """A layer over the source: its stage metadata, and the source as its only sublayer."""
         source = self._source
+        if self._options.from_stream:
+            raise UsageError(
+                "--override-stage names its source, and standard input has no name; "
+                "give the file, or use --override."
+            )
         layer = layers.empty()
         layers.copy_metadata(source.layer, layer)
-        rename = layers.from_folder(source.path.parent, target.parent)
+        rename = self._rename(target)
         if rename is not None:
             layers.rename_assets(layer, rename)
-        below = os.path.relpath(source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
-        layer.subLayerPaths = [below if below.startswith("../") else f"./{below}"]
+        layer.subLayerPaths = [self._seen_from(target)]
         layer.customLayerData = {**layer.customLayerData, MARK: {"override": "stage"}}
         return layer
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pxr import Sdf, UsdUtils
+from pxr import Sdf, Usd, UsdUtils
 
 Rename = Callable[[str], str]
 
@@ -30,6 +30,22 @@ def copy_of(layer: Any) -> Any:
 def empty() -> Any:
     """An anonymous layer without content."""
     return Sdf.Layer.CreateAnonymous(".usda")
+
+
+def fresh(path: Path) -> Any:
+    """The layer in a file, as the file is now."""
+    known = Sdf.Layer.Find(str(path))
+    if known is not None:
+        known.Reload(True)
+    return Sdf.Layer.FindOrOpen(str(path))
+
+
+def over(opinions: Any, source: Any) -> Any:
+    """A stage of bare opinions over the layer they are about, with that one's metadata."""
+    both = empty()
+    both.subLayerPaths = [opinions.identifier, source.identifier]
+    copy_metadata(source, both)
+    return Usd.Stage.Open(both)
 
 
 def copy_metadata(source: Any, target: Any) -> None:
@@ -64,6 +80,22 @@ def from_folder(source: Path, target: Path) -> Rename | None:
     source, target = source.resolve(), target.resolve()
     if source == target:
         return None
+    return _renaming(source, lambda path: _dotted(os.path.relpath(source / path, target)))
+
+
+def anchored(folder: Path) -> Rename:
+    """How asset paths of a layer in ``folder`` read from anywhere: as absolute paths."""
+    folder = folder.resolve()
+    return _renaming(folder, lambda path: os.path.normpath(folder / path).replace(os.sep, "/"))
+
+
+def _dotted(path: str) -> str:
+    path = path.replace(os.sep, "/")
+    return path if path.startswith("../") else f"./{path}"
+
+
+def _renaming(source: Path, moved: Rename) -> Rename:
+    """Rename what is relative to ``source``."""
 
     def rename(path: str) -> str:
         outer, bracket, inner = path.partition("[")
@@ -72,8 +104,7 @@ def from_folder(source: Path, target: Path) -> Rename | None:
         # Without a dot in front it is relative only if it is there; else the resolver searches.
         if not outer.startswith(("./", "../")) and not (source / outer).exists():
             return path
-        moved = os.path.relpath(source / outer, target).replace(os.sep, "/")
-        return (moved if moved.startswith("../") else f"./{moved}") + bracket + inner
+        return moved(outer) + bracket + inner
 
     return rename
 
