@@ -19,6 +19,7 @@ from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.rounding import put
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
+from rigtri.formats.usd.variants import why_split
 from rigtri.matrices import inverse
 from rigtri.report import Notice
 from rigtri.rig import Clip, Rig
@@ -83,6 +84,8 @@ def _skin_edits(source: Source, rig: Rig, moved: np.ndarray) -> list[Edit]:
             bind[turned] = inverse(new.inverse_bind[turned])
             found.append(_set_matrices(skeleton, prim, "bindTransforms", bind))
         carried = moved[old.joints]
+        if (turned.any() or carried.any()) and (why := why_split(source.stage, skeleton)):
+            raise FileError(f"{why}.")
         if carried.any() and skeleton.has_rest:
             rest = np.where(carried[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
             found.append(_set_matrices(skeleton, prim, "restTransforms", rest))
