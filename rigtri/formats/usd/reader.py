@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
-from rigtri.formats.usd import meshes, notes
+from rigtri.formats.usd import meshes, notes, prim_clip
 from rigtri.formats.usd.animations import Animation, clips, read_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, open_stage, quiet
@@ -68,6 +68,7 @@ class _Reader:
         self.own: list[int] = []  # prims of ours, which keep their place as TRS
         self.notes: dict[int, dict[str, Any]] = {}
         self.fixed: dict[int, str] = {}
+        self.animated: dict[int, Any] = {}  # prims that their ops move over time
         self.node_of: dict[str, int] = {}
         self.joint_nodes: dict[str, dict[str, int]] = {}
         self.skeletons: dict[str, Skeleton] = {}
@@ -91,12 +92,23 @@ class _Reader:
         return Source(
             self.path,
             self.stage,
-            rig,
+            self._with_moving_prims(rig),
             self.skeletons,
             self.animations,
             self.warnings,
             self.bindings,
         )
+
+    def _with_moving_prims(self, rig: Rig) -> Rig:
+        """The rig with what moves its prims, to be measured; joints of --root have their own tracks."""
+        joints = set() if self.options.root is None else set(rig.skins[-1].joints.tolist())
+        prims = {node: prim for node, prim in self.animated.items() if node not in joints}
+        tracks = prim_clip.tracks(prims, self._interpolation, self.warnings)
+        if not tracks:
+            return rig
+        others = tuple(clip for clip in rig.clips if clip.key != prim_clip.KEY)
+        known = [track for clip in rig.clips if clip.key == prim_clip.KEY for track in clip.tracks]
+        return replace(rig, clips=(*others, Clip(prim_clip.NAME, (*known, *tracks), prim_clip.KEY)))
 
     def _excuse(self) -> str:
         missing = [notice.text for notice in self.warnings if notice.code == "unresolved"]
@@ -124,7 +136,10 @@ class _Reader:
             local = np.eye(4)
         else:
             xformable = UsdGeom.Xformable(prim)
-            local = np.array(xformable.GetLocalTransformation(_moment(xformable)), dtype=np.float64)
+            if xformable.GetTimeSamples():
+                self.animated[node] = prim
+            moment = _moment(xformable) if node in self.animated else DEFAULT
+            local = np.array(xformable.GetLocalTransformation(moment), dtype=np.float64)
             if not np.isfinite(local).all():
                 text = f"The ops of <{path}> give no finite matrix; it is measured as if it had none."
                 self.warnings.append(Notice("no-place", text))
@@ -269,8 +284,6 @@ class _Reader:
 
 def _moment(xformable: Any) -> Any:
     """When a prim is at rest: at the Default time, or at its start where it has only time samples."""
-    if not xformable.TransformMightBeTimeVarying():
-        return DEFAULT
     attributes = [op.GetAttr() for op in xformable.GetOrderedXformOps()]
     return meshes.EARLIEST if any(at.Get(DEFAULT) is None for at in attributes) else DEFAULT
 

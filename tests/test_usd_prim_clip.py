@@ -1,0 +1,111 @@
+"""What animated Xform prims do is measured, and nobody writes it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from numpy.testing import assert_allclose
+from pxr import Usd, UsdGeom
+from usd_files import MESH, animation, read, save, scene, skeleton, turned, write
+
+from rigtri.compare import self_check, verify
+from rigtri.pose import locals_at, worlds
+
+MOVING = """def Xform "Prop" {
+    double3 xformOp:translate.timeSamples = { 1: (1, 0, 0), 10: (2, 0, 0) }
+    float3 xformOp:rotateXYZ.timeSamples = { 1: (0, 0, 0), 4: (10, 20, 30) }
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ"]
+    def Xform "Free" {
+        matrix4d xformOp:transform.timeSamples = {
+            2: ((2, 0, 0, 0), (0, 2, 0, 0), (0, 0, 2, 0), (1, 0, 0, 1)),
+            3: ((2, 0, 0, 0), (0, 2, 0, 0), (0, 0, 2, 0), (4, 0, 0, 1))
+        }
+        uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:transform"]
+        def Cube "c" {}
+    }
+    def Cube "c" {}
+}"""
+WALKING = """double3 xformOp:translate.timeSamples = { 1: (1, 0, 0), 10: (5, 0, 0) }
+uniform token[] xformOpOrder = ["xformOp:translate"]"""
+
+
+def moved(folder: Path, text: str, change: tuple[str, str]) -> tuple[Path, Path]:
+    assert change[0] in text
+    return save(folder, text), save(folder, text.replace(*change), "other.usda")
+
+
+@pytest.mark.parametrize("change", [("10: (2, 0, 0)", "10: (2.1, 0, 0)"), ("(10, 20, 30)", "(10, 20, 31)"),
+                                    ("(4, 0, 0, 1)", "(5, 0, 0, 1)")])  # fmt: skip
+@pytest.mark.parametrize("compare", [verify, self_check])
+def test_a_changed_key_of_a_prim_is_seen(change: tuple[str, str], compare: object, tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(), MESH) + MOVING
+    one, other = moved(tmp_path, text, change)
+    assert compare(read(one), read(one)).deviation == 0  # type: ignore[operator]
+    result = compare(read(one), read(other))  # type: ignore[operator]
+    assert not result.passes()
+    assert result.worst.clip == "xforms"
+
+
+def test_what_a_moving_skel_root_carries_is_seen(tmp_path: Path) -> None:
+    text = scene(WALKING, skeleton(), animation(), MESH)
+    one, other = moved(tmp_path, text, ("10: (5, 0, 0)", "10: (7, 0, 0)"))
+    result = verify(read(one), read(other))
+    assert result.worst is not None
+    assert (result.worst.what, result.worst.clip) == ("mesh /Root/Skin", "xforms")
+
+
+def test_prims_stand_at_their_samples_where_usd_puts_them(tmp_path: Path) -> None:
+    library = 'class "Lib" {\n' + MOVING + "\n}\n"
+    instance = 'def Xform "I" (instanceable = true\n prepend references = </Lib>) {}'
+    source = save(
+        tmp_path, scene(WALKING, skeleton(), animation(), MESH) + library + MOVING + "\n" + instance
+    )
+    rig = read(source).rig
+    clip = rig.clips[-1]
+    assert len(clip.tracks) == 3 * 5
+    stage = Usd.Stage.Open(str(source))
+    for time in (1.0, 2.0, 3.0, 4.0, 10.0):
+        world = worlds(rig, locals_at(rig, clip, [time]))[0]
+        cache = UsdGeom.XformCache(time)
+        for path in ("/Root", "/Prop", "/Prop/Free/c", "/I/Prop/c", "/I/Prop/Free"):
+            expected = cache.GetLocalToWorldTransform(stage.GetPrimAtPath(path))
+            # Angles go their own way between samples.
+            if "Free" in path or time in (1.0, 4.0, 10.0):
+                assert_allclose(world[rig.labels.index(path)], expected, atol=1e-6, err_msg=f"{path} {time}")
+
+
+def test_turning_joints_writes_nothing_of_moving_prims(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(WALKING, skeleton(), animation(), MESH) + MOVING))
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    assert verify(document, read(out)).passes()
+    assert "10: (2, 0, 0)" in out.read_text()
+    assert "rigtriFrame" not in out.read_text()
+
+
+def test_with_root_only_prims_outside_it_are_added(tmp_path: Path) -> None:
+    text = f'#usda 1.0\ndef Xform "Rig" {{\n{WALKING}\ndef Xform "bone" {{}}\n}}\n{MOVING}'
+    rig = read(save(tmp_path, text), root="/Rig").rig
+    (clip,) = rig.clips
+    driven = sorted({rig.labels[t.node] for t in clip.tracks})
+    assert driven == ["/Prop", "/Prop/Free", "/Rig"]
+    assert len(clip.tracks) == 1 + 3 + 3
+
+
+def test_a_single_sample_is_where_the_prim_rests(tmp_path: Path) -> None:
+    one = WALKING.replace("1: (1, 0, 0), 10: (5, 0, 0)", "3: (1, 0, 0)")
+    rig = read(save(tmp_path, scene(one, skeleton(), animation(), MESH))).rig
+    assert_allclose(rig.local[0, 3, :3], (1, 0, 0))
+
+
+def test_hidden_flat_and_broken_samples_are_read(tmp_path: Path) -> None:
+    text = """def Xform "Flat" {
+        float3 xformOp:scale.timeSamples = { 1: (1, 1, 1), 2: (0, 0, 0), 3: (1, 0, 1), 4: (nan, 1, 1) }
+        uniform token[] xformOpOrder = ["xformOp:scale"]
+        def Cube "c" {}
+    }"""
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH) + text))
+    codes = [notice.code for notice in document.warnings]
+    assert codes == ["no-place", "xform-sheared"]
+    assert all("</Flat>" in notice.text for notice in document.warnings)
+    assert verify(document, document).passes()
