@@ -367,3 +367,15 @@ def test_an_animation_in_value_clips_is_fixed_and_says_so(tmp_path: Path) -> Non
     assert {reason.partition(" comes")[2] for reason in document.rig.fixed.values()} == {
         " from value clips; flatten them first"
     }
+
+
+def test_an_index_that_no_joint_has_is_refused_where_it_weighs(tmp_path: Path) -> None:
+    odd = scene(skeleton(), animation(), MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, 1, 1, 9, 2, 1]"))
+    document = read(save(tmp_path, odd))
+    reason = r"</Root/Skin>\.primvars:skel:jointIndices names joint 9, .* joints 0 to 2"
+    for look in (lambda: document.rig.skins[0].weighted, document.meshes):
+        with pytest.raises(FileError, match=reason):
+            look()
+    # Padding of points with fewer influences weighs nothing, and may say anything.
+    padded = scene(skeleton(), animation(), MESH.replace("[0, 1, 1, 2, 2, 1]", "[0, -1, 1, 2, 2, 9]"))
+    assert len(read(save(tmp_path, padded, "padded.usda")).meshes()) == 1

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
+from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.rig import Booleans, Integers, Mesh, Track
 from rigtri.trigonometry import Floats
@@ -141,6 +142,7 @@ def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[
     """Joint indices of the skeleton and weights, (v, k); unmatched influences weigh nothing.
 
     points: how many, to spread constant influences over; None leaves one row for all.
+    FileError for an index that no joint has, though it weighs something.
     """
     for time in (DEFAULT, EARLIEST):
         if points is None:
@@ -158,6 +160,12 @@ def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[
     own = query.GetJointOrder()
     order = np.array([index.get(str(t), -1) for t in own]) if own else np.arange(len(tokens))
     usable = (indices >= 0) & (indices < len(order))
+    lost = ~usable & (weights != 0.0)
+    if lost.any():
+        raise FileError(
+            f"<{query.GetPrim().GetPath()}>.primvars:skel:jointIndices names joint {indices[lost][0]}, "
+            f"and it has the joints 0 to {len(order) - 1}. Export it again."
+        )
     indices = order[np.where(usable, indices, 0)]
     usable &= indices >= 0
     return np.where(usable, indices, 0), np.where(usable, weights, 0.0)
