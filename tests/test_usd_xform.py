@@ -129,7 +129,7 @@ def test_animated_translate_and_orient_are_tracks_before_and_after(tmp_path: Pat
 
 def test_ops_that_no_track_can_say_are_noticed_and_stay(tmp_path: Path) -> None:
     document = read(save(tmp_path, SMOOTH), root="/Rig")
-    assert [notice.code for notice in document.warnings] == ["animated-xform"]
+    assert [notice.code for notice in document.warnings] == ["reset-stack", "animated-xform"]
     assert not document.rig.clips
 
 
@@ -179,3 +179,20 @@ def Xform "Car" {
     rig = read(save(tmp_path, text), root="/Car").rig
     assert "physics joint" in rig.fixed[rig.find("wheel")]
     assert "constraintTargets:hinge" in rig.fixed[rig.find("door")]
+
+
+def test_root_is_refused_above_a_skeleton(tmp_path: Path) -> None:
+    source = save(tmp_path, scene(skeleton(), animation(), MESH, 'def Xform "props" {}'))
+    for root in ("/Root", "/Root/Skel"):
+        assert "there is a skeleton, </Root/Skel>" in error_of(source, root=root)
+    assert read(source, root="/Root/props").rig.skins[-1].key == ("root", "/Root/props")
+
+
+def test_a_prim_that_resets_the_stack_below_the_root_is_told(tmp_path: Path) -> None:
+    document = read(save(tmp_path, SMOOTH), root="/Rig")
+    (notice,) = [notice for notice in document.warnings if notice.code == "reset-stack"]
+    assert "</Rig/thigh/parts/shin/loose> does not follow" in notice.text
+    loose = "/Rig/thigh/parts/shin/loose"
+    again = read(document._source.path, root=loose)
+    assert not any(notice.code == "reset-stack" for notice in again.warnings)
+    assert len(again.rig.skins[0].joints) == 1

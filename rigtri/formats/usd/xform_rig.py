@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from pxr import UsdGeom
+from pxr import Usd, UsdGeom
 
 from rigtri.errors import UsageError
 from rigtri.formats.usd.meshes import at_start
@@ -38,7 +38,10 @@ _UNIFORM = 1e-6
 
 def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnings: list[Notice]) -> Rig:
     """The rig with the prims at and below ``root`` as joints; those that must not turn are fixed."""
-    skin = pseudo_skin(rig, find_root(rig, root))
+    top = find_root(rig, root)
+    _refuse_skeletons(stage, rig.labels[top])
+    skin = pseudo_skin(rig, top)
+    _tell_of_resets(rig, stage, top, warnings)
     fixed, bodies = dict(rig.fixed), jointed_bodies(stage)
     for node in skin.joints.tolist():
         why = bodies.get(rig.labels[node]) or why_fixed(stage.GetPrimAtPath(rig.labels[node]))
@@ -78,6 +81,30 @@ def find_root(rig: Rig, root: str) -> int:
     if kind(rig.keys[node]) != "prim":
         raise UsageError(f"--root '{root}' is a joint; name a prim, e.g. {rig.labels[0]}")
     return node
+
+
+def _refuse_skeletons(stage: Any, root: str) -> None:
+    """UsageError for a Skeleton at or below the root: its joints are the ones to turn."""
+    for prim in Usd.PrimRange(stage.GetPrimAtPath(root), Usd.TraverseInstanceProxies()):
+        if prim.GetTypeName() == "Skeleton":
+            raise UsageError(
+                f"--root {root}: there is a skeleton, <{prim.GetPath()}>. --root is for plain "
+                "hierarchies: leave it out, or name a prim without a skeleton below it."
+            )
+
+
+def _tell_of_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> None:
+    """A notice of each prim below the root that starts anew with !resetXformStack!."""
+    root = f"{rig.labels[top].rstrip('/')}/"
+    for node, label in enumerate(rig.labels):
+        if kind(rig.keys[node]) != "prim" or not label.startswith(root) or rig.parents[node] >= 0:
+            continue
+        text = (
+            f"<{label}> does not follow what is above it (!resetXformStack!); it and all below it are "
+            f"left as they are. To turn them, run again with --root {label}."
+        )
+        if UsdGeom.Xformable(stage.GetPrimAtPath(label)).GetResetXformStack():
+            warnings.append(Notice("reset-stack", text))
 
 
 def pseudo_skin(rig: Rig, root: int) -> Skin:
