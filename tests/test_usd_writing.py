@@ -127,6 +127,20 @@ def "Root" (
         ]
 
 
+def test_a_udim_path_without_a_dot_is_relative_where_a_tile_is_there(tmp_path: Path) -> None:
+    paths = ["tiles/a.<UDIM>.png", "<UDIM>.png", "tiles/b.<UDIM>.png", "gone/a.<UDIM>.png"]
+    assets = f"asset[] tiles = [{', '.join(f'@{path}@' for path in paths)}]"
+    source = save(tmp_path, scene(skeleton(), animation(), MESH, assets), "in/hero.usda")
+    for tile in ("tiles/a.1012.png", "1001.png", "tiles/b.101.png", "tiles/xb.1001.png"):
+        save(tmp_path, "", f"in/{tile}")
+    (tmp_path / "out").mkdir()
+    document = read(source)
+    write(document, turned(document.rig), tmp_path / "out" / "hero.usda")
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "out" / "hero.usda"))
+    found = [item.path for item in layer.GetAttributeAtPath("/Root.tiles").default]
+    assert found == ["../in/tiles/a.<UDIM>.png", "../in/<UDIM>.png", *paths[2:]]
+
+
 def test_one_animation_for_two_skeletons_turned_alike_stays_one(tmp_path: Path) -> None:
     source = save(tmp_path, _pair())
     document = read(source)

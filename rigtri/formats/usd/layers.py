@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -102,11 +103,22 @@ def _renaming(source: Path, moved: Rename) -> Rename:
         if not outer or outer.startswith(("/", "`", "\\")) or ":" in outer.split("/")[0]:
             return path
         # Without a dot in front it is relative only if it is there; else the resolver searches.
-        if not outer.startswith(("./", "../")) and not (source / outer).exists():
+        if not outer.startswith(("./", "../")) and not _there(source, outer):
             return path
         return moved(outer) + bracket + inner
 
     return rename
+
+
+def _there(folder: Path, name: str) -> bool:
+    """Whether a file is there; of one with ``<UDIM>`` in its name, whether any tile is."""
+    if "<UDIM>" not in name:
+        return (folder / name).exists()
+    head, _, tail = name.partition("<UDIM>")
+    inner, _, start = head.rpartition("/")
+    place = folder / inner
+    tile = re.compile(f"{re.escape(start)}1[0-9]{{3}}{re.escape(tail)}")
+    return place.is_dir() and any(tile.fullmatch(path.name) for path in place.iterdir())
 
 
 def rename_assets(layer: Any, rename: Rename) -> bool:
