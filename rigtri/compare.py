@@ -19,7 +19,7 @@ import numpy as np
 
 from rigtri import pose
 from rigtri.errors import FileError
-from rigtri.matching import Matching, match
+from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
 from rigtri.quaternions import norm
 from rigtri.rig import Mesh, Rig
@@ -157,17 +157,18 @@ def self_check(before: Source, after: Source) -> Comparison:
     the same to the bit are not evaluated. Meshes that cannot be read are bounded
     by the box of their skin's joints.
     """
-    matching = match(before.rig, after.rig, by_key=True)
+    mine, theirs = played_together(before.rig, after.rig, by_key=True)
+    matching = match(mine, theirs, by_key=True)
     meshes = _readable(before)
-    diagonal = _diagonal(before.rig, meshes)
-    moving = moving_nodes(before.rig, after.rig, matching)
+    diagonal = _diagonal(mine, meshes)
+    moving = moving_nodes(mine, theirs, matching)
     watched: list[Watched] = [
-        *skin_corners(before.rig, after.rig, matching, meshes, moving),
-        *rigid_corners(before.rig, matching, meshes, moving),
-        *frames(before.rig, matching, meshes, moving, diagonal),
-        origins(before.rig, matching, moving),
+        *skin_corners(mine, theirs, matching, meshes, moving),
+        *rigid_corners(mine, matching, meshes, moving),
+        *frames(mine, matching, meshes, moving, diagonal),
+        origins(mine, matching, moving),
     ]
-    return _compare(before.rig, after.rig, matching, [w for w in watched if len(w.titles)], diagonal)
+    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
 
 
 def verify(before: Source, after: Source) -> Comparison:
@@ -177,20 +178,21 @@ def verify(before: Source, after: Source) -> Comparison:
     cameras and lights, origins of all nodes. Points that are not a number must
     be none in both.
     """
-    matching = match(before.rig, after.rig, by_key=False)
+    mine, theirs = played_together(before.rig, after.rig, by_key=False)
+    matching = match(mine, theirs, by_key=False)
     meshes, others = _readable(before), _readable(after)
-    diagonal = _diagonal(before.rig, meshes)
-    everything = np.ones(len(before.rig), dtype=bool)
-    pairs, lost = _mesh_pairs(before.rig, matching, meshes, others)
+    diagonal = _diagonal(mine, meshes)
+    everything = np.ones(len(mine), dtype=bool)
+    pairs, lost = _mesh_pairs(mine, matching, meshes, others)
     watched: list[Watched] = [
-        *(points_of(before.rig, after.rig, mine, theirs) for mine, theirs in pairs),
-        *frames(before.rig, matching, meshes, everything, diagonal),
-        origins(before.rig, matching, everything),
+        *(points_of(mine, theirs, a, b) for a, b in pairs),
+        *frames(mine, matching, meshes, everything, diagonal),
+        origins(mine, matching, everything),
     ]
     if not meshes:
-        watched += skin_corners(before.rig, after.rig, matching, meshes, everything)
+        watched += skin_corners(mine, theirs, matching, meshes, everything)
     matching = replace(matching, lost=(*matching.lost, *lost))
-    return _compare(before.rig, after.rig, matching, [w for w in watched if len(w.titles)], diagonal)
+    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
 
 
 @dataclass

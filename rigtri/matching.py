@@ -7,7 +7,7 @@ has no partner is lost or added, in words for people.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,16 +42,65 @@ def match(before: Rig, after: Rig, *, by_key: bool) -> Matching:
     when the names agree with them; else paths, then names, then the order of
     equal names: what other tools leave of a file.
     """
-    keyed = _partners(before.keys, after.keys)
-    node = keyed if by_key or _names_agree(before, after, keyed) else _by_name(before, after)
-    shown = _shown(before, after, node)
+    node, shown = _nodes(before, after, by_key)
     skin = _in_order([skin.name for skin in before.skins], [skin.name for skin in after.skins])
-    clip = _in_order([clip.name for clip in before.clips], [clip.name for clip in after.clips])
+    clip = _clips(before, after)
     news = _News()
     _compare_nodes(before, after, node, shown, news)
     _compare_skins(before, after, node, skin, news)
     _compare_clips(before, after, node, shown, clip, news)
     return Matching(node, shown, skin, clip, *map(tuple, (news.lost, news.added, news.changed)))
+
+
+def played_together(before: Rig, after: Rig, *, by_key: bool) -> tuple[Rig, Rig]:
+    """Both rigs, with clips that play at once gathered where the other has them in one.
+
+    Animations of one USD stage share its time: when a copy of one takes over half of its
+    joints, nothing is lost. Clips play at once whose keys are tuples that start alike.
+    """
+    if [clip.name for clip in before.clips] == [clip.name for clip in after.clips]:
+        return before, after
+    return _gathered(before, after, by_key), _gathered(after, before, by_key)
+
+
+def _gathered(rig: Rig, other: Rig, by_key: bool) -> Rig:
+    """A rig whose clips take up those unknown to ``other`` that drive what they drive there."""
+    node, shown = _nodes(other, rig, by_key)
+    wanted = [{_target(track, node, shown) for track in clip.tracks} for clip in other.clips]
+    partner = _clips(other, rig).tolist()
+    loose = {
+        (_timeline(clip), *target): k
+        for k, clip in enumerate(rig.clips)
+        if k not in partner and _timeline(clip) is not None
+        for target in by_target(clip)
+    }
+    tracks = [list(clip.tracks) for clip in rig.clips]
+    taken: set[int] = set()
+    for targets, k in zip(wanted, partner, strict=True):
+        if k < 0 or not loose:
+            continue
+        missing = targets - by_target(rig.clips[k]).keys()
+        found = {loose.get((_timeline(rig.clips[k]), *target), -1) for target in missing} - taken - {-1}
+        for copy in sorted(found):
+            tracks[k] += rig.clips[copy].tracks
+        taken |= found
+    clips = (replace(clip, tracks=tuple(tracks[k])) for k, clip in enumerate(rig.clips) if k not in taken)
+    return replace(rig, clips=tuple(clips)) if taken else rig
+
+
+def _clips(before: Rig, after: Rig) -> Integers:
+    """Partners of clips by name; those that play at once also by key, where names part."""
+    found = _in_order([clip.name for clip in before.clips], [clip.name for clip in after.clips])
+    taken = set(found.tolist())
+    keys = {c.key: k for k, c in enumerate(after.clips) if k not in taken and _timeline(c) is not None}
+    for k in np.flatnonzero(found < 0).tolist():
+        found[k] = keys.pop(before.clips[k].key, -1)
+    return found
+
+
+def _timeline(clip: Clip) -> Hashable:
+    """What clips share that play at once; None for a clip that plays alone."""
+    return clip.key[0] if isinstance(clip.key, tuple) else None
 
 
 def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Matching) -> Track | None:
@@ -69,6 +118,13 @@ class _News:
         self.lost: list[str] = []
         self.added: list[str] = []
         self.changed: list[str] = []
+
+
+def _nodes(before: Rig, after: Rig, by_key: bool) -> tuple[Integers, Integers]:
+    """Partners of nodes, and the nodes that show what they show, (n,) each."""
+    keyed = _partners(before.keys, after.keys)
+    node = keyed if by_key or _names_agree(before, after, keyed) else _by_name(before, after)
+    return node, _shown(before, after, node)
 
 
 def _target(track: Track, node: Integers, shown: Integers) -> tuple[int, str]:
