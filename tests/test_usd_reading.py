@@ -156,6 +156,21 @@ def test_an_animation_whose_arrays_do_not_fit_is_left_alone_with_a_notice(tmp_pa
     assert not document.rig.clips
 
 
+@pytest.mark.parametrize(
+    ("first", "where"), [("rotations.timeSamples = {5:", "at time 5"), ("rotations =", "by default")]
+)
+def test_rotations_that_are_not_unit_are_noticed_with_the_worst(
+    first: str, where: str, tmp_path: Path
+) -> None:
+    keys = f"quatf[] {first} [(1, 0, 0, 0), (1.0002, 0, 0, 0), (1, 0, 0, 1e-3)]{'}' * ('{' in first)}"
+    document = read(save(tmp_path, scene(skeleton(), animation(rotations=keys), MESH)))
+    (notice,) = document.warnings
+    assert (notice.code, notice.joint) == ("rotation-not-unit", "a")
+    assert notice.text == (
+        f"Rotations of animation </Root/Anim> are not unit, the worst is of 'a' {where}, off by 0.0002"
+    )
+
+
 def test_missing_files_are_one_notice_where_no_skeleton_needs_them(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -230,7 +245,17 @@ WRONG = {
     "nan in a key": (
         {},
         {"translations": "float3[] translations = [(0, 2, 0), (nan, 0, 0), (0, 2, 1)]"},
-        "</Root/Anim.translations> holds values that are no numbers",
+        "</Root/Anim.translations> holds values that are no numbers (NaN or infinite) for joint 'a' at time",
+    ),
+    "no rotation in a key": (
+        {},
+        {"rotations": "quatf[] rotations.timeSamples = {2: [(1, 0, 0, 0), (0, 0, 0, 0), (1, 0, 0, 0)]}"},
+        "</Root/Anim.rotations> holds the quaternion 0 0 0 0, which is no rotation, for joint 'a' at",
+    ),
+    "a joint twice in an animation": (
+        {},
+        {"joints": 'uniform token[] joints = ["a", "a/b", "a"]'},
+        "Animation </Root/Anim> lists joint 'a' twice",
     ),
     "a short sample": (
         {},

@@ -15,12 +15,16 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, numbers
+from rigtri.quaternions import norm
 from rigtri.report import Notice
 from rigtri.rig import Clip, Interpolation, Path, Track
 from rigtri.trigonometry import Floats
 
 # The key of tracks that only show a default during a clip; the default's own clip writes it.
 HELD = "held"
+
+# Rotations further from unit are worth a word: engines differ in what they make of them.
+NON_UNIT = 1e-4
 
 PROPERTIES: Mapping[str, Path] = {
     "translations": "translation",
@@ -67,7 +71,8 @@ def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
         if any(prim.GetAttribute(name).HasAuthoredValue() for name in PROPERTIES):
             warnings.append(_ignored(path, "it names no joints"))
         return None
-    found = {name: _property(prim, name, len(tokens)) for name in PROPERTIES}
+    _check_tokens(path, tokens)
+    found = {name: _property(prim, name, tokens) for name in PROPERTIES}
     present = {name: value for name, value in found.items() if value is not None}
     for name, value in present.items():
         if value.default is None and not len(value.times):
@@ -82,15 +87,43 @@ def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
                 "What it has is turned all the same.",
             )
         )
+    warnings += _off_unit(path, tokens, present)
     return Animation(path, prim.GetName(), tokens, present)
+
+
+def _check_tokens(path: str, tokens: Sequence[str]) -> None:
+    if len(set(tokens)) < len(tokens):
+        twice = next(token for k, token in enumerate(tokens) if token in tokens[:k])
+        raise FileError(
+            f"Animation <{path}> lists joint '{twice}' twice, so which values move it is undefined. "
+            "Export it again."
+        )
+
+
+def _off_unit(path: str, tokens: Sequence[str], properties: Mapping[str, Property]) -> list[Notice]:
+    """A notice where rotations are not unit, with the worst of them."""
+    item = properties.get("rotations")
+    if item is None:
+        return []
+    single = [] if item.default is None else [item.default[np.newaxis]]
+    off = np.abs(norm(np.concatenate([item.samples, *single])) - 1.0)
+    if not (off > NON_UNIT).any():
+        return []
+    row, column = map(int, np.unravel_index(off.argmax(), off.shape))
+    at = f"at time {item.times[row]:g}" if row < len(item.times) else "by default"
+    text = (
+        f"Rotations of animation <{path}> are not unit, the worst is of '{tokens[column]}' {at}, "
+        f"off by {off.max():.2g}"
+    )
+    return [Notice("rotation-not-unit", text, joint=tokens[column])]
 
 
 def _ignored(path: str, why: str) -> Notice:
     return Notice("animation-ignored", f"UsdSkel ignores animation <{path}>: {why}. It is left as it is.")
 
 
-def _property(prim: Any, name: str, count: int) -> Property | None:
-    attribute = prim.GetAttribute(name)
+def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
+    count, attribute = len(tokens), prim.GetAttribute(name)
     if not attribute or not attribute.HasAuthoredValue():
         return None
     width = 4 if name == "rotations" else 3
@@ -107,19 +140,27 @@ def _property(prim: Any, name: str, count: int) -> Property | None:
     kind = type(default) if single is not None else type(attribute.Get(keys[0][0]))
     if all(len(array) != count for array in given):
         return Property(np.zeros(0), np.zeros((0, count, width)), blocked, None, kind)
-    for time, array in [*keys, ("default", given[-1])]:
+    for time, array in [*keys, *([] if single is None else [("default", single)])]:
         if len(array) != count:
             raise FileError(
                 f"<{attribute.GetPath()}> has {len(array)} items at time {time}, but the animation "
                 f"has {count} joints."
             )
-        if not np.isfinite(array).all():
-            raise FileError(
-                f"<{attribute.GetPath()}> holds values that are no numbers (NaN or infinite) at time "
-                f"{time}. Export it again."
-            )
+        _check_values(attribute, time, array, tokens)
     samples = np.stack([array for _, array in keys]) if keys else np.zeros((0, count, width))
     return Property(np.array([time for time, _ in keys]), samples, blocked, single, kind)
+
+
+def _check_values(attribute: Any, time: Any, array: np.ndarray, tokens: Sequence[str]) -> None:
+    """FileError for what is no number, or no rotation, naming joint and time."""
+    wrong, what = ~np.isfinite(array).all(axis=1), "values that are no numbers (NaN or infinite)"
+    if array.shape[1] == 4 and not wrong.any():
+        wrong, what = ~array.any(axis=1), "the quaternion 0 0 0 0, which is no rotation,"
+    if wrong.any():
+        raise FileError(
+            f"<{attribute.GetPath()}> holds {what} for joint '{tokens[int(wrong.argmax())]}' at time "
+            f"{time}. Export it again."
+        )
 
 
 def clips(
