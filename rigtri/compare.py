@@ -42,6 +42,8 @@ from rigtri.watched import (
 TOLERANCE = 1e-5
 # Quaternions stored as float32 are unit within this.
 UNIT = 1e-6
+# Rotations further off show something else where they are not normalised; readers name them.
+WORTH_SAYING = 1e-4
 # Numbers in one block of matrices: with its temporaries it stays in the cache.
 _BLOCK = 1 << 16
 # Points moved in one matrix product.
@@ -117,10 +119,15 @@ class Comparison:
         }
 
     def summary(self) -> str:
-        """One line: the number, where it is, and what is lost."""
+        """One line: the number, where it is, what rotations that are not unit show, and what is lost."""
         line = f"max deviation {self.deviation:.2g} of the size"
         if self.worst is not None and self.deviation > 0:
             line += f" ({self.worst})"
+        if self.denormalisation > WORTH_SAYING:
+            line += (
+                f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
+                f"by {self.denormalisation:.2g}"
+            )
         if self.lost:
             line += f"; lost: {', '.join(self.lost[:3])}{' ...' if len(self.lost) > 3 else ''}"
         return line

@@ -338,3 +338,12 @@ def test_turning_in_the_world_is_seen_although_no_joint_origin_moves() -> None:
     assert result.worst is not None
     assert result.worst.what == "frame of camera"
     assert 1e-3 < result.deviation < 2e-3
+
+
+def test_the_summary_tells_what_rotations_that_are_not_unit_show() -> None:
+    held = character()
+    assert "as stored" not in self_check(held, opened_again(turned(held))).summary()
+    before = replace(held, rig=replace(held.rig, rotation=held.rig.rotation * 1.001))
+    line = self_check(before, opened_again(turned(before))).summary()
+    assert "; rotations as stored: " in line
+    assert line.endswith(", off unit length by 0.001")
