@@ -12,6 +12,7 @@ from usd_files import (
     MESH,
     animation,
     deviation,
+    error_of,
     read,
     save,
     scene,
@@ -301,6 +302,31 @@ def test_a_layer_override_counts_time_as_its_source(head: str, tmp_path: Path) -
     assert self_check(document, document.reopen(out)).deviation < 1e-6
     both = f"#usda 1.0\n(\n{head}\nsubLayers = [@./over.usda@, @./in.usda@]\n)\n"
     assert deviation(source, save(tmp_path, both, "both.usda")) < 1e-6
+
+
+@pytest.mark.parametrize("override", ["", "layer"])
+def test_an_override_of_ours_is_read_over_its_source_and_edited_in_place(
+    override: str, tmp_path: Path
+) -> None:
+    source = save(tmp_path, ASSET, "in/hero.usda")
+    (tmp_path / "out").mkdir()
+    document = read(source, override="layer")
+    first = write(document, turned(document.rig), tmp_path / "out" / "over.usda")
+    again = read(first, override=override)
+    assert again.rig.labels == document.rig.labels
+    second = write(again, turned(again.rig, seed=2), tmp_path / "second.usda")
+    assert self_check(document, again.reopen(second)).deviation < 1e-6
+    layer = Sdf.Layer.FindOrOpen(str(second))
+    assert not list(layer.subLayerPaths)
+    assert layer.customLayerData["rigtri"]["source"].path == "./in/hero.usda"
+    both = save(tmp_path, "#usda 1.0\n(subLayers = [@./second.usda@, @./in/hero.usda@])\n", "both.usda")
+    assert deviation(source, both) < 1e-6
+    again = read(first, override=override, to_stream=True)
+    streamed = write(again, turned(again.rig, seed=3), tmp_path / "streamed.usda")
+    assert "@../in/hero.usda@" in streamed.read_text()
+    assert self_check(document, again.reopen(streamed)).deviation < 1e-6
+    source.unlink()
+    assert "written with --override for ../in/hero.usda, which is not there" in error_of(first)
 
 
 def test_a_stage_override_looks_like_the_source_and_is_edited_in_place(tmp_path: Path) -> None:

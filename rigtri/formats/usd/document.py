@@ -10,31 +10,36 @@ from typing import Any
 
 from pxr import Sdf, Usd
 
-from rigtri.errors import UsageError
+from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
 from rigtri.formats.usd import layers, meshes, package, writer
 from rigtri.formats.usd.reader import Source, read_source
-from rigtri.formats.usd.stage import quiet
+from rigtri.formats.usd.stage import open_stage, quiet
 from rigtri.formats.usd.values import Edit, kind, parts
 from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
 
-# An override of ours says so here; editing it again edits this layer.
+# An override of ours says so here, and a bare one also what it is for; editing it again edits this layer.
 MARK = "rigtri"
 
 
 class UsdDocument:
     """A .usd, .usda, .usdc or .usdz file. Edits are opinions of its root layer."""
 
-    def __init__(self, source: Source, options: Options) -> None:
-        self._source, self._options = source, options
+    def __init__(self, source: Source, options: Options, layer: Any) -> None:
+        """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
+        self._source, self._options, self._layer = source, options, layer
         self._notices = list(source.warnings)
 
     @classmethod
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
         options = options or Options()
-        return cls(read_source(path, options), options)
+        stage, warnings = open_stage(path)
+        layer = stage.GetRootLayer()
+        if (below := _source_of(layer, path)) is not None:
+            stage, warnings = _over(layer, below)
+        return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
     def rig(self) -> Rig:
@@ -80,15 +85,20 @@ class UsdDocument:
             if self._streamed:
                 layer = layers.copy_of(layer)
                 layers.rename_assets(layer, layers.anchored(self._source.path.parent))
-            stage = layers.over(layer, self._source.layer) if bare else Usd.Stage.Open(layer)
-        return UsdDocument(read_source(part, self._options, stage), self._options)
+            if bare:
+                stage = layers.over(layer, self._source.layer)
+            elif (below := _source_of(layer, part)) is not None:
+                stage, _ = _over(layer, below)
+            else:
+                stage = Usd.Stage.Open(layer)
+        return UsdDocument(read_source(part, self._options, stage), self._options, layer)
 
     @property
     def _streamed(self) -> bool:
         return self._options.from_stream or self._options.to_stream
 
     def _is_override(self) -> bool:
-        return "override" in dict(self._source.layer.customLayerData.get(MARK, {}))
+        return "override" in dict(self._layer.customLayerData.get(MARK, {}))
 
     def _rename(self, target: Path) -> layers.Rename | None:
         """How relative asset paths of the source read in the output; None where they stay."""
@@ -106,7 +116,7 @@ class UsdDocument:
     def _write(self, edits: list[Edit], part: Path, target: Path) -> None:
         source, override = self._source, self._options.override
         if override and not self._is_override():
-            layer = self._override(target) if override == "stage" else self._opinions()
+            layer = self._override(target) if override == "stage" else self._opinions(target)
             _apply(edits, layer)
             part.write_bytes(layers.to_bytes(layer, _encoding(target.suffix)))
             return
@@ -115,7 +125,7 @@ class UsdDocument:
         if not edits and rename is None:
             shutil.copyfile(source.path, part)
             return
-        layer = layers.copy_of(source.layer)
+        layer = layers.copy_of(self._layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
         _apply(edits, layer)
         renamed = rename is not None and layers.rename_assets(layer, rename)
@@ -126,12 +136,16 @@ class UsdDocument:
             encoding = _by_content(whole.bytes_of(whole.root))
             package.write(whole, layers.to_bytes(layer, encoding), part)
         else:
-            part.write_bytes(layers.to_bytes(layer, layers.encoding_of(source.layer)))
+            part.write_bytes(layers.to_bytes(layer, layers.encoding_of(self._layer)))
 
-    def _opinions(self) -> Any:
+    def _opinions(self, target: Path) -> Any:
         """A layer for bare opinions on the source, to be inserted into any layer stack above it."""
         layer = layers.empty()
         layers.copy_clock(self._source.layer, layer)
+        mark: dict[str, Any] = {"override": "layer"}
+        if not self._options.from_stream:
+            mark["source"] = Sdf.AssetPath(self._seen_from(target))
+        layer.customLayerData = {MARK: mark}
         return layer
 
     def _override(self, target: Path) -> Any:
@@ -159,10 +173,35 @@ class UsdDocument:
             if wanted in (".usda", ".usd", ".usdc"):
                 return
             raise UsageError(f"{target.name}: an override is a .usda, .usd or .usdc file")
-        encoding = "usdz" if own == ".usdz" else layers.encoding_of(self._source.layer)
+        encoding = "usdz" if own == ".usdz" else layers.encoding_of(self._layer)
         fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
         if wanted != own and wanted not in fits:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
+
+
+def _source_of(layer: Any, path: Path) -> Path | None:
+    """The file that bare opinions of ours are for; None for any other layer, or one put above it."""
+    mark = dict(layer.customLayerData.get(MARK, {}))
+    if mark.get("override") != "layer" or list(layer.subLayerPaths):
+        return None
+    if "source" not in mark:
+        raise FileError(
+            f"{path}: bare opinions, written with --override for a file that came from standard "
+            "input. Make a layer that has this one and that file as sublayers, and give it instead."
+        )
+    source = Path(layer.ComputeAbsolutePath(mark["source"].path))
+    if not source.is_file():
+        raise FileError(
+            f"{path}: bare opinions, written with --override for {mark['source'].path}, which is not there."
+        )
+    return source
+
+
+def _over(layer: Any, below: Path) -> tuple[Any, list[Notice]]:
+    """The stage of bare opinions over the file they are for, and what was noticed about that."""
+    stage, warnings = open_stage(below)
+    with quiet(f"{below}: USD cannot read it"):
+        return layers.over(layer, stage.GetRootLayer()), warnings
 
 
 def _apply(edits: list[Edit], layer: Any) -> None:

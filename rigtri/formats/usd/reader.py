@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from rigtri.formats import Options
 from rigtri.formats.usd import meshes, notes, prim_clip
 from rigtri.formats.usd.animations import Animation, clips, read_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
-from rigtri.formats.usd.stage import DEFAULT, open_stage, quiet
+from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.formats.usd.xform_rig import rooted
 from rigtri.matrices import compose, decompose, identity, inverse
 from rigtri.pose import worlds
@@ -45,13 +45,13 @@ class Source:
         return self.stage.GetRootLayer()
 
 
-def read_source(path: Path, options: Options, stage: Any = None) -> Source:
-    """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton."""
-    warnings: list[Notice] = []
-    if stage is None:
-        stage, warnings = open_stage(path)
+def read_source(path: Path, options: Options, stage: Any, warnings: Sequence[Notice] = ()) -> Source:
+    """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton.
+
+    warnings: what was noticed when the stage was opened.
+    """
     with quiet(f"{path}: USD cannot read it"):
-        return _Reader(path, stage, options, warnings).read()
+        return _Reader(path, stage, options, list(warnings)).read()
 
 
 class _Reader:
