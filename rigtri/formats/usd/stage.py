@@ -104,7 +104,10 @@ def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:
     """
     path = prim.GetPath()
     if prim.IsInstanceProxy() or prim.IsInPrototype():
-        return f"<{path}> lies inside an instance; edit the file that the instance refers to"
+        # Opinions on instances are ignored inside them, so the strongest is the asset's own.
+        (spec, *_) = prim.GetPrimStack() or (None,)
+        where = f": <{spec.path}> of {spec.layer.identifier}" if spec else ""
+        return f"<{path}> lies inside an instance; edit the file that the instance refers to{where}"
     for name in attributes:
         attribute = prim.GetAttribute(name)
         if not attribute or not attribute.HasAuthoredValue():
