@@ -65,8 +65,8 @@ def edit(
     clock = _Clock()
     with _opened(source) as path:
         to_stdout = str(target) == "-"
-        final = _final(path, target, overwrite)
         options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
+        final = _final(path, target, overwrite, options)
         document = read(path, options)
         _hear(document, report, strict)
         clock.lap("read")
@@ -236,9 +236,11 @@ def _hear(document: Document, report: Report, strict: bool) -> None:
         raise GeometryError(f"--strict: {report.warnings[0].text}{more}")
 
 
-def _final(path: Path, target: Path | str, overwrite: bool) -> Path:
+def _final(path: Path, target: Path | str, overwrite: bool, options: Options) -> Path:
     if str(target) == "-":
-        return Path(path.name)
+        # An override is a layer, also where it is of a package.
+        layer = bool(options.override) and path.suffix.lower() == ".usdz"
+        return Path(path.stem + ".usda" if layer else path.name)
     final = Path(target)
     if final.is_dir():
         raise UsageError(f"{final} is a folder; give the name of the output file")
