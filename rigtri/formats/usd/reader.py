@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
-from rigtri.formats.usd import meshes, notes, prim_clip
+from rigtri.formats.usd import library, meshes, notes, prim_clip
 from rigtri.formats.usd.animations import Animation, clips, read_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, quiet
@@ -79,6 +79,8 @@ class _Reader:
         prims = self._prims()
         self._skeletons(prims)
         self._animations(prims)
+        if not self.skeletons and self.options.root is None:
+            self._library(prims)
         if not self.skeletons and self.options.root is None:
             raise FileError(
                 f"{self.path}: there is no skeleton in it{self._excuse()}. If its joints are plain "
@@ -174,13 +176,38 @@ class _Reader:
             skeleton = read_skeleton(prim, animation, world[self.node_of[path]], self.warnings)
             if skeleton is not None:
                 self.skeletons[path] = skeleton
+        self._all_joints()
+
+    def _all_joints(self) -> None:
+        """The joints of all skeletons as nodes; a token that several have goes with its prim."""
         counts: dict[str, int] = {}
         for skeleton in self.skeletons.values():
             for token in skeleton.tokens:
                 counts[token] = counts.get(token, 0) + 1
         for path, skeleton in self.skeletons.items():
-            self._add_joints(skeleton, self.node_of[path], counts)
+            self._add_joints(skeleton, self._owner(path), counts)
             self._read_joint_notes(self.stage.GetPrimAtPath(path), self.joint_nodes[path])
+
+    def _owner(self, path: str) -> int:
+        """The node of a prim, or of the nearest above it that has a place; −1 for none."""
+        while path and path not in self.node_of:
+            path = path.rpartition("/")[0]
+        return self.node_of.get(path, -1)
+
+    def _library(self, others: list[Any]) -> None:
+        """Animations without any skeleton, as skeletons of their own."""
+        world = worlds(self._rig())
+        for prim in (prim for prim in others if prim.GetTypeName() == "SkelAnimation"):
+            path = str(prim.GetPath())
+            animation = read_animation(prim, self.warnings)
+            if animation is not None and animation.properties:
+                owner = self._owner(path)
+                place = world[owner] if owner >= 0 else np.eye(4)
+                self.animations[path] = animation
+                self.skeletons[path] = library.stand_in(prim, animation, place)
+        if self.skeletons:
+            self.warnings.append(library.notice(list(self.skeletons)))
+            self._all_joints()
 
     def _add_joints(self, skeleton: Skeleton, owner: int, counts: Mapping[str, int]) -> None:
         first = len(self.names)
@@ -244,12 +271,14 @@ class _Reader:
             return meshes.weighted(self.bindings.of({skeleton.path}), skeleton.tokens)
 
         nodes = self.joint_nodes[skeleton.path]
+        real = skeleton.path not in self.animations
         return Skin(
             name=skeleton.path.rpartition("/")[2],
             joints=np.array([nodes[token] for token in skeleton.tokens], dtype=np.int64),
             inverse_bind=inverse(skeleton.bind),
-            weigh=weigh,
-            key=("skeleton", skeleton.path),
+            stored=real,
+            weigh=weigh if real else None,
+            key=("skeleton" if real else "library", skeleton.path),
         )
 
     def _rig(self) -> Rig:

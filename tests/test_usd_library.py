@@ -1,0 +1,82 @@
+"""Clip libraries: animations without any skeleton take the turns of the skeleton they are for."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from click.testing import CliRunner
+from numpy.testing import assert_allclose
+from pxr import Usd
+from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
+
+from cli.main import program
+from rigtri.compare import self_check, verify
+
+
+def library(*blocks: str) -> str:
+    return "#usda 1.0\n" + "\n".join(['def Xform "World" {', *blocks, "}"])
+
+
+def values(path: Path, prim: str) -> dict[str, np.ndarray]:
+    stage = Usd.Stage.Open(str(path))
+    animated = stage.GetPrimAtPath(prim)
+    return {
+        f"{name} {time}": np.array(animated.GetAttribute(name).Get(time))
+        for name in ("translations", "rotations", "scales")
+        for time in (1, 3, 5)
+    }
+
+
+def run(*words: object) -> None:
+    result = CliRunner().invoke(program, [str(word) for word in words])
+    assert result.exit_code == 0, result.output
+
+
+def test_joints_stand_as_the_animation_poses_them_first(tmp_path: Path) -> None:
+    document = read(save(tmp_path, library(animation())))
+    rig = document.rig
+    # The animation lists a/b before a; a rig has parents first.
+    assert rig.labels == ("/World", "a", "a/b", "a/b/c")
+    assert rig.parents.tolist() == [-1, 0, 1, 2]
+    assert_allclose(rig.local[2, 3, :3], (0, 2, 0))
+    assert not rig.skins[0].stored
+    assert [clip.name for clip in rig.clips] == ["Anim", "Anim@default"]
+    (notice,) = document.warnings
+    assert notice.code == "no-skeleton"
+    assert "</World/Anim>" in notice.text
+
+
+def test_frames_of_a_skeleton_turn_the_library_as_its_own_animation(tmp_path: Path) -> None:
+    hero = save(tmp_path, scene(skeleton(), animation(), MESH))
+    clips = save(tmp_path, library(animation()), "clips.usda")
+    frames = tmp_path / "frames.json"
+    run("orient-joints", hero, "-o", tmp_path / "out.usda", "--save-frames", frames)
+    assert json.loads(frames.read_text())
+    run("orient-joints", clips, "-o", tmp_path / "turned.usda", "--frames", frames)
+    run("verify", clips, tmp_path / "turned.usda")
+    expected = values(tmp_path / "out.usda", "/Root/Anim")
+    for name, found in values(tmp_path / "turned.usda", "/World/Anim").items():
+        assert_allclose(found, expected[name], atol=1e-6, err_msg=name)
+
+
+def test_only_the_animation_is_written(tmp_path: Path) -> None:
+    source = save(tmp_path, library(animation()))
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    assert self_check(document, read(out)).passes()
+    assert verify(document, read(out)).passes()
+    assert "Transforms" not in out.read_text()
+
+
+def test_an_animation_without_rotations_cannot_turn(tmp_path: Path) -> None:
+    rig = read(save(tmp_path, library(animation(rotations="")))).rig
+    assert "has no rotations" in rig.fixed[1]
+
+
+def test_blend_shapes_alone_are_no_skeleton(tmp_path: Path) -> None:
+    shapes = (
+        'def SkelAnimation "A" { float[] blendShapeWeights = [1]\n uniform token[] blendShapes = ["s"]\n }'
+    )
+    assert "there is no skeleton" in error_of(save(tmp_path, library(shapes)))
