@@ -46,6 +46,8 @@ def match(before: Rig, after: Rig, *, by_key: bool) -> Matching:
     skin = _in_order([skin.name for skin in before.skins], [skin.name for skin in after.skins])
     clip = _clips(before, after)
     news = _News()
+    if before.up != after.up:
+        news.changed.append(f"up is {_axis(after.up)}, was {_axis(before.up)}")
     _compare_nodes(before, after, node, shown, news)
     _compare_skins(before, after, node, skin, news)
     _compare_clips(before, after, node, shown, clip, news)
@@ -111,6 +113,11 @@ def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Matching
 def by_target(clip: Clip) -> dict[tuple[int, str], Track]:
     """The tracks of a clip by node and path."""
     return {(track.node, track.path): track for track in clip.tracks}
+
+
+def _axis(direction: Sequence[float]) -> str:
+    """The axis that a direction is nearest to, as a letter."""
+    return "XYZ"[max(range(3), key=lambda k: abs(direction[k]))]
 
 
 class _News:

@@ -347,3 +347,10 @@ def test_the_summary_tells_what_rotations_that_are_not_unit_show() -> None:
     line = self_check(before, opened_again(turned(before))).summary()
     assert "; rotations as stored: " in line
     assert line.endswith(", off unit length by 0.001")
+
+
+@BOTH
+def test_another_up_axis_is_named(compare: Compare) -> None:
+    held = character()
+    after = replace(held, rig=replace(held.rig, up=(0.0, 0.0, 1.0)))
+    assert compare(held, after).changed == ("up is Z, was Y",)
