@@ -272,7 +272,7 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     else:
         click.echo(outcome.verification.summary(), err=True)
     if values["dry_run"]:
-        click.echo("Nothing was written (--dry-run).", err=True)
+        click.echo(f"{where} was not written (--dry-run).", err=True)
     else:
         click.echo(f"Wrote {where}", err=True)
 

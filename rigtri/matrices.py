@@ -49,9 +49,10 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     Source: GDC 2018, slide "Matrix Multiplication".
     """
     a, b = as_matrices(a), as_matrices(b)
-    total = a[..., :, 0, np.newaxis] * b[..., np.newaxis, 0, :]
-    for k in (1, 2, 3):
-        total = total + a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :]
+    with np.errstate(invalid="ignore", over="ignore"):  # inf and NaN go through as they are
+        total = a[..., :, 0, np.newaxis] * b[..., np.newaxis, 0, :]
+        for k in (1, 2, 3):
+            total = total + a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :]
     return total
 
 
@@ -181,9 +182,12 @@ def nearest_rotation(m: ArrayLike) -> Floats:
     """
     m = as_matrices(m)
     sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis, np.newaxis]
-    rows = normalise(m[..., :3, :3]) * sign
-    # Quadratic: from a skew of 60° it takes six steps to the last bit; twelve are for worse.
-    for _ in range(12):
+    # One factor for all axes: three would not turn with a sheared frame.
+    size = np.abs(m[..., :3, :3]).max(axis=(-1, -2), keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rows = m[..., :3, :3] / size * sign
+    # Quadratic near the end, halving the stretch before: 20 steps are enough for 1 to 1000.
+    for _ in range(20):
         x, y, z = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
         opposite = np.stack([cross(y, z), cross(z, x), cross(x, y)], axis=-2)
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -242,6 +242,8 @@ def _final(path: Path, target: Path | str, overwrite: bool, options: Options) ->
         layer = bool(options.override) and path.suffix.lower() == ".usdz"
         return Path(path.stem + ".usda" if layer else path.name)
     final = Path(target)
+    # A link stays a link: what it points at is replaced.
+    final = final.resolve() if final.is_symlink() else final
     if final.is_dir():
         raise UsageError(f"{final} is a folder; give the name of the output file")
     if not final.suffix:

@@ -553,3 +553,33 @@ def test_a_named_joint_that_may_not_turn_is_an_error() -> None:
     report = Report()
     oriented(rig, report)
     assert "fixed" in [notice.code for notice in report.warnings]
+
+
+@pytest.mark.parametrize("source", ["plane", "child", "keep", "parent"])
+def test_snapped_joints_are_stable_whatever_tells_their_up(source: str) -> None:
+    rig, style = arm(), Style("x", "y", source)
+    rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
+    rig.scale[1:3] = [[1.0, 1.3, 1.3], [0.9, 1.0, 1.4]]
+    once = oriented(rebound(rig), style=style)
+    assert oriented(once, style=style) is once
+
+
+def test_like_is_exact_below_an_ancestor_that_stretches() -> None:
+    rig = rig_of(["top", *"abcd"], [-1, 0, 1, 2, 3], np.vstack([[[0, 0, 0]], arm().translation]))
+    rig.scale[0] = [1.0, 2.0, 1.0]
+    rig.rotation[1:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
+    rig = replace(rig, skins=(Skin("s", np.arange(1, 5), inverse(worlds(rig))[1:]),))
+    home = oriented(oriented(rig, style=Style("-z", "y")), like=rig)
+    assert_allclose(worlds(home), worlds(rig), atol=1e-9)
+
+
+def test_a_snap_aims_first_and_then_fits_the_rest() -> None:
+    rig = arm()
+    rig.scale[1] = [1.0, 1.3, 0.7]
+    rig.rotation[1] = from_axis_angle([0, 1, 0], 0.2)  # its −z is still nearest to no bone but x
+    rig, report = rebound(rig), Report()
+    out = oriented(rig, report)
+    turned = axes(out, "b") @ axes(rig, "b").T
+    assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
+    bone = normalise(worlds(rig)[2, 3, :3] - worlds(rig)[1, 3, :3])
+    assert axes(out, "b")[0] @ bone == pytest.approx(np.abs(axes(rig, "b") @ bone).max())

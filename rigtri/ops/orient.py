@@ -39,11 +39,12 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     turns = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
     for joint, turn in wanted.items():
         turns[joint] = turn
-    parted = splits(rig, _at_frames(rig, turns)) if options.on_nonuniform_scale == "split" else {}
+    policy = options.on_nonuniform_scale
+    axis = {joint: axis_of(plan.style(joint).aim)[0] for joint in wanted}
+    parted = splits(rig, _at_frames(rig, turns), axis) if policy == "split" else {}
     exact = turns.copy()
     exact[list(parted)] = IDENTITY
-    axis = {joint: axis_of(plan.style(joint).aim)[0] for joint in wanted}
-    exact = allowed_turns(rig, _at_frames(rig, exact), options.on_nonuniform_scale, axis, report)
+    exact = allowed_turns(rig, _at_frames(rig, exact), policy, axis, report)
     for joint in set(wanted) - set(rig.frame_of) - set(parted):
         if options.frames is None:  # what the snap left over is noise too
             exact[joint] = plan.quiet(joint, exact[joint])

@@ -14,7 +14,7 @@ from rigtri.matrices import transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of
 from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, turn_onto
 from rigtri.ops.presets import Style
-from rigtri.ops.scale import Policy, nearest_cardinal
+from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
 from rigtri.ops.select import Selection, select
 from rigtri.ops.ups import Hinges, Up, carried, carry_to_joint, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes, turn_angle
@@ -162,9 +162,14 @@ class Plan:
         return UNCHANGED + float(self.scale_noise[joint])
 
     @cached_property
+    def scales(self) -> Scales:
+        """Every scale of the rig, at rest and at keys."""
+        return Scales.of(self.tree.rig)
+
+    @cached_property
     def scale_noise(self) -> Floats:
         """How far from uniform the scales of each node and those above it are, (n,), where taken as such."""
-        spread = Scales.of(self.tree.rig).spread
+        spread = self.scales.spread
         noise = np.where(spread <= SAME_SCALE, spread, 0.0)
         for level in self.tree.rig.levels[1:]:
             noise[level] = np.maximum(noise[level], noise[self.tree.rig.parents[level]])
@@ -228,7 +233,12 @@ class Plan:
 
     def _axes(self, joint: int, turns: dict[int, Floats]) -> Floats:
         """The world axes (rows) that a joint will have."""
-        axes = to_axes(self.quiet(joint, turns.get(joint, IDENTITY)))
+        turn = self.quiet(joint, turns.get(joint, IDENTITY))
+        uneven = self.scales.uneven[joint] and joint not in self.tree.rig.frame_of
+        if uneven and joint in turns and self.options.on_nonuniform_scale == "snap":
+            rows = self.scales.rows[self.scales.owner == joint]
+            turn = nearest_exact(turn, rows, axis_of(self.style(joint).aim)[0])
+        axes = to_axes(turn)
         return normalise(transform_directions(axes, self.ref.world[joint]))
 
     def _up(self, joint: int, bone: Floats, hinges: Hinges, turns: dict[int, Floats]) -> Up:

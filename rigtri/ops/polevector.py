@@ -64,7 +64,7 @@ def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) 
     straight limb of which nothing tells the side.
     """
     report = report if report is not None else Report()
-    limbs = _limbs(rig, options)
+    limbs = _limbs(rig, options, report)
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")
     _check_name(rig, limbs, options)
@@ -93,7 +93,7 @@ def _check_name(rig: Rig, limbs: list[Limb], options: Options) -> None:
         raise UsageError(f"--name {options.name}: another node is called so")
 
 
-def _limbs(rig: Rig, options: Options) -> list[Limb]:
+def _limbs(rig: Rig, options: Options, report: Report) -> list[Limb]:
     limbs = list(options.limbs)
     for start, end, middle in options.chains:
         limbs.append(_of_chain(rig, start, end, middle, options.pose))
@@ -105,9 +105,24 @@ def _limbs(rig: Rig, options: Options) -> list[Limb]:
                 "Name the limbs with --limb ROOT MIDDLE END; see the joints with: rigtri inspect FILE"
             )
         limbs.extend(found)
+        _tell_left_out(rig, limbs, report)
     if not limbs:
         raise UsageError("say which limbs: --limb ROOT MIDDLE END, --chain START END, or --limbs auto")
     return limbs
+
+
+def _tell_left_out(rig: Rig, limbs: list[Limb], report: Report) -> None:
+    """Warn where joints of the same names as a limb's are in no limb: siblings that share names."""
+    inside = {node for limb in limbs for node in limb.triple}
+    names = {rig.names[limb.middle] for limb in limbs}
+    for name in sorted(names):
+        others = [k for k in range(len(rig)) if rig.names[k] == name and k not in inside]
+        if others and rig.is_joint[others].any():
+            shown = ", ".join(rig.labels[k] for k in others[:4])
+            report.warn(
+                "limb-left-out",
+                f"'{name}' names other joints too ({shown}), which are in no limb; name theirs with --limb",
+            )
 
 
 def _of_chain(rig: Rig, start: str, end: str, middle: str | None, pose: str) -> Limb:

@@ -7,6 +7,7 @@ node of its own above the joint (`split`), or an error.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 import numpy as np
@@ -26,11 +27,13 @@ from rigtri.quaternions import (
 from rigtri.reframe import Scales, stays_diagonal, turned
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
-from rigtri.vectors import angle, cross
+from rigtri.trigonometry import Floats, arc_tangent
+from rigtri.vectors import angle, cross, dot
 
 # A turn and its nearest exact one are the same below this (radians).
 EXACT = 1e-9
+# Aims whose cosines differ by less are equally near.
+SAME_AIM = 1e-7
 
 Policy = Literal["snap", "skip", "split", "error"]
 
@@ -50,15 +53,17 @@ def nearest_cardinal(turn: Floats) -> Floats:
     return np.asarray(turns[int(np.argmax(overlap))])
 
 
-def splits(rig: Rig, turn: Floats) -> dict[int, Floats]:
+def splits(rig: Rig, turn: Floats, aim_axis: Mapping[int, int]) -> dict[int, Floats]:
     """The joints, with their turns (4,), that can take them only by a node of their own."""
     scales = Scales.of(rig)
     uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
-    exact = {node: _nearest_exact(turn[node], scales.rows[scales.owner == node]) for node in uneven}
+    exact = {k: nearest_exact(turn[k], scales.rows[scales.owner == k], aim_axis.get(k, 0)) for k in uneven}
     return {node: turn[node] for node in uneven if _apart(exact[node], turn[node]) > EXACT}
 
 
-def allowed_turns(rig: Rig, turn: Floats, policy: Policy, aim_axis: dict[int, int], report: Report) -> Floats:
+def allowed_turns(
+    rig: Rig, turn: Floats, policy: Policy, aim_axis: Mapping[int, int], report: Report
+) -> Floats:
     """Turns, (n, 4), of which each is exact in place; what had to give way is reported.
 
     aim_axis: per joint the index of its aim axis, to state the aim's error.
@@ -70,7 +75,7 @@ def allowed_turns(rig: Rig, turn: Floats, policy: Policy, aim_axis: dict[int, in
         return turn
     exact = turn.copy()
     for node in uneven:
-        exact[node] = _nearest_exact(turn[node], scales.rows[scales.owner == node])
+        exact[node] = nearest_exact(turn[node], scales.rows[scales.owner == node], aim_axis.get(node, 0))
     refused = [node for node in uneven if _apart(exact[node], turn[node]) > EXACT]
     if refused and policy == "error":
         names = ", ".join(f"'{rig.title(node)}'" for node in refused[:6])
@@ -89,27 +94,41 @@ def _apart(a: Floats, b: Floats) -> float:
     return float(turn_angle(multiply(conjugate(a), b)))
 
 
-def _nearest_exact(wanted: Floats, rows: Floats) -> Floats:
-    """The nearest turn that keeps every scale, (k, 3), diagonal.
+def nearest_exact(wanted: Floats, rows: Floats, aim: int) -> Floats:
+    """The nearest turn, (4,), that keeps every scale, (k, 3), diagonal: by its aim, then as a whole.
 
     A cardinal turn, with a free turn about an axis whose other two components are
     equal throughout. A small turn of a nearly uniform scale is not let through: it
-    would drift a little further with every run.
+    would drift a little further with every run; and the aim goes first, so that a
+    second run, which sees other axes about the same aim, stays with its choice.
     """
     quarter = [from_axis_angle(axis, np.pi / 4) for axis in np.eye(3)]
     odd = [k for k in range(3) if stays_diagonal(to_axes(quarter[k]), rows)]
-    best, most = IDENTITY, -1.0
+    target = to_axes(wanted)[aim]
+    best, closest, most = IDENTITY, -2.0, -1.0
     for cardinal in cardinal_turns():
-        rest = multiply(wanted, conjugate(cardinal))
         for axis in odd or (None,):
-            free = np.zeros(4)
-            free[3] = rest[3]
-            if axis is not None:
-                free[axis] = rest[axis]
-            overlap = float(norm(free))
-            if overlap > most + EXACT:  # the first of equals, so that a second run chooses alike
-                best, most = multiply(unit(free), cardinal), overlap
+            candidate = cardinal if axis is None else _freed(cardinal, axis, wanted, aim)
+            aimed = float(dot(to_axes(candidate)[aim], target))
+            products = candidate * wanted
+            overlap = abs(float(products[0] + products[1] + products[2] + products[3]))
+            nearer = aimed > closest + SAME_AIM
+            if nearer or (aimed > closest - SAME_AIM and overlap > most + EXACT):
+                best, closest, most = candidate, aimed, overlap
     return np.asarray(np.where(best[3] < 0, -best, best))
+
+
+def _freed(cardinal: Floats, axis: int, wanted: Floats, aim: int) -> Floats:
+    """A cardinal turn, then turned about an axis to bring its aim, or else all of it, near ``wanted``."""
+    now, target = to_axes(cardinal)[aim], to_axes(wanted)[aim]
+    about = np.eye(3)[axis]
+    if abs(now[axis]) > 0.5:  # the aim lies along the axis: only the roll is free
+        rest = multiply(wanted, conjugate(cardinal))
+        free = about * rest[axis]
+        turn = np.array([free[0], free[1], free[2], rest[3]])
+        return multiply(unit(turn), cardinal) if norm(turn) > EXACT else cardinal
+    angle_ = arc_tangent(dot(cross(about, now), target), dot(now, target))
+    return multiply(from_axis_angle(about, angle_), cardinal)
 
 
 def _tell(

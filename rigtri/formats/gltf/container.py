@@ -181,7 +181,8 @@ def _json(
     except UnicodeDecodeError as error:
         raise FileError(f"{path}: the JSON is not UTF-8 at offset {error.start}") from None
     except ValueError as error:
-        raise FileError(f"{path}: this is no valid JSON: {error}") from None
+        reason = "a number has thousands of digits" if "set_int_max_str_digits" in str(error) else error
+        raise FileError(f"{path}: this is no valid JSON: {reason}") from None
     if not isinstance(gltf, dict):
         raise FileError(f"{path}: the JSON is no object, so this is no glTF")
     _check_version(path, gltf)
