@@ -9,8 +9,8 @@ import click
 from rigtri.errors import UsageError
 
 from .options import (
-    direction,
     edit_options,
+    facing_option,
     given_options,
     output_options,
     reading_options,
@@ -100,12 +100,7 @@ _FAR = 1e18
     metavar="JOINT=X,Y,Z",
     help="The direction in which the limb of that joint bends; needed where it is straight.",
 )
-@click.option(
-    "--facing",
-    callback=direction,
-    metavar="AXIS|X,Y,Z",
-    help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
-)
+@facing_option
 @click.option("--name", help="Name of the locator. [MIDDLE_pole]")
 @click.option(
     "--pose",

@@ -1,6 +1,7 @@
 """Options that several commands share, and how results and messages are printed.
 
 source_argument     every command
+facing_option       what asks where a straight limb bends
 target_option       edits
 reading_options     edits, inspect: --lenient, --allow-external-paths, --root
 edit_options        edits: --overwrite, --dry-run, --report, --strict, --verify, --tolerance …
@@ -29,6 +30,25 @@ TOLERANCE = 1e-5
 # Warnings of one kind that are shown without -v.
 MOST_ALIKE = 4
 
+
+def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    """A direction: x,y,z or an axis name."""
+    if value is None:
+        return None
+    from rigtri.ops.ups import vector
+    from rigtri.triangle import axis_of
+
+    try:
+        letter, sign = axis_of(value)
+        return tuple(sign if k == letter else 0.0 for k in range(3))
+    except ValueError:
+        pass
+    try:
+        return tuple(float(x) for x in vector(value))
+    except ValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from error
+
+
 source_argument = click.argument("source", metavar="IN", type=click.Path(allow_dash=True))
 target_option = click.option(
     "-o",
@@ -38,6 +58,12 @@ target_option = click.option(
     metavar="OUT",
     type=click.Path(allow_dash=True),
     help="The file to write, in the format of IN; - for standard output.",
+)
+facing_option = click.option(
+    "--facing",
+    callback=direction,
+    metavar="AXIS|X,Y,Z",
+    help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
 )
 
 
@@ -287,24 +313,6 @@ def load_json(path: str) -> Any:
         raise FileError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
         raise FileError(f"{path} is no JSON: {error}") from error
-
-
-def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
-    """A direction: x,y,z or an axis name."""
-    if value is None:
-        return None
-    from rigtri.ops.ups import vector
-    from rigtri.triangle import axis_of
-
-    try:
-        letter, sign = axis_of(value)
-        return tuple(sign if k == letter else 0.0 for k in range(3))
-    except ValueError:
-        pass
-    try:
-        return tuple(float(x) for x in vector(value))
-    except ValueError as error:
-        raise click.BadParameter(str(error), ctx, param) from error
 
 
 def given_options(ctx: click.Context) -> dict[str, Any]:

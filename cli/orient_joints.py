@@ -12,8 +12,8 @@ from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.ops.presets import PRESETS, Style
 
 from .options import (
-    direction,
     edit_options,
+    facing_option,
     given_options,
     load_json,
     output_options,
@@ -118,12 +118,7 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     help="What a joint without child aims at.",
 )
 @click.option("--per-joint-plane", is_flag=True, help="Each joint its own bend plane (S-bends).")
-@click.option(
-    "--facing",
-    callback=direction,
-    metavar="AXIS|X,Y,Z",
-    help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
-)
+@facing_option
 @click.option(
     "--pose",
     metavar="bind|nodes|CLIP@TIME",

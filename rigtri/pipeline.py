@@ -83,7 +83,7 @@ def edit(
                     _to_stdout(written)
                 elif not dry_run:
                     written.finish()
-            except BaseException:
+            except BaseException:  # an interrupt too leaves the folder as it was; it goes on up
                 written.undo()
                 raise
             clock.lap("write")
