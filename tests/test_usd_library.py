@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 from pxr import Usd
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
 
-from cli.main import program
 from rigtri.compare import self_check, verify
 
 
