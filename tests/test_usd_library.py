@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import click
 import numpy as np
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
