@@ -22,8 +22,9 @@ from rigtri.trigonometry import Floats
 
 
 def worlds(rig: Rig, local: Floats | None = None) -> Floats:
-    """World matrices, (..., n, 4, 4), of local ones; of the rest pose unless given."""
-    local = rig.local if local is None else local
+    """World matrices, (..., n, 4, 4), of local ones; of the rest pose (not to be changed) unless given."""
+    if local is None:
+        return rig.world
     world = np.empty_like(local)
     for level in rig.levels:
         parents = rig.parents[level]

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
-from rigtri.matrices import compose
+from rigtri.matrices import compose, multiply
 from rigtri.trigonometry import Floats
 
 Integers = NDArray[np.int64]
@@ -150,6 +150,14 @@ class Rig:
         """Rest matrices seen from the parents, (n, 4, 4)."""
         composed = compose(self.translation, self.rotation, self.scale)
         return np.where(self.has_matrix[:, np.newaxis, np.newaxis], self.matrix, composed)
+
+    @cached_property
+    def world(self) -> Floats:
+        """Rest matrices seen from the world, (n, 4, 4); shared, so not to be changed."""
+        world = self.local.copy()
+        for level in self.levels[1:]:
+            world[level] = multiply(self.local[level], world[self.parents[level]])
+        return world
 
     @cached_property
     def levels(self) -> tuple[Integers, ...]:

@@ -17,6 +17,8 @@ from rigtri.trigonometry import Floats, arc_tangent
 
 def as_vectors(v: ArrayLike) -> Floats:
     """Anything array-like as float64, shape (..., 3); ValueError for another last axis."""
+    if type(v) is np.ndarray and v.dtype == np.float64 and v.shape[-1:] == (3,):
+        return v  # the common case, thousands of times in a run
     array = np.asarray(v, dtype=np.float64)
     if array.shape[-1:] != (3,):
         raise ValueError(f"vectors have three numbers, these have shape {array.shape}")

@@ -14,12 +14,12 @@ from rigtri.naming import twin
 from rigtri.rig import Rig
 from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
 from rigtri.trigonometry import Floats
-from rigtri.vectors import angle, length, normalise
+from rigtri.vectors import dot, length, normalise
 
-# A child farther than this off the incoming bone (radians, 30°) does not continue the chain.
-CONTINUES = 0.5235987755982988
-# An average of children is no direction when it is this far off the incoming bone (60°) …
-AVERAGE_OFF = 1.0471975511965976
+# A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
+CONTINUES = 0.8660254037844387
+# An average of children is no direction when it is this far off the incoming bone (cosine of 60°) …
+AVERAGE_OFF = 0.5
 # … or shorter than this share of the children's mean length.
 AVERAGE_SHORT = 0.3
 
@@ -66,12 +66,12 @@ def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
     candidates = _candidates(tree, ref, joint)
     if len(candidates) == 1:
         child = candidates[0]
-        off = _off(tree, ref, joint, child)
-        return None if off > CONTINUES and not tree.carries[child] else child
+        continues = _within(tree, ref, joint, child, CONTINUES)
+        return child if continues or tree.carries[child] else None
     middle = _unpaired(tree.rig, candidates)
-    if len(middle) == 1 and _off(tree, ref, joint, middle[0]) <= AVERAGE_OFF:
+    if len(middle) == 1 and _within(tree, ref, joint, middle[0], AVERAGE_OFF):
         return middle[0]
-    ahead = [k for k in candidates if _off(tree, ref, joint, k) <= CONTINUES]
+    ahead = [k for k in candidates if _within(tree, ref, joint, k, CONTINUES)]
     if len(ahead) > 1:
         ahead = [k for k in ahead if any(tree.carries[below] for below in tree.below[k])]
     return ahead[0] if len(ahead) == 1 and tree.above[joint] >= 0 else None
@@ -161,7 +161,7 @@ def _average(tree: Skeleton, ref: Reference, joint: int, candidates: list[int]) 
     incoming = _incoming(tree, ref, joint)
     short = not length(mean) >= AVERAGE_SHORT * typical
     if incoming is not None and incoming.direction is not None:
-        if short or float(angle(mean, incoming.direction)) > AVERAGE_OFF:
+        if short or float(dot(normalise(mean), incoming.direction)) < AVERAGE_OFF:
             return incoming
     elif short:
         return Aim("keep")
@@ -222,13 +222,14 @@ def _at(ref: Reference, joint: int, node: int, how: str) -> Aim | None:
     return Aim(how, direction, node, _distance(ref, joint, node))
 
 
-def _off(tree: Skeleton, ref: Reference, joint: int, child: int) -> float:
-    """The angle between the incoming bone and a child, in the world; 0 where there is none."""
+def _within(tree: Skeleton, ref: Reference, joint: int, child: int, cosine: float) -> bool:
+    """Whether a child is off the incoming bone by no more than the angle of this cosine, in the world."""
     parent = tree.above[joint]
     if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
-        return 0.0
+        return True
     here = ref.position(joint)
-    return float(angle(here - ref.position(parent), ref.position(child) - here))
+    bone, onward = here - ref.position(parent), ref.position(child) - here
+    return float(dot(bone, onward)) >= cosine * float(length(bone)) * float(length(onward))
 
 
 def _distance(ref: Reference, a: int, b: int) -> float:

@@ -17,7 +17,7 @@ from rigtri.ops.presets import Style
 from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
 from rigtri.ops.select import Selection, select
 from rigtri.ops.ups import Hinges, Up, carried, carry_to_joint, crossing, stated
-from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes, turn_angle
+from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
 from rigtri.reframe import SAME_SCALE, Scales
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -151,11 +151,13 @@ class Plan:
 
     def quiet(self, joint: int, turn: Floats) -> Floats:
         """Exactly the identity for a turn that is no more than the noise of storage."""
+        x, y, z, _ = turn.tolist()
+        angle = 2.0 * float(np.sqrt(x * x + y * y + z * z))  # where it is small enough to matter
         if self.options.like is not None:
-            return IDENTITY if float(turn_angle(turn)) <= UNCHANGED_LIKE else turn
+            return IDENTITY if angle <= UNCHANGED_LIKE else turn
         limit = self._least(joint) + self.noise.get(joint, 0.0)
         limit = min(limit + self._position_noise(joint), MOST_NOISE)
-        return IDENTITY if float(turn_angle(turn)) <= limit else turn
+        return IDENTITY if angle <= limit else turn
 
     def _least(self, joint: int) -> float:
         """The turn that means nothing: float32 rounding, and scale noise that passes as uniform."""

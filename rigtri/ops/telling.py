@@ -74,6 +74,7 @@ def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
     """One record per joint: what became of it, why, and how sure that is."""
     rig, moves = plan.tree.rig, turned(turns)
     mirrored = determinant(plan.ref.world) < 0
+    degrees_of, errors = np.degrees(turn_angle(turns)).tolist(), _aim_errors(plan, turns)
     for joint in plan.tree.joints:
         aim, up = plan.aims.get(joint), plan.ups.get(joint)
         status = "turned" if moves[joint] else "kept" if joint in plan.kept else "unchanged"
@@ -93,9 +94,9 @@ def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
         if joint in parted:
             entry["split"] = True
         if moves[joint]:
-            entry["degrees"] = round(float(np.degrees(turn_angle(turns[joint]))), 6)
-            entry["turn"] = [float(x) for x in turns[joint]]
-            _check_aim(plan, joint, turns[joint], entry)
+            entry |= {"degrees": round(degrees_of[joint], 6), "turn": turns[joint].tolist()}
+            if joint in errors:
+                entry["aim_error_degrees"] = round(errors[joint], 6)
         plan.report.joints.append(entry)
     named = [rig.title(j) for j in plan.tree.joints if mirrored[j] and moves[j]]
     if named:
@@ -106,12 +107,18 @@ def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
         )
 
 
-def _check_aim(plan: Plan, joint: int, turn: Floats, entry: dict[str, Any]) -> None:
-    aim, style = plan.aims[joint], plan.style(joint)
-    if aim.direction is not None and not style.world:
-        letter, sign = axis_of(style.aim)
-        off = float(np.degrees(angle(to_axes(turn)[letter] * sign, aim.direction)))
-        entry["aim_error_degrees"] = round(off, 6)
+def _aim_errors(plan: Plan, turns: Floats) -> dict[int, float]:
+    """How far the aim axis of each turned joint will be off what it aims at, in degrees."""
+    moves = turned(turns)
+    aims = {j: plan.aims[j].direction for j in plan.aims if moves[j] and not plan.style(j).world}
+    aimed = {joint: direction for joint, direction in aims.items() if direction is not None}
+    if not aimed:
+        return {}
+    letters = [axis_of(plan.style(joint).aim) for joint in aimed]
+    rows = to_axes(turns[list(aimed)])[np.arange(len(aimed)), [letter for letter, _ in letters]]
+    signs = np.array([[sign] for _, sign in letters])
+    off = np.degrees(angle(rows * signs, np.stack(list(aimed.values()))))
+    return dict(zip(aimed, off.tolist(), strict=True))
 
 
 def tell_fixed(plan: Plan) -> None:
