@@ -16,7 +16,7 @@ from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, 
 from rigtri.ops.presets import Style
 from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
 from rigtri.ops.select import Selection, select
-from rigtri.ops.ups import Hinges, Up, carried, carry_to_joint, crossing, stated
+from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
 from rigtri.reframe import SAME_SCALE, Scales
 from rigtri.report import Report
@@ -198,40 +198,64 @@ class Plan:
         # An end joint that copies its parent comes after it, whichever way the others are taken.
         copies = [joint for joint in self.turning if self.aims[joint].how == "parent"]
         first = [joint for joint in self.turning if joint not in late and joint not in copies]
-        for joint in (*first, *reversed([j for j in late if j not in copies]), *copies):
-            turns[joint] = self._turn(joint, hinges, turns)
+        order = (*first, *reversed([j for j in late if j not in copies]), *copies)
+        if any(self.style(joint).up_from in ("parent", "child") for joint in first):
+            for joint in order:
+                turns |= self._turns([joint], hinges, turns)
+        else:  # no joint asks for the new axes of another but those that copy them
+            turns = self._turns(first, hinges, turns)
+            for joint in order[len(first) :]:
+                turns |= self._turns([joint], hinges, turns)
         self.straight = hinges.straight
         return turns
 
-    def _turn(self, joint: int, hinges: Hinges, turns: dict[int, Floats]) -> Floats:
-        aim, style, ref = self.aims[joint], self.style(joint), self.ref
-        if style.world or aim.how == "world":
-            return turn_onto(np.eye(3), ref, joint)
-        if aim.how == "keep":
-            return IDENTITY
-        if aim.how == "parent":
-            above = self.tree.above[joint]
-            if above in self.noise:
-                self.noise[joint] = self.noise[above]
-            return turn_onto(self._axes(above, turns), ref, joint)
-        assert aim.direction is not None
-        bone = normalise(transform_directions(aim.direction, ref.world[joint]))
-        up = self._up(joint, bone, hinges, turns)
-        self.ups[joint] = up
+    @cached_property
+    def bones(self) -> dict[int, Floats]:
+        """The direction in the world, (3,), of each bone that has one."""
+        joints = [joint for joint, aim in self.aims.items() if aim.direction is not None]
+        if not joints:
+            return {}
+        seen = np.stack([self.aims[joint].direction for joint in joints])  # type: ignore[misc]
+        return dict(zip(joints, normalise(transform_directions(seen, self.ref.world[joints])), strict=True))
+
+    def _turns(self, joints: list[int], hinges: Hinges, turns: dict[int, Floats]) -> dict[int, Floats]:
+        """The turns of joints that do not ask for each other's; ``turns`` are those found before."""
+        found: dict[int, Floats] = {}
+        aimed = []
+        for joint in joints:
+            aim = self.aims[joint]
+            if self.style(joint).world or aim.how == "world":
+                found[joint] = turn_onto(np.eye(3), self.ref, joint)
+            elif aim.how == "keep":
+                found[joint] = IDENTITY
+            elif aim.how == "parent":
+                above = self.tree.above[joint]
+                if above in self.noise:
+                    self.noise[joint] = self.noise[above]
+                found[joint] = turn_onto(self._axes(above, turns), self.ref, joint)
+            else:
+                self.ups[joint] = self._up(joint, self.bones[joint], hinges, turns)
+                aimed.append(joint)
+        for style in dict.fromkeys(self.style(joint) for joint in aimed):
+            found |= self._framed([joint for joint in aimed if self.style(joint) == style], style)
+        return found
+
+    def _framed(self, joints: list[int], style: Style) -> dict[int, Floats]:
+        """The turns onto aim and up direction, and what noise of them is to be expected."""
+        up = np.stack([self.ups[joint].vector for joint in joints])
+        bones = np.stack([self.bones[joint] for joint in joints])
         # A direction near the bone tells the roll badly: its noise grows with 1/sine.
-        spread = float(length(cross(normalise(up.vector), bone)))
-        least = self._least(joint)
-        self.noise[joint] = least / max(spread, DEGENERATE_SINE) - least
-        if up.step >= 2:
-            of_plane = UNCHANGED_PLANE + self._position_noise(joint)
-            self.noise[joint] += of_plane / max(up.sine, DEGENERATE_SINE)
-        axes = frame(
-            aim.direction,
-            carry_to_joint(ref, joint, up.vector),
-            aim_axis=style.aim,
-            up_axis=style.up,
-        )
-        return from_axes(axes)
+        spread = np.maximum(length(cross(normalise(up), bones)), DEGENERATE_SINE)
+        for joint, sine in zip(joints, spread.tolist(), strict=True):
+            least = self._least(joint)
+            self.noise[joint] = least / sine - least
+            if self.ups[joint].step >= 2:
+                of_plane = UNCHANGED_PLANE + self._position_noise(joint)
+                self.noise[joint] += of_plane / max(self.ups[joint].sine, DEGENERATE_SINE)
+        aims = np.stack([self.aims[joint].direction for joint in joints])  # type: ignore[misc]
+        seen = transform_directions(up, self.ref.inverse[joints])
+        axes = frame(aims, seen, aim_axis=style.aim, up_axis=style.up)
+        return dict(zip(joints, from_axes(axes), strict=True))
 
     def _axes(self, joint: int, turns: dict[int, Floats]) -> Floats:
         """The world axes (rows) that a joint will have."""
@@ -253,12 +277,9 @@ class Plan:
             return Up(source, 1, style.up_from)
         above = self.tree.above[joint]
         before = None
-        if above in self.ups and above in self.aims and self.ups[above].step >= 2:
-            other = self.aims[above]
-            assert other.direction is not None
-            along_ = transform_directions(other.direction, self.ref.world[above])
+        if above in self.ups and self.ups[above].step >= 2:
             normal = hinges.found.get(above) or self.normals.get(above)
-            before = carried(normal, normalise(along_), bone) if normal else None
+            before = carried(normal, self.bones[above], bone) if normal else None
         # After an offset or a snap the present axis is not the one that a run before has found.
         present = not any(self.options.offset) and not self.options.snap
         up = hinges.normal(joint, bone, style.up, before, present=present)

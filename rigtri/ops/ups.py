@@ -21,7 +21,6 @@ import numpy as np
 from rigtri.bend import Bend, bend
 from rigtri.errors import UsageError
 from rigtri.limbs import Limb
-from rigtri.matrices import transform_directions
 from rigtri.naming import twin
 from rigtri.ops.aims import Aim, chain_child, limb_path
 from rigtri.quaternions import between, rotate
@@ -306,8 +305,3 @@ def _area_weighted(areas: Floats, sines: Floats) -> tuple[Floats, float]:
 def degrees(sine: float) -> float:
     """A bend from its sine, in degrees, for messages about nearly straight limbs."""
     return float(arc_tangent(sine, np.sqrt(max(0.0, 1.0 - sine * sine)))) * 57.29577951308232
-
-
-def carry_to_joint(ref: Reference, joint: int, direction: Floats) -> Floats:
-    """A direction of the world in the joint's own space, (3,)."""
-    return transform_directions(direction, ref.inverse[joint])
