@@ -241,7 +241,10 @@ class _Reader:
         if loose and self.skeletons:
             shown = ", ".join(f"<{path}>" for path in loose[:3]) + (" …" if len(loose) > 3 else "")
             self.warnings.append(
-                Notice("unbound-animation", f"No skeleton uses {shown}: left as they were, in the old axes.")
+                Notice(
+                    "unbound-animation",
+                    f"No skeleton uses {shown} in the selected variants: left as they were, in the old axes.",
+                )
             )
 
     @property
