@@ -39,17 +39,18 @@ def turned(turn: Floats) -> Booleans:
     return np.asarray((turn != IDENTITY).any(axis=-1))
 
 
-def reframe(rig: Rig, turn: Floats) -> Rig:
+def reframe(rig: Rig, turn: Floats, *, scales: Scales | None = None) -> Rig:
     """Turn the frame of each node by ``turn``, (n, 4), in its own old frame.
 
     Nothing that can be seen moves. A node that itself shows a mesh, camera or
     light hands it to a new child ``<name>_payload`` that keeps the old axes.
     ValueError where a node's scale does not allow the turn: ask `scale_allows` first.
+    scales: those of ``rig``, where the caller has them.
     """
     own = turned(turn)
     if not own.any():
         return rig
-    scales = Scales.of(rig)
+    scales = Scales.of(rig) if scales is None else scales
     refused = np.flatnonzero(own & ~_allowed(scales, turn)).tolist()
     if refused:
         raise ValueError(f"{[rig.title(node) for node in refused]} would shear: non-uniform scale")

@@ -80,11 +80,15 @@ def normalise(v: ArrayLike) -> Floats:
 
     Source: GDC 2018, slide "Vectors, Normalize".
     """
-    given = as_vectors(v)
-    largest = np.abs(given).max(axis=-1, keepdims=True)
+    v = as_vectors(v)
+    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    largest = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(z))
     with np.errstate(divide="ignore", invalid="ignore"):
-        scaled: Floats = given / largest
-        return np.asarray(scaled / length(scaled)[..., np.newaxis])
+        x, y, z = x / largest, y / largest, z / largest
+        size = np.sqrt(x * x + y * y + z * z)
+        result = np.empty(v.shape)
+        result[..., 0], result[..., 1], result[..., 2] = x / size, y / size, z / size
+    return result
 
 
 def project(point: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:

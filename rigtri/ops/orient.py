@@ -44,7 +44,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     parted = splits(rig, _at_frames(rig, turns), axis) if policy == "split" else {}
     exact = turns.copy()
     exact[list(parted)] = IDENTITY
-    exact = allowed_turns(rig, _at_frames(rig, exact), policy, axis, report)
+    exact = allowed_turns(rig, _at_frames(rig, exact), policy, axis, plan.scales, report)
     for joint in set(wanted) - set(rig.frame_of) - set(parted):
         if options.frames is None:  # what the snap left over is noise too
             exact[joint] = plan.quiet(joint, exact[joint])
@@ -53,7 +53,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     tell_straight(plan)
     check(plan, turns)
     record(plan, turns, parted)
-    out = _noted(reframe(rig, exact), plan, turns)
+    out = _noted(reframe(rig, exact, scales=plan.scales), plan, turns)
     for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
         out = split(out, joint, parted[joint])
     return out

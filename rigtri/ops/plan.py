@@ -276,10 +276,13 @@ class Plan:
         if source is not None and crossing(source, bone):
             return Up(source, 1, style.up_from)
         above = self.tree.above[joint]
-        before = None
-        if above in self.ups and self.ups[above].step >= 2:
+
+        def before() -> Up | None:
+            if above not in self.ups or self.ups[above].step < 2:
+                return None
             normal = hinges.found.get(above) or self.normals.get(above)
-            before = carried(normal, self.bones[above], bone) if normal else None
+            return carried(normal, self.bones[above], bone) if normal else None
+
         # After an offset or a snap the present axis is not the one that a run before has found.
         present = not any(self.options.offset) and not self.options.snap
         up = hinges.normal(joint, bone, style.up, before, present=present)

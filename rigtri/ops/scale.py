@@ -62,14 +62,13 @@ def splits(rig: Rig, turn: Floats, aim_axis: Mapping[int, int]) -> dict[int, Flo
 
 
 def allowed_turns(
-    rig: Rig, turn: Floats, policy: Policy, aim_axis: Mapping[int, int], report: Report
+    rig: Rig, turn: Floats, policy: Policy, aim_axis: Mapping[int, int], scales: Scales, report: Report
 ) -> Floats:
     """Turns, (n, 4), of which each is exact in place; what had to give way is reported.
 
     aim_axis: per joint the index of its aim axis, to state the aim's error.
     Raises GeometryError with the policy ``error``.
     """
-    scales = Scales.of(rig)
     uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
     if not uneven:
         return turn

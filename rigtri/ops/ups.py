@@ -13,7 +13,7 @@ framing", 1995 (step 7).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -189,13 +189,27 @@ class Hinges:
                     self.found[joint] = Up(normal, 4, "other side", self.found[there].sine)
                     break
 
-    def normal(self, joint: int, aim: Floats, up_axis: str, above: Up | None, *, present: bool = True) -> Up:
+    def normal(
+        self,
+        joint: int,
+        aim: Floats,
+        up_axis: str,
+        above: Callable[[], Up | None],
+        *,
+        present: bool = True,
+    ) -> Up:
         """The plane normal of a joint, for a bone along ``aim`` (3,), by the first step that holds.
 
-        above: what the joint above got, carried along, for step 7. present: whether step 8 counts.
+        above: asked for what the joint above got, carried along, for step 7. present: whether
+        step 8 counts.
         """
-        candidates: list[Up | None] = [self.found.get(joint), self._adjoining(joint)]
-        for candidate in (*candidates, above):
+        asked: list[Callable[[], Up | None]] = [
+            lambda: self.found.get(joint),
+            lambda: self._adjoining(joint),
+            above,
+        ]
+        for step in asked:
+            candidate = step()
             if candidate is not None and _across(candidate.vector, aim):
                 return candidate
         letter, sign = axis_of(up_axis)
