@@ -40,10 +40,6 @@ class Skeleton:
             joint = self.above[joint]
         return joint
 
-    def depth(self, joint: int) -> int:
-        """How many joints hang below in a line, at most."""
-        return 1 + max((self.depth(k) for k in self.below[joint]), default=-1)
-
 
 def skeleton(rig: Rig, root: str | None = None, *, plain: bool = False) -> Skeleton:
     """The joints of all skins, or with ``root`` that node and everything below it.

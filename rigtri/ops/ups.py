@@ -210,11 +210,11 @@ class Hinges:
         ]
         for step in asked:
             candidate = step()
-            if candidate is not None and _across(candidate.vector, aim):
+            if candidate is not None and crossing(candidate.vector, aim):
                 return candidate
         letter, sign = axis_of(up_axis)
         own = normalise(self.ref.world[joint, letter, :3]) * sign
-        if present and _across(own, aim):
+        if present and crossing(own, aim):
             return Up(own, 8, "its present axis")
         # The first axis of those that are about the least parallel: rounding is not to choose.
         off = np.abs(normalise(aim))
@@ -290,10 +290,6 @@ def vector(text: str) -> Floats:
 
 def crossing(up: Floats, aim: Floats) -> bool:
     """Whether an up direction is clear of the bone: at least `STRAIGHT_SINE` off it."""
-    return _across(up, aim)
-
-
-def _across(up: Floats, aim: Floats) -> bool:
     with np.errstate(invalid="ignore"):
         return bool(length(cross(normalise(up), normalise(aim))) >= STRAIGHT_SINE)
 
