@@ -1,0 +1,65 @@
+"""Blender and three.js as judges: what they show of files, vertex by vertex."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rigtri.trigonometry import Floats
+
+NO_BLENDER = "Blender is not here: set BPY_PYTHON"
+NO_THREE = "three.js is not here: set RIGTRI_THREE"
+_HERE = Path(__file__).parent
+# Mesh, clip and moment → vertices in the world, (v, 3).
+Shown = dict[str, Floats]
+
+
+def blender(*paths: Path, folder: Path) -> list[Shown]:
+    """What Blender shows of each file. Skips where no Python with bpy is named."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    targets = [folder / f"blender-{number}.npz" for number in range(len(paths))]
+    _run([python, str(_HERE / "blender_points.py")], paths, targets, folder)
+    return [dict(np.load(target)) for target in targets]
+
+
+def three(*paths: Path, folder: Path) -> list[Shown]:
+    """What three.js shows of each file. Skips where npm has not installed it."""
+    place, node = os.environ.get("RIGTRI_THREE"), shutil.which("node")
+    if not place or not node:
+        pytest.skip(NO_THREE)
+    targets = [folder / f"three-{number}.json" for number in range(len(paths))]
+    _run([node, str(_HERE / "three_points.mjs"), place], paths, targets, folder)
+    return [_decoded(json.loads(target.read_text("utf-8"))) for target in targets]
+
+
+def apart(before: Shown, after: Shown) -> float:
+    """The largest distance of a vertex from its old place, as a share of the size of all at rest.
+
+    Fails where a mesh, a clip or a moment is in one of them only.
+    """
+    assert before.keys() == after.keys()
+    assert before, "nothing is shown"
+    distances = [np.abs(points - after[key]).max(initial=0.0) for key, points in before.items()]
+    resting = np.concatenate([points for key, points in before.items() if key.endswith("|rest")])
+    fit = resting[np.isfinite(resting).all(axis=1)]
+    return float(max(distances) / np.linalg.norm(fit.max(axis=0) - fit.min(axis=0)))
+
+
+def _run(command: list[str], paths: tuple[Path, ...], targets: list[Path], folder: Path) -> None:
+    jobs = folder / "jobs.json"
+    jobs.write_text(json.dumps([[str(a), str(b)] for a, b in zip(paths, targets, strict=True)]), "utf-8")
+    run = subprocess.run([*command, str(jobs)], capture_output=True, text=True, timeout=600)
+    assert run.returncode == 0, run.stderr[-2000:]
+
+
+def _decoded(found: dict[str, str]) -> Shown:
+    return {key: np.frombuffer(base64.b64decode(text)).reshape(-1, 3) for key, text in found.items()}
