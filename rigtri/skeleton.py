@@ -11,6 +11,7 @@ from rigtri.errors import FileError, UsageError
 from rigtri.matrices import decompose, from_frame, inverse, local, turn_before
 from rigtri.pose import bind_worlds, key_times, locals_at, worlds
 from rigtri.quaternions import conjugate
+from rigtri.reframe import SAME_SCALE, Scales
 from rigtri.rig import Booleans, Rig, Skin
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
@@ -158,8 +159,9 @@ def _own_frames(tree: Skeleton, world: Floats) -> Floats:
     rig, joints = tree.rig, [j for j in tree.joints if tree.rig.parents[j] >= 0]
     seen = local(world[joints], world[rig.parents[joints]])
     world = world.copy()
+    size = _own_scale(rig, joints, length(seen[:, :3, :3]))
     with np.errstate(divide="ignore", invalid="ignore"):
-        unscaled = world[joints, :3, :3] / length(seen[:, :3, :3])[..., np.newaxis]
+        unscaled = world[joints, :3, :3] / size[..., np.newaxis]
     # A joint of scale 0 has no axes to measure; what it shows is all the same a point.
     world[joints, :3, :3] = np.where(np.isfinite(unscaled), unscaled, world[joints, :3, :3])
     for joint in rig.frame_of:
@@ -167,6 +169,20 @@ def _own_frames(tree: Skeleton, world: Floats) -> Floats:
         axes = world[joint, :3, :3] * np.where(scale < 0, -1.0, 1.0)[:, np.newaxis]
         world[joint, :3, :3] = turn_before(conjugate(turn), from_frame(axes, np.zeros(3)))[:3, :3]
     return world
+
+
+def _own_scale(rig: Rig, joints: list[int], size: Floats) -> Floats:
+    """The lengths of axes as seen from the parent, (j, 3), where they are the joint's own scale, else 1.
+
+    A bind pose need not have the scales of the nodes: what it lacks of an ancestor's looks
+    like a scale of the joint, but shears as the joint turns.
+    """
+    with np.errstate(invalid="ignore"):
+        uneven = size.max(axis=1) - size.min(axis=1) > SAME_SCALE * size.max(axis=1)
+    if not uneven.any():
+        return size
+    own = Scales.of(rig).uneven[joints]
+    return np.where((uneven & ~own)[:, np.newaxis], 1.0, size)
 
 
 def _clip_pose(rig: Rig, pose: str) -> Floats:
