@@ -46,6 +46,9 @@ UNIT = 1e-6
 WORTH_SAYING = 1e-4
 # Numbers in one block of matrices: with its temporaries it stays in the cache.
 _BLOCK = 1 << 16
+# A deep rig is evaluated level by level, so that each step should have some matrices to multiply:
+# this many numbers of a level, in a block of at most so many.
+_LEVEL, _DEEP_BLOCK = 1 << 11, 1 << 19
 # Points moved in one matrix product.
 _CHUNK = 4096
 
@@ -266,7 +269,7 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
     (before, after), tally.watched = _needed(before, after, tally.watched)
     still = [pose.worlds(rig, pose.rest(rig, normalised=normalised))[np.newaxis] for rig in (before, after)]
     tally.add(Moment(still[0], still[1], (None, None), np.zeros(1)), "")
-    size = max(1, _BLOCK // (16 * max(len(before), len(after), 1)))
+    size = max(map(_times_at_once, (before, after)))
     for k in np.flatnonzero(m.clip >= 0).tolist():
         clips = before.clips[k], after.clips[m.clip[k]]
         motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
@@ -277,6 +280,13 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
                 pose.worlds(motion.rig, motion.locals_at(some, normalised=normalised)) for motion in motions
             ]
             tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name or f"#{k}")
+
+
+def _times_at_once(rig: Rig) -> int:
+    """How many times of a clip go into one block."""
+    numbers, levels = 16 * max(len(rig), 1), max(len(rig.levels), 1)
+    wanted = min(_DEEP_BLOCK, _LEVEL * levels)
+    return max(1, max(_BLOCK, wanted) // numbers)
 
 
 def _needed(before: Rig, after: Rig, watched: Sequence[Watched]) -> tuple[tuple[Rig, Rig], list[Watched]]:

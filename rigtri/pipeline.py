@@ -230,7 +230,7 @@ def _to_stdout(written: _Written) -> None:
 
 def _hear(document: Document, report: Report, strict: bool) -> None:
     """Take the document's notices into the report; with ``strict`` the first of all is an error."""
-    report.warnings.extend(n for n in document.warnings if n not in report.warnings)
+    report.hear(document.warnings)
     if strict and report.warnings:
         more = f" ({len(report.warnings) - 1} more)" if len(report.warnings) > 1 else ""
         raise GeometryError(f"--strict: {report.warnings[0].text}{more}")

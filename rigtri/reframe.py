@@ -17,6 +17,7 @@ Source: docs/exactness.md; UsdSkel and glTF 2.0 §3.7.3 (skins), appendix C.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -146,7 +147,17 @@ class Scales:
         np.maximum.at(spread, owner, unsigned.max(axis=1) - unsigned.min(axis=1))
         return Scales(rows, owner, sign, spread / np.where(largest == 0, 1.0, largest))
 
-    @property
+    @cached_property
+    def _by_owner(self) -> tuple[Integers, Integers]:
+        order = np.argsort(self.owner, kind="stable")
+        return order, np.searchsorted(self.owner[order], np.arange(len(self.sign) + 1))
+
+    def of_node(self, node: int) -> Floats:
+        """All scales of one node, (k, 3)."""
+        order, starts = self._by_owner
+        return self.rows[order[starts[node] : starts[node + 1]]]
+
+    @cached_property
     def uneven(self) -> Booleans:
         """Which nodes, (n,), have a scale that is not uniform, beyond the noise of exporters."""
         return np.asarray(self.spread > SAME_SCALE)
@@ -162,8 +173,7 @@ class Scales:
 def _allowed(scales: Scales, turn: Floats) -> Booleans:
     allowed = np.ones(len(turn), dtype=bool)
     for node in np.flatnonzero(turned(turn) & scales.uneven).tolist():
-        rows = scales.rows[scales.owner == node]
-        allowed[node] = stays_diagonal(to_axes(turn[node]), rows)
+        allowed[node] = stays_diagonal(to_axes(turn[node]), scales.of_node(node))
     return allowed
 
 

@@ -23,8 +23,9 @@ from rigtri.vectors import length
 
 # What rigtri adds to a file, by the type in its note; the rest of a file it must not move.
 OWN = ("poleVector", "group")
-# Points moved in one matrix product.
-_CHUNK = 4096
+# Points moved in one matrix product; of a skin with more joints than that, only so many:
+# a product has room for each point and each joint of its points.
+_CHUNK, _CROWDED, _SMALL_CHUNK = 4096, 256, 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,8 +193,9 @@ def _chunks(points: Floats, joints: Integers, weights: Floats) -> Iterator[tuple
     """Points in chunks with their joints and weight·(p, 1) by joint, (v, joints·4)."""
     heaviest = np.argmax(np.abs(weights), axis=1)
     order = np.argsort(joints[np.arange(len(points)), heaviest], kind="stable")
-    for start in range(0, len(points), _CHUNK):
-        mine = order[start : start + _CHUNK]
+    size = _CHUNK if joints.max(initial=0) < _CROWDED else _SMALL_CHUNK
+    for start in range(0, len(points), size):
+        mine = order[start : start + size]
         used = weights[mine] != 0
         columns, inside = np.unique(np.where(used, joints[mine], 0), return_inverse=True)
         inside = inside.reshape(used.shape)

@@ -57,7 +57,7 @@ def splits(rig: Rig, turn: Floats, aim_axis: Mapping[int, int]) -> dict[int, Flo
     """The joints, with their turns (4,), that can take them only by a node of their own."""
     scales = Scales.of(rig)
     uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
-    exact = {k: nearest_exact(turn[k], scales.rows[scales.owner == k], aim_axis.get(k, 0)) for k in uneven}
+    exact = {k: nearest_exact(turn[k], scales.of_node(k), aim_axis.get(k, 0)) for k in uneven}
     return {node: turn[node] for node in uneven if _apart(exact[node], turn[node]) > EXACT}
 
 
@@ -74,7 +74,7 @@ def allowed_turns(
         return turn
     exact = turn.copy()
     for node in uneven:
-        exact[node] = nearest_exact(turn[node], scales.rows[scales.owner == node], aim_axis.get(node, 0))
+        exact[node] = nearest_exact(turn[node], scales.of_node(node), aim_axis.get(node, 0))
     refused = [node for node in uneven if _apart(exact[node], turn[node]) > EXACT]
     if refused and policy == "error":
         names = ", ".join(f"'{rig.title(node)}'" for node in refused[:6])
