@@ -11,7 +11,7 @@ is kept apart, because no change of axes can avoid it (docs/exactness.md).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -59,6 +59,7 @@ class Source(Protocol):
     @property
     def rig(self) -> Rig: ...
     def meshes(self) -> Sequence[Mesh]: ...
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]: ...
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,8 @@ class Comparison:
     the source's rotations; raw_deviation: what renderers show that do not
     normalise them (equal to ``deviation`` where all are unit). per_mesh, per_clip:
     deviation by title. poses: how many were looked at; 0 where both are the same to
-    the bit. lost, added, changed: `rigtri.matching.Matching`.
+    the bit. lost, added, changed: `rigtri.matching.Matching`. boxed: meshes of which
+    only some points were looked at, and the box that the file states for all.
     """
 
     deviation: float
@@ -98,6 +100,7 @@ class Comparison:
     added: tuple[str, ...]
     changed: tuple[str, ...]
     poses: int
+    boxed: tuple[str, ...] = ()
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost and no deviation above ``tolerance``."""
@@ -119,6 +122,7 @@ class Comparison:
             "added": list(self.added),
             "changed": list(self.changed),
             "poses": self.poses,
+            "boxed": list(self.boxed),
         }
 
     def summary(self) -> str:
@@ -131,6 +135,8 @@ class Comparison:
                 f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
                 f"by {self.denormalisation:.2g}"
             )
+        if self.boxed:
+            line += f"; {len(self.boxed)} large meshes by their boxes"
         if self.lost:
             line += f"; lost: {', '.join(self.lost[:3])}{' ...' if len(self.lost) > 3 else ''}"
         return line
@@ -159,17 +165,18 @@ class Comparison:
         return f"in {self.poses} poses" if self.poses else "for nothing can have moved"
 
 
-def self_check(before: Source, after: Source) -> Comparison:
+def self_check(before: Source, after: Source, *, closely: bool = False) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
     An upper bound: skin matrices move the corners of the box of the points that
     each joint moves. Nodes whose rest, tracks, ancestors and inverse binds are
     the same to the bit are not evaluated. Meshes that cannot be read are bounded
-    by the box of their skin's joints.
+    by the box of their skin's joints. closely: look at every point also of very large
+    meshes, where else the box that the file states for all stands for what any joint moves.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=True)
     matching = match(mine, theirs, by_key=True)
-    meshes = _readable(before)
+    meshes = _fitting(before, lambda: before.outlines(closely=closely))
     diagonal = _diagonal(mine, meshes)
     moving = moving_nodes(mine, theirs, matching)
     watched: list[Watched] = [
@@ -178,7 +185,9 @@ def self_check(before: Source, after: Source) -> Comparison:
         *frames(mine, matching, meshes, moving, diagonal),
         origins(mine, matching, moving),
     ]
-    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
+    compared = _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
+    boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
+    return replace(compared, boxed=() if closely else boxed)
 
 
 def verify(before: Source, after: Source) -> Comparison:
@@ -190,7 +199,7 @@ def verify(before: Source, after: Source) -> Comparison:
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
     matching = match(mine, theirs, by_key=False)
-    meshes, others = _readable(before), _readable(after)
+    meshes, others = _fitting(before, before.meshes), _fitting(after, after.meshes)
     diagonal = _diagonal(mine, meshes)
     everything = np.ones(len(mine), dtype=bool)
     pairs, lost = _mesh_pairs(mine, matching, meshes, others)
@@ -321,10 +330,10 @@ def denormalisation(rig: Rig) -> float:
     return float(off[np.isfinite(off)].max(initial=0.0))
 
 
-def _readable(source: Source) -> list[Mesh]:
+def _fitting(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
     """The meshes that can be evaluated; none where they cannot be read."""
     try:
-        meshes = source.meshes()
+        meshes = read()
     except FileError:
         return []
     return [mesh for mesh in meshes if _fits(mesh, source.rig)]

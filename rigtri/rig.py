@@ -95,6 +95,9 @@ class Mesh:
     (v, 0) for a rigid mesh, whose points are in the space of ``node``. bind: the
     matrix that takes points into the space of the skin's bind pose. morphs:
     (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``.
+    box: where ``points`` are only some of many, the lows and highs of all of them wherever
+    morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
+    of the skin moves, (2, m, 3).
     """
 
     name: str
@@ -107,6 +110,7 @@ class Mesh:
     morphs: Floats = field(default_factory=lambda: np.zeros((0, 0, 3)))
     morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
     dual_quaternion: bool = False
+    box: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)

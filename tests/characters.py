@@ -31,6 +31,9 @@ class Held:
     def meshes(self) -> Sequence[Mesh]:
         return self.drawn
 
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        return self.drawn
+
 
 def character(seed: int = 0) -> Held:
     """Four joints in a row; a sword and a camera in the hand, a face with a morph on the spine."""

@@ -103,16 +103,33 @@ class Accessors:
         layout = self.layout(index)
         if layout.plain:
             return self._read_plain(layout)
+        return self._decoded(index, layout)
+
+    def rows(self, index: int, start: int, stop: int) -> Floats:
+        """Some rows of what `read` gives; of plain storage only these are touched."""
+        layout = self.layout(index)
+        if layout.buffer < 0 or layout.sparse:
+            return self.read(index)[start:stop]
+        first = layout.start + start * layout.stride
+        return self._decoded(index, layout._replace(start=first, rows=min(stop, layout.rows) - start))
+
+    def stated(self, index: int) -> Floats | None:
+        """The lows and highs, (2, width), that the file states for an accessor; None where it does not."""
+        layout, raw = self.layout(index), self._items[index]
+        if "min" not in raw or "max" not in raw:
+            return None
+        accessor = self.value(index)
+        bounds = np.array([accessor.need(key).numbers(layout.width) for key in ("min", "max")])
+        return _whole(bounds, layout)
+
+    def _decoded(self, index: int, layout: Layout) -> Floats:
         accessor = self.value(index)
         if layout.buffer < 0 and layout.rows * layout.width > MOST_ZEROS:
             accessor.fail(f"claims {layout.rows} elements without bytes for them")
         numbers = self._elements(layout)
         if layout.sparse:
             numbers = self._replaced(numbers, accessor.need("sparse"), layout)
-        decoded = numbers.astype(np.float64)
-        if layout.normalized and layout.component in FULL:
-            decoded = np.maximum(decoded / FULL[layout.component], -1.0)
-        return decoded
+        return _whole(numbers.astype(np.float64), layout)
 
     def _read_plain(self, layout: Layout) -> Floats:
         # One float32 view of a buffer serves all its accessors: slicing it is cheap.
@@ -165,7 +182,7 @@ class Accessors:
             self._refuse_compressed(view, view.raw)
         start, length = view.natural("byteOffset", 0), view.natural("byteLength")
         stride = view.natural("byteStride", 0)
-        whole = len(self.buffers.content(buffer))
+        whole = self.buffers.length(buffer)
         if start + length > whole:
             view.fail(f"ends at {start + length}, outside buffer {buffer} of {whole} bytes")
         return buffer, start, length, stride
@@ -210,3 +227,10 @@ class Accessors:
         view = value.natural("bufferView")
         placed = Layout(layout.component, layout.width, layout.rows, False, False, view)
         return self._elements(self._within(value, placed, value.natural("byteOffset", 0)))
+
+
+def _whole(numbers: Floats, layout: Layout) -> Floats:
+    """Normalised integers as the numbers they stand for; all others as they are."""
+    if layout.normalized and layout.component in FULL:
+        return np.asarray(np.maximum(numbers / FULL[layout.component], -1.0))
+    return numbers

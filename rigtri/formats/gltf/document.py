@@ -80,6 +80,12 @@ class GltfDocument:
             self._meshes = self._reader.read(self._rig.skins)
         return self._meshes
 
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        """The same; where a file has very many points, some of them and boxes for its largest meshes."""
+        if not self._reader.crowd:
+            return self.meshes()
+        return self._reader.read(self._rig.skins, "closely" if closely else "stated")
+
     def reopen(self, part: Path) -> GltfDocument:
         """Read what `write` wrote."""
         # A relinked output may point anywhere that the source's data already came from.

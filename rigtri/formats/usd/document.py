@@ -59,6 +59,10 @@ class UsdDocument:
         with quiet(f"{source.path}: USD cannot read its meshes"):
             return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
 
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        """The same: USD keeps what is drawn in memory anyway."""
+        return self.meshes()
+
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file, or with ``override`` only the opinions; see `formats.Document`.
 
