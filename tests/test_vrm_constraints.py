@@ -6,6 +6,7 @@ may differ from the one before by the turn of its own axes alone, the same at ev
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -43,11 +44,11 @@ def turns_between(before: Rig, after: Rig) -> np.ndarray:
     return np.array([mul(was.world(k)[0] * back, now.world(k)[0]) for k in range(len(before))])
 
 
-def deviation(before: Rig, after: Rig) -> float:
+def deviation(before: Rig, after: Rig, weights: Mapping[str, float] = WEIGHTS) -> float:
     """The largest difference of any world frame at any key, its own turn of axes taken out."""
     turns, worst = turns_between(before, after), 0.0
     for key in range(4):
-        was, now = Driven(before, key, WEIGHTS), Driven(after, key, WEIGHTS)
+        was, now = Driven(before, key, weights), Driven(after, key, weights)
         for node in range(len(before)):
             (q, position), (p, place) = was.world(node), now.world(node)
             expected = mul(q, turns[node])
@@ -120,6 +121,48 @@ def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) ->
     # The lower arm too: what rolls below it goes by the upper arm's axes.
     assert {name for name in NODES if turns[NODES[name]]} == {"upper_arm", "sleeve", "cuff", "lower_arm"}
     assert not [notice for notice in report.warnings if notice.code == "constraint"]
+
+
+def test_what_is_driven_does_not_turn_its_source(tmp_path: Path) -> None:
+    rig, report = opened(avatar(3), tmp_path), Report()
+    options = Options(selection=Selection(joints=("sleeve", "hand")))
+    after = orient_joints(rig, options=options, report=report)
+    assert {name for name in NODES if turned(turns_of(rig, after))[NODES[name]]} == {"hand"}
+    reasons = {entry["joint"]: entry.get("reason", "") for entry in report.joints}
+    assert reasons["sleeve"].startswith("'upper_arm' stays (not selected)")
+
+
+def test_a_driven_node_that_is_no_joint_follows_and_one_that_leads_stays(tmp_path: Path) -> None:
+    builder = avatar(3, without=tuple(CONSTRAINTS))
+    for node, source in (("badge", "upper_arm"), ("hair", "plate")):
+        rule = {"rotation": {"source": NODES[source], "weight": 0.5}}
+        extension = {"specVersion": "1.0", "constraint": rule}
+        builder.gltf["nodes"][NODES[node]]["extensions"] = {"VRMC_node_constraint": extension}
+    rig, report = opened(builder, tmp_path), Report()
+    after = orient_joints(rig, report=report)
+    turns = turns_of(rig, after)
+    assert_allclose(turns[NODES["badge"]], turns[NODES["upper_arm"]], atol=1e-9)
+    assert turned(turns)[NODES["upper_arm"]]
+    assert not turned(turns)[[NODES["hair"], NODES["plate"]]].any()
+    assert after.names[-1] == "badge_payload"
+    assert deviation(rig, after, {"badge": 0.5, "hair": 0.5}) < 1e-9
+
+
+@pytest.mark.parametrize("preset", ["article", "blender", "maya", "openxr", "vrm"])
+def test_a_second_run_changes_no_byte_and_like_brings_the_rules_home(preset: str, tmp_path: Path) -> None:
+    source = avatar(5).glb(tmp_path / "a.vrm")
+    once, twice, home = (tmp_path / f"{name}.vrm" for name in ("once", "twice", "home"))
+    options = Options(style=PRESETS[preset], selection=ALL)
+    for before, after, how in (
+        (source, once, options),
+        (once, twice, options),
+        (once, home, Options(like=GltfDocument.read(source).rig)),
+    ):
+        document = GltfDocument.read(before)
+        document.write(orient_joints(document.rig, options=how), after, after)
+    assert twice.read_bytes() == once.read_bytes() != source.read_bytes()
+    rules = [[n.get("extensions") for n in glb_json(path)["nodes"][: len(NODES)]] for path in (source, home)]
+    assert rules[0] == rules[1]
 
 
 def test_an_excluded_joint_holds_the_source_it_copies(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ about an axis holds its joint where the new frame has no such axis. All else tur
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -25,9 +26,13 @@ Policy = Literal["freeze", "error"]
 
 @dataclass
 class Bond:
-    """Nodes that can only turn alike, the leading first (−1 is the world), or one that an axis holds."""
+    """Nodes that can only turn alike (−1 is the world), or one that an axis holds.
+
+    tops: those that nothing leads; they come first, and are none where constraints go in a circle.
+    """
 
     nodes: list[int] = field(default_factory=list)
+    tops: list[int] = field(default_factory=list)
     constraints: list[Constraint] = field(default_factory=list)
 
 
@@ -51,7 +56,10 @@ def bonds(rig: Rig) -> list[Bond]:
             find(constraint.node)
     found: dict[int, Bond] = {}
     for node in sorted(top, key=lambda node: (node in led, node)):
-        found.setdefault(find(node), Bond()).nodes.append(node)
+        bond = found.setdefault(find(node), Bond())
+        bond.nodes.append(node)
+        if node not in led:
+            bond.tops.append(node)
     for constraint in rig.constraints:
         pair = alike(rig, constraint)
         tops = {find(pair[1])} if pair is not None else set()
@@ -76,11 +84,14 @@ def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> 
     own = {rig.frame_of.get(joint, joint) for joint in wanted}
     joints = {rig.frame_of.get(joint, joint): joint for joint in plan.tree.joints}
     held = {node: _held(plan, joint) for node, joint in joints.items()} | dict(rig.fixed)
+    # What leads and has no turn of its own does not get one for the sake of what follows it.
+    kept = {node: plan.kept.get(joint, "unchanged") for node, joint in joints.items() if node not in own}
     for bond in bonds(rig):
-        leader = next((node for node in bond.nodes if node in own), None)
-        if leader is None:
+        if own.isdisjoint(bond.nodes):
             continue
-        turn, why = _common(plan, bond, leader, turns[leader], held)
+        leader = next(node for node in bond.nodes if node in own)
+        leads = {node: kept.get(node, "no joint") for node in bond.tops if node not in own}
+        turn, why = _common(plan, bond, leader, turns[leader], ChainMap(leads, held))
         gave_way = [k for k in bond.nodes if k in own and _apart(turns[k], turn) > UNCHANGED]
         if gave_way:
             names, because = _names(rig, gave_way), _told(rig, bond)
@@ -128,8 +139,6 @@ def _common(
 ) -> tuple[Floats, str]:
     """The turn, (4,), that all of a bond can take; else identity, and why."""
     rig, scales = plan.tree.rig, plan.scales
-    if not turned(wanted):
-        return wanted, ""
     stays = next((node for node in bond.nodes if node < 0 or held.get(node)), None)
     if stays is not None:
         return IDENTITY, f"'{rig.title(stays)}' stays ({held[stays]})" if stays >= 0 else "the world stays"

@@ -16,7 +16,9 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import unit_rotations
 from rigtri.formats.gltf.validate import SHOWN_EXTENSIONS
-from rigtri.formats.vrm import mesh_references, stored_axis, stored_vector
+from rigtri.formats.node_constraints import stored_axis
+from rigtri.formats.vrm import mesh_references
+from rigtri.formats.vrm0 import stored_vector
 from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.pose import worlds
 from rigtri.rig import Integers, Rig
