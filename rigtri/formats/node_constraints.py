@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rigtri.formats.bindings import Bindings, Follows, Kind, Pointer, line
+from rigtri.formats.bindings import Bindings, Follows, Kind, Pointer
 from rigtri.formats.gltf.values import Value
 from rigtri.report import Notice
 
@@ -47,22 +47,21 @@ def read_constraint(extension: Value, node: int, above: Sequence[int], found: Bi
 
 
 def notice_circles(above: Sequence[int], found: Bindings) -> None:
-    """Say which constraints wait for each other: viewers refuse or ignore them."""
-    driven = {c.node for c in found.constraints if c.kind != "tail"}
-    waits = dict.fromkeys(driven, 0)
-    frees: dict[int, list[int]] = {node: [] for node in driven}
-    for constraint in found.constraints:
-        for node in line(constraint.source, above) if constraint.kind != "tail" else ():
-            if node in driven:
-                waits[constraint.node] += 1
-                frees[node].append(constraint.node)
-    free = [node for node, count in waits.items() if not count]
+    """Say which constraints wait for each other, or for such: viewers refuse or ignore them."""
+    # A node stands where it stands once its parent does and what drives it.
+    edges = [(parent, node) for node, parent in enumerate(above) if parent >= 0]
+    edges += [(c.source, c.node) for c in found.constraints if c.kind != "tail"]
+    waits, frees = [0] * len(above), [list[int]() for _ in above]
+    for first, then in edges:
+        waits[then] += 1
+        frees[first].append(then)
+    free = [node for node, count in enumerate(waits) if not count]
     while free:
         for node in frees[free.pop()]:
             waits[node] -= 1
             if not waits[node]:
                 free.append(node)
-    circle = sorted(node for node, count in waits.items() if count)
+    circle = sorted({c.node for c in found.constraints if waits[c.node]})
     if circle:
         names = ", ".join(f"#{node}" for node in circle[:6])
         text = f"The constraints of nodes {names} wait for each other, so viewers do not evaluate them"

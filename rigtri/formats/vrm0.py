@@ -54,13 +54,26 @@ def _swinging_0(swinging: Value, above: Sequence[int], found: Bindings) -> None:
         for bone in group.each("bones")
         if bone.raw != -1
     }
-    for node in range(len(above)):
-        if not tops.isdisjoint(line(node, above)):
-            found.bones.add(node)
-    parents = set(above)
-    for node in sorted(found.bones - parents):
+    found.bones.update(_below(tops, above))
+    for node in sorted(found.bones.difference(above)):
         # Viewers hang the end of a chain along its translation, which its parent sees.
-        found.constraints.append(Follows("tail", node, above[node]))
+        if above[node] >= 0:
+            found.constraints.append(Follows("tail", node, above[node]))
+
+
+def _below(tops: set[int], above: Sequence[int]) -> set[int]:
+    """The nodes ``tops`` and all below them."""
+    inside, outside = set(tops), {-1}
+    for node in range(len(above)):
+        fresh: list[int] = []
+        for step in line(node, above):
+            if step in inside or step in outside:
+                (inside if step in inside else outside).update(fresh)
+                break
+            fresh.append(step)
+        else:
+            outside.update(fresh)
+    return inside
 
 
 def _bind_0(holder: Value, key: str, node: int, pointer: Pointer, found: Bindings) -> None:
