@@ -257,6 +257,23 @@ def test_a_joint_whose_constraint_reads_its_rotation_is_not_split(tmp_path: Path
     assert len([name for name in after.names if name.endswith("_orient")]) == 0
 
 
+def test_a_node_that_a_split_inserts_leaves_constraints_where_they_were(tmp_path: Path) -> None:
+    builder = avatar(1)
+    builder.gltf["nodes"][NODES["hair"]]["scale"] = [1, 1.5, 1]
+    source, out = builder.glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
+    document = GltfDocument.read(source)
+    after = orient_joints(document.rig, options=Options(on_nonuniform_scale="split"))
+    assert "hair_orient" in after.names
+    document.write(after, out, out)
+    again = GltfDocument.read(out).rig
+
+    def tied(rig: Rig) -> list[tuple[str, str]]:
+        return sorted((rig.names[c.node], rig.names[c.source]) for c in rig.constraints)
+
+    assert tied(again) == tied(after) == tied(document.rig)
+    assert len(tied(again)) == len(CONSTRAINTS)
+
+
 @pytest.mark.parametrize(
     ("kind", "rule", "words"),
     [
