@@ -79,9 +79,13 @@ def test_vrm_0_swings_as_before(tmp_path: Path) -> None:
     out = written(
         orient_joints(document.rig, options=Options(style=Style(world=True))), document, tmp_path / "b.vrm"
     )
-    first, second = three_vrm(source, out, folder=tmp_path)
+    # Offsets that nobody rewrote, to see that this test sees them.
+    careless = orient_joints(replace(document.rig, bound=()), options=WORLD)
+    broken = written(careless, document, tmp_path / "c.vrm")
+    first, second, third = three_vrm(source, out, broken, folder=tmp_path)
     assert first["springs"] == 3
     assert apart(first, second) < CLOSE
+    assert apart(first, third) > 0.1
 
 
 def test_a_real_vrm_0_swings_as_before(assets: Path, tmp_path: Path) -> None:
