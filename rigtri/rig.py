@@ -85,6 +85,23 @@ class Bound:
 
 
 @dataclass(frozen=True, eq=False)
+class Constraint:
+    """A node that follows another by a rule that compares their axes.
+
+    kind: ``rotation``, node takes over how source has turned from its rest; ``roll``, of that
+    turn the part about ``axis``, seen from the two parents; ``aim``, ``axis`` points at source;
+    ``tail``, the end of a swinging chain, which hangs as its parent, the source, stands.
+    axis: (3,), one of the six axes of node; zero where the kind has none.
+    """
+
+    kind: Literal["rotation", "roll", "aim", "tail"]
+    node: int
+    source: int
+    axis: Floats
+    key: Hashable = None
+
+
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """Points that skins or nodes move; read only to measure, never written.
 
@@ -117,7 +134,9 @@ class Rig:
     payload: (n,), the node whose mesh, camera or light a node shows, −1 for none.
     keys: what only the format understands; None for a node that is new.
     fixed: nodes whose axes mean something in themselves, with the reason. frozen: why no
-    joint of this file may turn at all, "" where they may.
+    joint of this file may have axes of its own, "" where they may; then ``parallel`` are the
+    nodes that may stand, all of them, parallel to the world. aside: nodes of ``fixed`` whose
+    transform is data and places nothing, so that they are no joints whoever names them.
     humanoid: VRM bone names. notes: what rigtri has stored on a node.
     facing: the direction the character looks in, where the format prescribes one.
     """
@@ -137,6 +156,9 @@ class Rig:
     bound: tuple[Bound, ...] = ()
     fixed: Mapping[int, str] = field(default_factory=dict)
     frozen: str = ""
+    parallel: frozenset[int] = frozenset()
+    aside: frozenset[int] = frozenset()
+    constraints: tuple[Constraint, ...] = ()
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     facing: tuple[float, float, float] | None = None
@@ -372,6 +394,11 @@ class Rig:
             ),
             bound=tuple(replace(b, node=moved(b.node)) for b in self.bound),
             fixed={moved(k): reason for k, reason in self.fixed.items()},
+            parallel=frozenset(map(moved, self.parallel)),
+            aside=frozenset(map(moved, self.aside)),
+            constraints=tuple(
+                replace(c, node=moved(c.node), source=moved(c.source)) for c in self.constraints
+            ),
             humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
             notes={moved(k): note for k, note in self.notes.items()},
         )

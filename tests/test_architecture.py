@@ -28,7 +28,7 @@ quaternions
 matrices
 triangle
 rig
-pose
+pose constraints
 reframe report
 naming
 limbs

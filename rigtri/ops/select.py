@@ -12,6 +12,11 @@ from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton
 
 _EYES = ("leftEye", "rightEye")
+EXCLUDED = "excluded"
+ROOT = "root joint: its motion is root motion"
+EYE = "VRM eye"
+# Joints that are kept for these reasons do not turn for the sake of another joint either.
+STEADFAST = frozenset({EXCLUDED, ROOT, EYE})
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,7 @@ def select(
     turning = []
     for joint in tree.joints:
         if joint in excluded:
-            kept[joint] = "excluded"
+            kept[joint] = EXCLUDED
         elif selection.named and joint not in named:
             kept[joint] = "not selected"
         elif joint not in within:
@@ -70,7 +75,7 @@ def _check_named(rig: Rig, selection: Selection) -> None:
     named += [name for chain in selection.chains for name in chain]
     for name in named:
         node = rig.find(name)
-        if node in rig.fixed:
+        if node in rig.fixed and node not in rig.aside:
             raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.fixed[node]}")
 
 
@@ -81,7 +86,7 @@ def _named(tree: Skeleton, selection: Selection) -> set[int]:
         named.update(along(rig, rig.find(start), rig.find(end)))
     for top in selection.below:
         named.update(rig.below(rig.find(top)))
-    if selection.named and not named & known:
+    if selection.named and not named & known and not named & rig.aside:
         raise UsageError("the selection holds no joint; see the joints with: rigtri inspect FILE")
     return named & known
 
@@ -99,11 +104,13 @@ def _stays(tree: Skeleton, ref: Reference, joint: int) -> str:
     """Why a joint that nobody named keeps its axes, or "" when it turns."""
     rig = tree.rig
     if tree.above[joint] < 0:
-        return "root joint: its motion is root motion"
+        return ROOT
     if not tree.carries[joint]:
         return "no weight on or below it"
     if any(rig.humanoid.get(eye) == joint for eye in _EYES):
-        return "VRM eye"
+        return EYE
+    if any(c.kind == "roll" and c.node == joint for c in rig.constraints):
+        return "a roll constraint drives it"
     siblings = [k for k in tree.below[tree.above[joint]] if k != joint and tree.carries[k]]
     if not tree.below[joint] and siblings and chain_child(tree, ref, tree.above[joint]) != joint:
         return "lone end joint beside siblings"

@@ -31,7 +31,7 @@ from rigtri.formats.gltf.values import Value
 from rigtri.formats.gltf.writer import write_file
 from rigtri.formats.vrm import read_bindings
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Bound, Mesh, Rig
+from rigtri.rig import Booleans, Bound, Constraint, Mesh, Rig
 
 
 class GltfDocument:
@@ -112,6 +112,7 @@ class GltfDocument:
         skins = read_skins(gltf, self.accessors, tree, self.notices, self._weigh, lenient=options.lenient)
         clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
         bindings = read_bindings(gltf, tree.above)
+        self.notices += bindings.notices
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
         rig = Rig(
             names=tuple(name if isinstance(name, str) else "" for name in names),
@@ -132,6 +133,14 @@ class GltfDocument:
             ),
             fixed=fixed,
             frozen=bindings.frozen,
+            parallel=frozenset(tree.place[node] for node in bindings.bones)
+            if bindings.frozen
+            else frozenset(),
+            aside=frozenset(tree.place[node] for node in bindings.aside),
+            constraints=tuple(
+                Constraint(c.kind, tree.place[c.node], tree.place[c.source], np.array(c.axis), c.pointer)
+                for c in bindings.constraints
+            ),
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
             notes={
                 k: e["rigtri"]

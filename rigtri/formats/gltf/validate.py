@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rigtri.formats.gltf.values import Value
-from rigtri.formats.vrm import CONSTRAINT
+from rigtri.formats.node_constraints import CONSTRAINT
 from rigtri.report import Notice
 
 LISTS = (
