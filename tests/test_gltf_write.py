@@ -225,7 +225,9 @@ def test_missing_inverse_binds_are_created(tmp_path: Path) -> None:
     del builder.gltf["skins"][0]["inverseBindMatrices"]
     document = GltfDocument.read(builder.glb(tmp_path / "a.glb"))
     assert not document.rig.skins[0].stored
-    after = GltfDocument.read(written(document, reframe(document.rig, random_turns(document.rig)), tmp_path / "b.glb"))
+    after = GltfDocument.read(
+        written(document, reframe(document.rig, random_turns(document.rig)), tmp_path / "b.glb")
+    )
     assert after.rig.skins[0].stored
     assert verify(document, after).passes(2e-7)
 
@@ -236,7 +238,9 @@ def test_matrices_behind_the_last_joint_are_kept(tmp_path: Path) -> None:
     rows[:3] = np.eye(4).ravel()
     builder.gltf["skins"][0]["inverseBindMatrices"] = builder.accessor(rows)
     document = GltfDocument.read(builder.glb(tmp_path / "a.glb"))
-    after = GltfDocument.read(written(document, reframe(document.rig, random_turns(document.rig)), tmp_path / "b.glb"))
+    after = GltfDocument.read(
+        written(document, reframe(document.rig, random_turns(document.rig)), tmp_path / "b.glb")
+    )
     stored = after.accessors.read(glb_json(tmp_path / "b.glb")["skins"][0]["inverseBindMatrices"])
     assert stored[3:].tolist() == rows[3:].tolist()
 

@@ -149,7 +149,7 @@ class _Packed:
 def _sentinels(bits: int) -> Bytes:
     """How many differences of each byte say that a whole byte follows."""
     differences = _unpacked(np.arange(256, dtype=np.uint8)[:, np.newaxis], bits)
-    return np.count_nonzero(differences == (1 << bits) - 1, axis=1).astype(np.uint8)
+    return np.asarray(np.count_nonzero(differences == (1 << bits) - 1, axis=1), dtype=np.uint8)
 
 
 def _unpacked(packed: Bytes, bits: int) -> Bytes:
