@@ -207,6 +207,20 @@ def test_a_view_that_claims_more_than_any_character_has_is_refused(tmp_path: Pat
         GltfDocument.read(path)
 
 
+def test_a_small_stream_of_very_many_zeros_is_refused(tmp_path: Path) -> None:
+    path = pack(small(), tmp_path / "a.glb")
+    gltf, binary = glb_json(path), binary_of(path)
+    count = 1 << 21
+    stream = b"\xa1" + b"\xaa" * (4 * (count // 256)) + bytes(24)
+    keys(gltf).update(count=count, byteOffset=len(binary), byteLength=len(stream))
+    accessor = gltf["accessors"][gltf["animations"][0]["samplers"][0]["output"]]
+    gltf["bufferViews"][accessor["bufferView"]]["byteLength"] = 16 * count
+    gltf["buffers"][0]["byteLength"] = len(binary) + len(stream)
+    path.write_bytes(glb_bytes(gltf, binary + stream))
+    with pytest.raises(FileError, match="32793 bytes claim to be 33554432"):
+        GltfDocument.read(path)
+
+
 def test_a_broken_stream_of_a_mesh_is_a_notice_and_joints_are_checked_instead(tmp_path: Path) -> None:
     path = pack(small(), tmp_path / "a.glb")
     gltf, binary = glb_json(path), binary_of(path)
@@ -396,6 +410,26 @@ def test_weights_that_do_not_sum_to_one_stay_and_move_nothing(tmp_path: Path) ->
     after = turned(document, tmp_path / "b.glb")
     assert verify(document, after).passes(2e-7)
     assert after.meshes()[0].weights.tolist() == document.meshes()[0].weights.tolist()
+
+
+@pytest.mark.parametrize("number", [-1.0, np.nan, 1e30, np.inf])
+def test_joints_that_no_index_can_be_leave_the_mesh_out(number: float, tmp_path: Path) -> None:
+    builder = small()
+    attributes = builder.gltf["meshes"][0]["primitives"][0]["attributes"]
+    attributes["JOINTS_0"] = builder.accessor([[number, 1, 0, 0]] * 3)
+    document = GltfDocument.read(builder.glb(tmp_path / "a.glb"))
+    assert document.rig.skins[0].weighted.tolist() == [False, True, False]
+    assert list(document.meshes()) == []
+    assert "uses joint -1" in document.warnings[0].text
+
+
+def test_signalling_nan_in_weights_is_read_without_a_word(tmp_path: Path) -> None:
+    builder = small()
+    attributes = builder.gltf["meshes"][0]["primitives"][0]["attributes"]
+    weights = np.full((3, 4), 0x7F800001, dtype="<u4").view("<f4")
+    attributes["WEIGHTS_0"] = builder.accessor(weights)
+    (mesh,) = GltfDocument.read(builder.glb(tmp_path / "a.glb")).meshes()
+    assert np.isnan(mesh.weights).all()
 
 
 # --- Draco

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gltf_files import Builder, character, glb_bytes, small
+from gltf_files import Builder, character, small
 
 from rigtri.errors import FileError
 from rigtri.formats import Options, read

@@ -110,7 +110,9 @@ class Accessors:
         numbers = self._elements(layout)
         if layout.sparse:
             numbers = self._replaced(numbers, accessor.need("sparse"), layout)
-        decoded = numbers.astype(np.float64)
+        # Some NaN are signalling ones, of which nobody wants to hear.
+        with np.errstate(invalid="ignore"):
+            decoded = numbers.astype(np.float64)
         if layout.normalized and layout.component in FULL:
             decoded = np.maximum(decoded / FULL[layout.component], -1.0)
         return decoded
@@ -119,14 +121,16 @@ class Accessors:
         # One float32 view of a buffer serves all its accessors: slicing it is cheap.
         start, rest = divmod(layout.start, 4)
         if rest:
-            return self._elements(layout).astype(np.float64)
+            with np.errstate(invalid="ignore"):
+                return self._elements(layout).astype(np.float64)
         whole = self._floats.get(layout.buffer)
         if whole is None:
             content = self.buffers.content(layout.buffer)
             whole = np.frombuffer(content, "<f4", len(content) // 4)
             self._floats[layout.buffer] = whole
         part = whole[start : start + layout.rows * layout.width]
-        return part.astype(np.float64).reshape(layout.rows, layout.width)
+        with np.errstate(invalid="ignore"):
+            return part.astype(np.float64).reshape(layout.rows, layout.width)
 
     def _lay(self, accessor: Value) -> Layout:
         raw = accessor.object()

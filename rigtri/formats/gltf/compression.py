@@ -10,8 +10,10 @@ from rigtri.formats.gltf.meshopt import decode_attributes, decode_indices
 from rigtri.formats.gltf.meshopt_filters import FILTERS
 from rigtri.formats.gltf.values import Value
 
-# A short stream may claim to hold a thousand times its size. No character has this much in one view.
+# No character has this much in one view.
 MOST_BYTES = 1 << 28
+# Zeros can be packed a thousand to one, numbers that mean something a tenth of that; a small view may.
+RATIO, SMALL = 100, 1 << 24
 
 
 def compression_of(view: Value) -> Value | None:
@@ -40,6 +42,8 @@ def decode_view(view: Value, buffers: Buffers) -> memoryview:
     if length > MOST_BYTES:
         how.fail(f"claims {length} bytes, and rigtri decodes {MOST_BYTES} at most; split the view")
     stream = _stream(how, buffers)
+    if length > max(SMALL, RATIO * len(stream)):
+        how.fail(f"{len(stream)} bytes claim to be {length}; nothing but a trap is packed like that")
     try:
         elements = (decode_indices if mode == "INDICES" else decode_attributes)(stream, count, stride)
     except ValueError as error:
