@@ -280,6 +280,28 @@ def test_the_smallest_integer_is_minus_one_like_the_one_above_it(tmp_path: Path)
     assert track.values.tolist() == [[-1, 0, 0, 0], [-1, 0, 0, 0]]
 
 
+def test_quantised_scales_stay_the_very_bytes_and_quantised_places_become_floats(tmp_path: Path) -> None:
+    builder = small()
+    walk = builder.gltf["animations"][0]
+    times = walk["samplers"][0]["input"]
+    scales = builder.accessor([[65535] * 3, [32768] * 3], "u2", normalized=True)
+    places = builder.accessor([[0, 127, 0], [-64, 64, 32]], "i1", normalized=True)
+    walk["samplers"] += [{"input": times, "output": scales}, {"input": times, "output": places}]
+    for sampler, path in ((1, "scale"), (2, "translation")):
+        walk["channels"].append({"sampler": sampler, "target": {"node": 1, "path": path}})
+    document = GltfDocument.read(builder.glb(tmp_path / "a.glb"))
+    by_path = {track.path: track.values.tolist() for track in document.rig.clips[0].tracks}
+    assert by_path["scale"] == [[1.0] * 3, [32768 / 65535] * 3]
+    assert by_path["translation"] == [[0, 1, 0], [-64 / 127, 64 / 127, 32 / 127]]
+    after = turned(document, tmp_path / "b.glb")
+    assert verify(document, after).passes(2e-7)
+    new = glb_json(tmp_path / "b.glb")
+    assert new["accessors"][scales] == builder.gltf["accessors"][scales]
+    outputs = [sampler["output"] for sampler in new["animations"][0]["samplers"]]
+    assert outputs[1] == scales
+    assert new["accessors"][outputs[2]]["componentType"] == 5126
+
+
 def bent(quantised: bool) -> Builder:
     """A bent limb; quantised: points as int16, and what makes metres of them in the inverse binds."""
     builder = small()
