@@ -58,7 +58,7 @@ class MeshReader:
                 except FileError:
                     return np.ones(count, dtype=bool)
                 live = joints[weights > 0]
-                moves[live[live < count]] = True
+                moves[live[(live >= 0) & (live < count)]] = True
                 known = True
         return moves if known else np.ones(count, dtype=bool)
 
@@ -137,6 +137,8 @@ class MeshReader:
         if len({len(rows) for rows in (*joints[1:], *weights[1:])}) > 1:
             primitive.fail("has sets of joints and weights of different lengths")
         together = np.concatenate(joints[1:], axis=1) if sets else joints[0]
+        # What is no number, or none that an index can be, is no joint either.
+        together = np.where(np.abs(together) < 1 << 31, together, -1.0)
         return together.astype(np.int64), np.concatenate(weights[1:], axis=1) if sets else weights[0]
 
     def _morphs(self, primitive: Value, mesh: dict[str, Any], points: Floats) -> Floats:
@@ -160,10 +162,10 @@ class MeshReader:
 
 def _within(primitive: Value, joints: Integers, weights: Floats, count: int) -> tuple[Integers, Floats]:
     """Joint indices that all exist; those without weight may have been anything."""
-    outside = joints >= count
+    outside = (joints < 0) | (joints >= count)
     # A weight that is no number gives a point that is none, whatever the joint.
     wrong = outside & (weights != 0) & ~np.isnan(weights)
     if wrong.any():
-        worst = joints[wrong].max()
+        worst = joints[wrong][0]
         primitive.fail(f"uses joint {worst} of a skin that has {count}")
     return np.where(outside, 0, joints), weights
