@@ -34,7 +34,7 @@ naming
 limbs
 skeleton bend
 matching
-moving
+moving scenery
 watched
 compare describe
 ops formats

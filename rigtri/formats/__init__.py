@@ -15,6 +15,7 @@ from typing import Protocol
 from rigtri.errors import FileError
 from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
+from rigtri.scenery import Scenery
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
 USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
@@ -70,6 +71,9 @@ class Document(Protocol):
 
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn, for measuring; read when asked for."""
+
+    def scenery(self) -> Scenery:
+        """What the file shows that no pose tells, for comparing."""
 
     def reopen(self, part: Path) -> Document:
         """Read what `write` wrote, as it will be seen: an override over its source."""
