@@ -36,9 +36,9 @@ skeleton bend
 matching
 moving scenery
 watched
-compare describe
+compare describe changes
 ops formats
-pipeline
+pipeline difference
 cli
 """.strip().splitlines()
 LONGEST = 60

@@ -1,0 +1,300 @@
+"""How two glTF files differ as files: JSON, spelling, chunks, accessors, views, loose bytes, images."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rigtri.changes.change import Change, arrow, furthest, same_numbers
+from rigtri.errors import FileError
+from rigtri.formats import Options
+from rigtri.formats.gltf.accessors import Accessors
+from rigtri.formats.gltf.buffers import Buffers
+from rigtri.formats.gltf.container import BIN_CHUNK, JSON_CHUNK, Container, open_container
+from rigtri.formats.gltf.json_changes import json_changes, spelling_changes, tokens
+from rigtri.formats.gltf.uris import decode_data, file_of, is_data
+from rigtri.formats.gltf.values import Value
+
+# Bytes compared at once.
+_BLOCK = 1 << 20
+# Fewer bytes than this that are zero are there to align what follows.
+ALIGNMENT = 4
+
+
+def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change]:
+    """Everything in which the second file is not the first. FileError where one is no glTF at all."""
+    one, other = _Side(before, options), _Side(after, options)
+    pair = _Pair(one, other, tolerance)
+    found = json_changes(one.json, other.json, pair.contents, tolerance)
+    found += spelling_changes(one.text, other.text)
+    if not found and one.text != other.text:
+        at = next((k for k, (a, b) in enumerate(zip(one.text, other.text, strict=False)) if a != b), 0)
+        found.append(Change("spelling", "changed", "text", f"blanks or escapes, from character {at} on"))
+    found += _chunks(one.container, other.container)
+    found += pair.accessors()
+    found += pair.views()
+    found += pair.loose_bytes()
+    found += pair.images()
+    return found
+
+
+class _Side:
+    """A file taken apart; what cannot be read of its data is None."""
+
+    def __init__(self, path: Path, options: Options) -> None:
+        self.path, self.options = path, options
+        self.container = open_container(path, lenient=True)
+        content = self.container.chunks[0][1] if self.container.is_glb else self.container.source
+        self.text = str(content, "utf-8")
+        if self.container.is_glb:
+            self.text = self.text.rstrip(" ")
+        self.json = tokens(self.text.removeprefix("\ufeff"), str(path))
+        self.gltf = Value(self.container.gltf, f"{path}:")
+        self.buffers: Buffers | None = None
+        self.accessors: Accessors | None = None
+        try:
+            self.buffers = Buffers(self.gltf, self.container, allow_external=options.allow_external_paths)
+            self.accessors = Accessors(self.gltf, self.buffers)
+        except FileError:
+            pass  # the JSON says what differs
+
+    def each(self, key: str) -> list[Any]:
+        """The items of a list of the JSON; none where it is something else."""
+        found = self.container.gltf.get(key)
+        return found if isinstance(found, list) else []
+
+    def view(self, index: int) -> memoryview | None:
+        """The bytes of a buffer view."""
+        try:
+            if self.accessors is None or self.buffers is None:
+                return None
+            buffer, start, end = self.accessors.span(index)
+            return self.buffers.content(buffer)[start:end]
+        except FileError:
+            return None
+
+    def numbers(self, index: int) -> np.ndarray[Any, Any] | None:
+        """The numbers of an accessor."""
+        try:
+            whole = self.accessors is not None and 0 <= index < len(self.accessors)
+            return self.accessors.read(index) if self.accessors is not None and whole else None
+        except FileError:
+            return None
+
+    def content(self, index: int) -> memoryview | None:
+        """The bytes of a buffer."""
+        try:
+            return self.buffers.content(index) if self.buffers is not None else None
+        except FileError:
+            return None
+
+    def image(self, image: Any) -> bytes | memoryview | None:
+        """The bytes of an image; None where they are not to be had."""
+        if not isinstance(image, dict):
+            return None
+        uri, view = image.get("uri"), image.get("bufferView")
+        if type(view) is int:
+            return self.view(view)
+        if not isinstance(uri, str):
+            return None
+        try:
+            if is_data(uri):
+                return decode_data(uri, "image")
+            allowed = self.options.allow_external_paths
+            path = file_of(uri, self.path.parent, "image", allow_external=allowed)
+            return path.read_bytes() if path.is_file() else None
+        except (FileError, OSError):
+            return None
+
+
+class _Pair:
+    def __init__(self, before: _Side, after: _Side, tolerance: float) -> None:
+        self.before, self.after, self.tolerance = before, after, tolerance
+        self._told: dict[tuple[int, int], str] = {}
+
+    def contents(self, one: int, other: int) -> str:
+        """How the numbers of two accessors differ, "" where they do not."""
+        if (one, other) not in self._told:
+            self._told[one, other] = self._contents(one, other)
+        return self._told[one, other]
+
+    def _contents(self, one: int, other: int) -> str:
+        mine, theirs = self.before.numbers(one), self.after.numbers(other)
+        if mine is None or theirs is None:
+            return "" if mine is None and theirs is None and one == other else "content cannot be compared"
+        if mine.shape != theirs.shape:
+            return f"{_shape(mine)} → {_shape(theirs)}"
+        return "" if same_numbers(mine, theirs, self.tolerance) else furthest(mine, theirs)
+
+    def accessors(self) -> Iterator[Change]:
+        """Accessors by index: content that differs, and content that only moved."""
+        pairs = zip(self.before.each("accessors"), self.after.each("accessors"), strict=False)
+        users = _users(self.before.container.gltf)
+        for index, (one, other) in enumerate(pairs):
+            same = one == other
+            if same and self._same_view(one):
+                continue
+            title = f"accessor {index}{users.get(index, '')}"
+            if text := self.contents(index, index):
+                yield Change("accessors", "changed", title, text)
+            elif not same and _place(one) != _place(other):
+                yield Change("accessors", "moved", title, "equal content")
+
+    def _same_view(self, accessor: Any) -> bool:
+        """Whether the view of an accessor that is the same in both has the same bytes."""
+        view = accessor.get("bufferView") if isinstance(accessor, dict) else None
+        if not isinstance(view, int) or "sparse" in accessor:
+            return False
+        return same_bytes(self.before.view(view), self.after.view(view))
+
+    def views(self) -> Iterator[Change]:
+        """Buffer views by index."""
+        for index in range(min(len(self.before.each("bufferViews")), len(self.after.each("bufferViews")))):
+            one, other = self.before.view(index), self.after.view(index)
+            if not same_bytes(one, other):
+                yield Change("buffer views", "changed", f"bufferView {index}", _bytes(one, other))
+
+    def loose_bytes(self) -> Iterator[Change]:
+        """Bytes of buffers that no view covers, and buffers without any view."""
+        for index in range(len(self.before.each("buffers"))):
+            one, other = self.before.content(index), self.after.content(index)
+            if one is None or other is None:
+                if one is not None:
+                    yield Change("buffers", "removed", f"buffer {index}", "its data cannot be read any more")
+                elif other is not None:
+                    yield Change("buffers", "added", f"buffer {index}", "its data, which could not be read")
+                continue
+            if len(one) != len(other):
+                yield Change("buffers", "changed", f"buffer {index}", f"{len(one)} → {len(other)} bytes")
+            for start, end in _gaps(self.before, index, len(one)):
+                yield from _loose(index, start, one[start:end], other)
+            for start, end in _gaps(self.after, index, len(other)):
+                if start >= len(one) and (end - start >= ALIGNMENT or any(other[start:end])):
+                    where = f"buffer {index}, bytes {start} to {end}"
+                    yield Change("loose bytes", "added", where, "covered by no view")
+
+    def images(self) -> Iterator[Change]:
+        """Images by index."""
+        pairs = zip(self.before.each("images"), self.after.each("images"), strict=False)
+        for index, (one, other) in enumerate(pairs):
+            mine, theirs = self.before.image(one), self.after.image(other)
+            if not same_bytes(mine, theirs):
+                name = one.get("name") if isinstance(one, dict) else None
+                title = f"image {index}{f' {name}' if name else ''}"
+                yield Change("images", "changed", title, _bytes(mine, theirs))
+
+
+def _loose(buffer: int, start: int, content: memoryview, other: memoryview) -> Iterator[Change]:
+    end = start + len(content)
+    where = f"buffer {buffer}, bytes {start} to {end}"
+    if same_bytes(content, other[start:end]):
+        return
+    if len(content) < ALIGNMENT and not any(content):
+        return
+    at = bytes(other).find(bytes(content))
+    if at >= 0:
+        yield Change("loose bytes", "moved", where, f"to {at}")
+    elif len(other) < end:
+        yield Change("loose bytes", "removed", where, f"{len(content)} bytes that no view covers")
+    else:
+        yield Change("loose bytes", "changed", where, _bytes(content, other[start:end]))
+
+
+def _gaps(side: _Side, buffer: int, length: int) -> Iterator[tuple[int, int]]:
+    """Start and end of the bytes of a buffer that no view covers."""
+    spans = []
+    for index, view in enumerate(side.each("bufferViews")):
+        if isinstance(view, dict) and view.get("buffer") == buffer and side.accessors is not None:
+            try:
+                spans.append(side.accessors.span(index)[1:])
+            except FileError:
+                continue
+    reach = 0
+    for start, end in sorted(spans):
+        if start > reach:
+            yield reach, start
+        reach = max(reach, end)
+    if reach < length:
+        yield reach, length
+
+
+def _chunks(before: Container, after: Container) -> Iterator[Change]:
+    if before.is_glb != after.is_glb:
+        words = [".glb" if side.is_glb else ".gltf" for side in (before, after)]
+        yield Change("chunks", "changed", "container", arrow(*words))
+        return
+    names = [[_chunk_name(kind) for kind, _ in side.chunks] for side in (before, after)]
+    if names[0] != names[1]:
+        yield Change("chunks", "changed", "chunks", arrow(" ".join(names[0]), " ".join(names[1])))
+    left = list(after.chunks)
+    for kind, content in before.chunks:
+        place = next((k for k, (other, _) in enumerate(left) if other == kind), -1)
+        if place < 0:
+            yield Change("chunks", "removed", f"chunk {_chunk_name(kind)}", f"{len(content)} bytes")
+            continue
+        _, now = left.pop(place)
+        # The data of JSON and BIN are compared by what they mean.
+        if kind not in (JSON_CHUNK, BIN_CHUNK) and not same_bytes(content, now):
+            yield Change("chunks", "changed", f"chunk {_chunk_name(kind)}", _bytes(content, now))
+    for kind, content in left:
+        yield Change("chunks", "added", f"chunk {_chunk_name(kind)}", f"{len(content)} bytes")
+
+
+def _chunk_name(kind: int) -> str:
+    text = kind.to_bytes(4, "little").rstrip(b"\0")
+    return text.decode("ascii") if text.isascii() and text.decode("ascii").isprintable() else f"0x{kind:08x}"
+
+
+def same_bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> bool:
+    """Whether both are the same; two that cannot be read are."""
+    if one is None or other is None:
+        return one is other
+    return len(one) == len(other) and all(
+        bytes(one[at : at + _BLOCK]) == bytes(other[at : at + _BLOCK]) for at in range(0, len(one), _BLOCK)
+    )
+
+
+def _bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> str:
+    """How two pieces of data differ."""
+    if one is None or other is None:
+        return "can be read only in one of the files"
+    if len(one) != len(other):
+        return f"{len(one)} → {len(other)} bytes"
+    differ = np.flatnonzero(np.frombuffer(one, np.uint8) != np.frombuffer(other, np.uint8))
+    return f"{len(differ)} of {len(one)} bytes differ, the first at {differ[0]}"
+
+
+def _shape(numbers: np.ndarray[Any, Any]) -> str:
+    return f"{numbers.shape[0]} x {numbers.shape[1]} numbers"
+
+
+def _place(accessor: Any) -> Any:
+    found = accessor if isinstance(accessor, dict) else {}
+    return found.get("bufferView"), found.get("byteOffset", 0)
+
+
+def _users(gltf: dict[str, Any]) -> dict[int, str]:
+    """What accessors are for: ``, rotation of node 3 in animation 'walk'``."""
+    found: dict[int, str] = {}
+    try:
+        for number, animation in enumerate(gltf.get("animations", [])):
+            title = animation.get("name") or f"#{number}"
+            for channel in animation["channels"]:
+                sampler, target = animation["samplers"][channel["sampler"]], channel["target"]
+                keys = f" (keys of {target.get('path')} of node {target.get('node')} in animation {title})"
+                found.setdefault(sampler["output"], keys)
+                found.setdefault(sampler["input"], f" (times in animation {title})")
+        for number, skin in enumerate(gltf.get("skins", [])):
+            title = skin.get("name") or f"#{number}"
+            found.setdefault(skin.get("inverseBindMatrices", -1), f" (inverse binds of skin {title})")
+        for number, mesh in enumerate(gltf.get("meshes", [])):
+            title = mesh.get("name") or f"#{number}"
+            for primitive in mesh["primitives"]:
+                for name, index in primitive["attributes"].items():
+                    found.setdefault(index, f" ({name} of mesh {title})")
+    except (AttributeError, KeyError, IndexError, TypeError):
+        pass  # a broken file is still compared, with fewer words
+    return found
