@@ -14,6 +14,8 @@ from pxr import Sdf
 from rigtri.changes.change import Change, arrow, furthest, number, order_of, rows, same_numbers, short
 
 _SAMPLES = "timeSamples"
+# Fields that are gone through in their own way; Python has no type for a list of offsets.
+_APART = (_SAMPLES, "subLayers", "subLayerOffsets")
 # Numbers up to this many are shown.
 FEW = 4
 
@@ -21,6 +23,7 @@ FEW = 4
 def layer_changes(before: Any, after: Any, name: str, tolerance: float) -> Iterator[Change]:
     """The specs of two layers by path; what is below one that is gone is not told again."""
     mine, theirs = _specs(before), _specs(after)
+    yield from _sublayers(before, after, name)
     yield from _gone(mine, theirs, name)
     for path, spec in mine.items():
         other = theirs.get(path)
@@ -42,6 +45,26 @@ def _specs(layer: Any) -> dict[Any, Any]:
     layer.Traverse(Sdf.Path.absoluteRootPath, visit)
     # Traverse visits what is below first.
     return dict(sorted(found.items(), key=lambda item: item[0]))
+
+
+def _sublayers(before: Any, after: Any, name: str) -> Iterator[Change]:
+    sides = []
+    for layer in (before, after):
+        offsets = [(offset.offset, offset.scale) for offset in layer.subLayerOffsets]
+        sides.append(dict(zip(layer.subLayerPaths, offsets, strict=True)))
+    mine, theirs = sides
+    for path, offset in mine.items():
+        if path not in theirs:
+            yield Change(name, "removed", f"sublayer {path}")
+        elif theirs[path] != offset:
+            yield Change(
+                name, "changed", f"sublayer {path}", f"offset and scale {rows(offset, theirs[path])}"
+            )
+    for path in theirs:
+        if path not in mine:
+            yield Change(name, "added", f"sublayer {path}")
+    if text := order_of(list(mine), list(theirs)):
+        yield Change(name, "moved", "sublayers", f"order: {text}")
 
 
 def _gone(mine: dict[Any, Any], theirs: dict[Any, Any], name: str) -> Iterator[Change]:
@@ -72,7 +95,7 @@ def _told(spec: Any) -> str:
 def _fields(path: Any, spec: Any, other: Any, name: str, tolerance: float) -> Iterator[Change]:
     keys = (set(spec.ListInfoKeys()), set(other.ListInfoKeys()))
     for key in sorted(keys[0] | keys[1]):
-        if key == _SAMPLES:
+        if key in _APART:
             continue
         where = str(path) if key == "default" else f"{path} {key}"
         if key not in keys[1]:
