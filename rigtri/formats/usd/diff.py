@@ -30,7 +30,7 @@ def file_changes(before: Path, after: Path, options: Options, tolerance: float =
         if not layered:
             layered = list(_composed(stages, (before, after), tolerance))
     if before.suffix.lower() == after.suffix.lower() == ".usdz":
-        found += _entries(package.read(before), package.read(after))
+        found += _entries(package.read(before), package.read(after), tolerance)
     elif ".usdz" in (before.suffix.lower(), after.suffix.lower()):
         found.append(Change("package", "changed", "container", arrow(before.suffix, after.suffix)))
     return found + layered
@@ -110,15 +110,19 @@ def _flattened(stage: Any, path: Path) -> Any:
     return layer
 
 
-def _entries(before: package.Package, after: package.Package) -> Iterator[Change]:
-    """Entries of packages: names, order, bytes, dates, extra fields, comments."""
+def _entries(before: package.Package, after: package.Package, tolerance: float) -> Iterator[Change]:
+    """Entries of packages: names, order, bytes, dates, extra fields, comments.
+
+    With a tolerance the bytes of layers are not compared, for their values are.
+    """
     group, theirs = "package", {entry.name: entry for entry in after.entries}
     for entry in before.entries:
         other = theirs.get(entry.name)
         if other is None:
             yield Change(group, "removed", entry.name, f"{entry.size} bytes")
             continue
-        if before.bytes_of(entry) != after.bytes_of(other):
+        layer = entry.name.lower().endswith((".usd", ".usda", ".usdc"))
+        if not (layer and tolerance) and before.bytes_of(entry) != after.bytes_of(other):
             same_size = entry.size == other.size
             text = f"{entry.size} bytes, other ones" if same_size else f"{entry.size} → {other.size} bytes"
             yield Change(group, "changed", entry.name, text)
