@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +29,10 @@ def file_changes(before: Path, after: Path, options: Options, tolerance: float =
     """Everything in which the second file is not the first. FileError where one is no glTF at all."""
     one, other = _Side(before, options), _Side(after, options)
     pair = _Pair(one, other, tolerance)
-    found = json_changes(one.json, other.json, pair.contents, tolerance)
-    found += spelling_changes(one.text, other.text)
+    found: list[Change] = []
+    if one.text != other.text:
+        found += json_changes(one.json, other.json, pair.contents, tolerance)
+        found += spelling_changes(one.text, other.text)
     if not found and not tolerance and one.text != other.text:
         at = next((k for k, (a, b) in enumerate(zip(one.text, other.text, strict=False)) if a != b), 0)
         found.append(Change("spelling", "changed", "text", f"blanks or escapes, from character {at} on"))
@@ -51,7 +54,6 @@ class _Side:
         self.text = str(content, "utf-8")
         if self.container.is_glb:
             self.text = self.text.rstrip(" ")
-        self.json = tokens(self.text.removeprefix("\ufeff"), str(path))
         self.gltf = Value(self.container.gltf, f"{path}:")
         self.buffers: Buffers | None = None
         self.accessors: Accessors | None = None
@@ -60,6 +62,11 @@ class _Side:
             self.accessors = Accessors(self.gltf, self.buffers)
         except FileError:
             pass  # the JSON says what differs
+
+    @cached_property
+    def json(self) -> Any:
+        """The JSON with its numbers as they are spelled."""
+        return tokens(self.text.removeprefix("\ufeff"), str(self.path))
 
     def each(self, key: str) -> list[Any]:
         """The items of a list of the JSON; none where it is something else."""

@@ -54,13 +54,17 @@ def _layers(stages: Sequence[Any], paths: tuple[Path, Path], tolerance: float) -
     one, other = (stage.GetRootLayer() for stage in stages)
     yield from layer_changes(one, other, "root layer", tolerance)
     mine, theirs = (_others(stage, path) for stage, path in zip(stages, paths, strict=True))
+    # One and the same file, though one root reaches it by another way.
+    shared = {layer.identifier for layer in mine.values()} & {layer.identifier for layer in theirs.values()}
     for name, layer in mine.items():
+        if layer.identifier in shared:
+            continue
         if name not in theirs:
             yield Change("layers", "removed", name)
         else:
             yield from layer_changes(layer, theirs[name], name, tolerance)
-    for name in theirs:
-        if name not in mine:
+    for name, layer in theirs.items():
+        if name not in mine and layer.identifier not in shared:
             yield Change("layers", "added", name)
 
 
