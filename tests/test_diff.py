@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import random
 import re
 import shutil
 import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -444,6 +446,45 @@ def test_without_a_rig_the_files_are_still_compared(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="no rotation"):
         diff(one, two, only="rig")
     assert diff(two, two).same
+
+
+def test_joints_without_a_frame_do_not_differ_from_themselves(tmp_path: Path) -> None:
+    flat = figure()
+    flat.gltf["nodes"][1]["scale"] = [0, 0, 0]
+    path = flat.glb(tmp_path / "a.glb")
+    assert diff(path, path).same
+    assert lines(diff(figure().glb(tmp_path / "b.glb"), path), "rig")
+
+
+def test_a_file_with_fewer_buffers_is_compared(tmp_path: Path) -> None:
+    one, two = figure(), figure()
+    path = one.glb(tmp_path / "a.glb")
+    two.glb(tmp_path / "b.glb")
+    two.gltf["buffers"].append({"byteLength": 3, "uri": "data:;base64,AAAA"})
+    (tmp_path / "b.glb").write_bytes(gltf_files.glb_bytes(two.gltf, bytes(two.binary)))
+    there, back = diff(path, tmp_path / "b.glb"), diff(tmp_path / "b.glb", path)
+    assert [line[:19] for line in lines(there)] == ["json: + /buffers/1 "]
+    assert [line[:19] for line in lines(back)] == ["json: - /buffers/1 ", "buffers: - buffer 1"]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_whatever_stands_in_the_json_is_compared_or_refused(seed: int, tmp_path: Path) -> None:
+    pick = random.Random(seed)
+    broken = figure()
+    for _ in range(3):
+        place: Any = broken.gltf
+        while isinstance(place, dict | list) and place:
+            key = pick.choice(list(place) if isinstance(place, dict) else range(len(place)))
+            if not isinstance(place[key], dict | list) or not place[key] or pick.random() < 0.2:
+                place[key] = pick.choice([None, -1, 1e300, 2**70, "x", [], {}, [[1]], {"a": 1}, True, 99])
+                break
+            place = place[key]
+    one = figure().glb(tmp_path / "a.glb")
+    content = gltf_files.glb_bytes(broken.gltf, bytes(broken.binary))
+    (tmp_path / "b.glb").write_bytes(content)
+    for pair in ((one, tmp_path / "b.glb"), (tmp_path / "b.glb", one)):
+        with suppress(FileError):
+            assert not diff(*pair, verify=False).same
 
 
 def test_how_they_look_is_measured_unless_told_otherwise(samples: Path, tmp_path: Path) -> None:

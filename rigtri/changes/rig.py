@@ -109,13 +109,15 @@ def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Ch
     whole = places[np.isfinite(places).all(axis=1)]
     size = float(length(np.ptp(whole, axis=0))) if len(whole) else 1.0
     for k, now in _pairs(m):
-        if np.array_equal(axes[0][k], axes[1][now]):
+        if np.array_equal(axes[0][k], axes[1][now], equal_nan=True):
             continue
         degrees, axis = turn(axes[0][k], axes[1][now])
         if not degrees <= np.degrees(max(DERIVED, tolerance)):
             text = f"turned {degrees:.4g}° about its own {axis}" if np.isfinite(degrees) else "is no frame"
             yield Change("axes", "changed", before.title(k), text)
     for k, now in _pairs(m):
+        if np.array_equal(worlds[1][now, 3, :3], places[k], equal_nan=True):
+            continue
         off = float(length(worlds[1][now, 3, :3] - places[k]))
         if not off <= max(DERIVED * size, tolerance):
             yield Change("places", "changed", before.title(k), f"stands {number(off)} away: "

@@ -17,6 +17,7 @@ from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import BIN_CHUNK, JSON_CHUNK, Container, open_container
 from rigtri.formats.gltf.json_changes import json_changes, spelling_changes, tokens
 from rigtri.formats.gltf.uris import decode_data, file_of, is_data
+from rigtri.formats.gltf.validate import check_lists
 from rigtri.formats.gltf.values import Value
 
 # Bytes compared at once.
@@ -58,6 +59,7 @@ class _Side:
         self.buffers: Buffers | None = None
         self.accessors: Accessors | None = None
         try:
+            check_lists(self.gltf)
             self.buffers = Buffers(self.gltf, self.container, allow_external=options.allow_external_paths)
             self.accessors = Accessors(self.gltf, self.buffers)
         except FileError:
@@ -94,7 +96,8 @@ class _Side:
     def content(self, index: int) -> memoryview | None:
         """The bytes of a buffer."""
         try:
-            return self.buffers.content(index) if self.buffers is not None else None
+            there = self.buffers is not None and index < len(self.buffers)
+            return self.buffers.content(index) if self.buffers is not None and there else None
         except FileError:
             return None
 

@@ -125,11 +125,17 @@ class _Walk:
             if not self.tolerance:
                 self._add("changed", pointer, f"spelled {before} → {after}")
         elif _REFERENCE.search(pointer):
-            text = self.contents(int(float(before)), int(float(after)))
+            text = self.contents(_index(before), _index(after))
             kind: Kind = "changed" if text else "moved"
             self._add(kind, pointer, f"accessor {before} → {after}, {text or 'equal content'}")
         else:
             self._add("changed", pointer, f"{before} → {after}")
+
+
+def _index(token: Token) -> int:
+    """The number as an index; −1 for what is none."""
+    value = token.value
+    return value if isinstance(value, int) else -1
 
 
 def _numeric(values: list[Any]) -> bool:
