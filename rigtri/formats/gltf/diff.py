@@ -284,8 +284,14 @@ def _bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> 
         return "can be read only in one of the files"
     if len(one) != len(other):
         return f"{len(one)} → {len(other)} bytes"
-    differ = np.flatnonzero(np.frombuffer(one, np.uint8) != np.frombuffer(other, np.uint8))
-    return f"{len(differ)} of {len(one)} bytes differ, the first at {differ[0]}"
+    count, first = 0, -1
+    for at in range(0, len(one), _BLOCK):
+        mine, theirs = (np.frombuffer(side[at : at + _BLOCK], np.uint8) for side in (one, other))
+        differ = np.flatnonzero(mine != theirs)
+        if len(differ) and first < 0:
+            first = at + int(differ[0])
+        count += len(differ)
+    return f"{count} of {len(one)} bytes differ, the first at {first}"
 
 
 def _shape(numbers: np.ndarray[Any, Any]) -> str:
