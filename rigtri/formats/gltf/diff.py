@@ -9,21 +9,23 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.changes.change import Change, arrow, furthest, same_numbers
+from rigtri.changes.change import Change, furthest, same_numbers
 from rigtri.errors import FileError
 from rigtri.formats import Options
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.buffers import Buffers
-from rigtri.formats.gltf.container import BIN_CHUNK, JSON_CHUNK, Container, open_container
+from rigtri.formats.gltf.byte_changes import (
+    ALIGNMENT,
+    chunk_changes,
+    loose_changes,
+    same_bytes,
+    told_bytes,
+)
+from rigtri.formats.gltf.container import open_container
 from rigtri.formats.gltf.json_changes import json_changes, spelling_changes, tokens
 from rigtri.formats.gltf.uris import decode_data, file_of, is_data
 from rigtri.formats.gltf.validate import check_lists
 from rigtri.formats.gltf.values import Value
-
-# Bytes compared at once.
-_BLOCK = 1 << 20
-# Fewer bytes than this that are zero are there to align what follows.
-ALIGNMENT = 4
 
 
 def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change]:
@@ -37,7 +39,7 @@ def file_changes(before: Path, after: Path, options: Options, tolerance: float =
     if not found and not tolerance and one.text != other.text:
         at = next((k for k, (a, b) in enumerate(zip(one.text, other.text, strict=False)) if a != b), 0)
         found.append(Change("spelling", "changed", "text", f"blanks or escapes, from character {at} on"))
-    found += _chunks(one.container, other.container)
+    found += chunk_changes(one.container, other.container)
     found += pair.accessors()
     found += pair.views()
     found += pair.loose_bytes()
@@ -166,7 +168,7 @@ class _Pair:
         for index in range(min(len(self.before.each("bufferViews")), len(self.after.each("bufferViews")))):
             one, other = self.before.view(index), self.after.view(index)
             if index not in known and not same_bytes(one, other):
-                yield Change("buffer views", "changed", f"bufferView {index}", _bytes(one, other))
+                yield Change("buffer views", "changed", f"bufferView {index}", told_bytes(one, other))
 
     def loose_bytes(self) -> Iterator[Change]:
         """Bytes of buffers that no view covers, and buffers without any view."""
@@ -181,7 +183,7 @@ class _Pair:
             if len(one) != len(other):
                 yield Change("buffers", "changed", f"buffer {index}", f"{len(one)} → {len(other)} bytes")
             for start, end in _gaps(self.before, index, len(one)):
-                yield from _loose(index, start, one[start:end], other)
+                yield from loose_changes(index, start, one[start:end], other)
             for start, end in _gaps(self.after, index, len(other)):
                 if start >= len(one) and (end - start >= ALIGNMENT or any(other[start:end])):
                     where = f"buffer {index}, bytes {start} to {end}"
@@ -195,7 +197,7 @@ class _Pair:
             if not same_bytes(mine, theirs):
                 name = one.get("name") if isinstance(one, dict) else None
                 title = f"image {index}{f' {name}' if name else ''}"
-                yield Change("images", "changed", title, _bytes(mine, theirs))
+                yield Change("images", "changed", title, told_bytes(mine, theirs))
 
 
 def _views_of_accessors(gltf: dict[str, Any]) -> set[int]:
@@ -206,22 +208,6 @@ def _views_of_accessors(gltf: dict[str, Any]) -> set[int]:
         else []
     )
     return {view for view in raw if type(view) is int}
-
-
-def _loose(buffer: int, start: int, content: memoryview, other: memoryview) -> Iterator[Change]:
-    end = start + len(content)
-    where = f"buffer {buffer}, bytes {start} to {end}"
-    if same_bytes(content, other[start:end]):
-        return
-    if len(content) < ALIGNMENT and not any(content):
-        return
-    at = bytes(other).find(bytes(content))
-    if at >= 0:
-        yield Change("loose bytes", "moved", where, f"to {at}")
-    elif len(other) < end:
-        yield Change("loose bytes", "removed", where, f"{len(content)} bytes that no view covers")
-    else:
-        yield Change("loose bytes", "changed", where, _bytes(content, other[start:end]))
 
 
 def _gaps(side: _Side, buffer: int, length: int) -> Iterator[tuple[int, int]]:
@@ -240,58 +226,6 @@ def _gaps(side: _Side, buffer: int, length: int) -> Iterator[tuple[int, int]]:
         reach = max(reach, end)
     if reach < length:
         yield reach, length
-
-
-def _chunks(before: Container, after: Container) -> Iterator[Change]:
-    if before.is_glb != after.is_glb:
-        words = [".glb" if side.is_glb else ".gltf" for side in (before, after)]
-        yield Change("chunks", "changed", "container", arrow(*words))
-        return
-    names = [[_chunk_name(kind) for kind, _ in side.chunks] for side in (before, after)]
-    if names[0] != names[1]:
-        yield Change("chunks", "changed", "chunks", arrow(" ".join(names[0]), " ".join(names[1])))
-    left = list(after.chunks)
-    for kind, content in before.chunks:
-        place = next((k for k, (other, _) in enumerate(left) if other == kind), -1)
-        if place < 0:
-            yield Change("chunks", "removed", f"chunk {_chunk_name(kind)}", f"{len(content)} bytes")
-            continue
-        _, now = left.pop(place)
-        # The data of JSON and BIN are compared by what they mean.
-        if kind not in (JSON_CHUNK, BIN_CHUNK) and not same_bytes(content, now):
-            yield Change("chunks", "changed", f"chunk {_chunk_name(kind)}", _bytes(content, now))
-    for kind, content in left:
-        yield Change("chunks", "added", f"chunk {_chunk_name(kind)}", f"{len(content)} bytes")
-
-
-def _chunk_name(kind: int) -> str:
-    text = kind.to_bytes(4, "little").rstrip(b"\0")
-    return text.decode("ascii") if text.isascii() and text.decode("ascii").isprintable() else f"0x{kind:08x}"
-
-
-def same_bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> bool:
-    """Whether both are the same; two that cannot be read are."""
-    if one is None or other is None:
-        return one is other
-    return len(one) == len(other) and all(
-        bytes(one[at : at + _BLOCK]) == bytes(other[at : at + _BLOCK]) for at in range(0, len(one), _BLOCK)
-    )
-
-
-def _bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> str:
-    """How two pieces of data differ."""
-    if one is None or other is None:
-        return "can be read only in one of the files"
-    if len(one) != len(other):
-        return f"{len(one)} → {len(other)} bytes"
-    count, first = 0, -1
-    for at in range(0, len(one), _BLOCK):
-        mine, theirs = (np.frombuffer(side[at : at + _BLOCK], np.uint8) for side in (one, other))
-        differ = np.flatnonzero(mine != theirs)
-        if len(differ) and first < 0:
-            first = at + int(differ[0])
-        count += len(differ)
-    return f"{count} of {len(one)} bytes differ, the first at {first}"
 
 
 def _shape(numbers: np.ndarray[Any, Any]) -> str:
