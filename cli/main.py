@@ -18,6 +18,7 @@ COMMANDS = {
     "orient-joints": "Give joints new axes; nothing that can be seen moves.",
     "add-polevector": "Add a locator that says which way a limb bends.",
     "verify": "Measure how far two files look apart, in every pose.",
+    "diff": "Say in rig terms and in file terms what differs between two files.",
 }
 
 

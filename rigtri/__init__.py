@@ -18,6 +18,7 @@ _WHERE = {
     "add_polevector": "rigtri.ops.polevector",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
+    "diff": "rigtri.difference",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
@@ -29,6 +30,7 @@ __all__ = [
     "RigtriError",
     "add_polevector",
     "describe",
+    "diff",
     "edit",
     "orient_joints",
     "read",
@@ -38,6 +40,7 @@ __all__ = [
 if TYPE_CHECKING:
     from rigtri.compare import verify
     from rigtri.describe import describe
+    from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
     from rigtri.ops.orient import orient_joints

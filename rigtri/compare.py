@@ -23,6 +23,7 @@ from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
 from rigtri.quaternions import norm
 from rigtri.rig import Mesh, Rig
+from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 from rigtri.watched import (
@@ -56,6 +57,7 @@ class Source(Protocol):
     @property
     def rig(self) -> Rig: ...
     def meshes(self) -> Sequence[Mesh]: ...
+    def scenery(self) -> Scenery: ...
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,8 @@ class Comparison:
     the source's rotations; raw_deviation: what renderers show that do not
     normalise them (equal to ``deviation`` where all are unit). per_mesh, per_clip:
     deviation by title. poses: how many were looked at; 0 where both are the same to
-    the bit. lost, added, changed: `rigtri.matching.Matching`.
+    the bit. lost, added, changed: `rigtri.matching.Matching`. different: what looks
+    different whatever the pose (`rigtri.scenery`).
     """
 
     deviation: float
@@ -94,11 +97,12 @@ class Comparison:
     lost: tuple[str, ...]
     added: tuple[str, ...]
     changed: tuple[str, ...]
+    different: tuple[str, ...]
     poses: int
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
-        """Whether both look the same: nothing lost and no deviation above ``tolerance``."""
-        return not self.lost and self.deviation <= tolerance
+        """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
+        return not self.lost and not self.different and self.deviation <= tolerance
 
     def as_json(self) -> dict[str, Any]:
         """For machines; a deviation that is not a number is null."""
@@ -115,6 +119,7 @@ class Comparison:
             "lost": list(self.lost),
             "added": list(self.added),
             "changed": list(self.changed),
+            "different": list(self.different),
             "poses": self.poses,
         }
 
@@ -128,8 +133,9 @@ class Comparison:
                 f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
                 f"by {self.denormalisation:.2g}"
             )
-        if self.lost:
-            line += f"; lost: {', '.join(self.lost[:3])}{' ...' if len(self.lost) > 3 else ''}"
+        for word, found in (("lost", self.lost), ("different", self.different)):
+            if found:
+                line += f"; {word}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
         return line
 
     def describe(self, *, verbose: bool = False) -> str:
@@ -148,7 +154,7 @@ class Comparison:
         for kind, table in (("mesh", self.per_mesh), ("clip", self.per_clip)):
             rows = sorted(table.items(), key=lambda row: -row[1])
             lines += [f"{kind:<12}{value:<8.2g}  {name}" for name, value in _first(rows, verbose)]
-        for word in ("lost", "added", "changed"):
+        for word in ("lost", "different", "added", "changed"):
             lines += [f"{word:<12}{what}" for what in _first(getattr(self, word), verbose)]
         return "\n".join(lines)
 
@@ -175,14 +181,17 @@ def self_check(before: Source, after: Source) -> Comparison:
         *frames(mine, matching, meshes, moving, diagonal),
         origins(mine, matching, moving),
     ]
-    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
+    different, changed = compare_scenery(mine, before.scenery(), after.scenery(), matching)
+    matching = replace(matching, changed=(*matching.changed, *changed))
+    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal, different)
 
 
 def verify(before: Source, after: Source) -> Comparison:
     """Compare any two files by their points; nodes are known by keys, paths or names.
 
     Skinned (linear or dual quaternion), morphed and rigid points, frames of
-    cameras and lights, origins of all nodes. Points that are not a number must
+    cameras and lights, origins of all nodes, faces and normals, and what else of
+    the two files shows (`rigtri.scenery`). Points that are not a number must
     be none in both.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
@@ -200,8 +209,12 @@ def verify(before: Source, after: Source) -> Comparison:
     seen = np.isin(np.arange(len(matching.skin)), [mesh.skin for mesh in meshes if mesh.skin is not None])
     unseen = replace(matching, skin=np.where(seen, -1, matching.skin))
     watched += skin_corners(mine, theirs, unseen, [], everything)
-    matching = replace(matching, lost=(*matching.lost, *lost))
-    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
+    shown, now = before.scenery(), after.scenery()
+    different, changed = compare_scenery(mine, shown, now, matching)
+    if shown.format == now.format:
+        different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
+    matching = replace(matching, lost=(*matching.lost, *lost), changed=(*matching.changed, *changed))
+    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal, different)
 
 
 @dataclass
@@ -232,7 +245,14 @@ class _Tally:
                 self.worst = Worst(watched.titles[int(row)], clip, float(moment.times[time]))
 
 
-def _compare(before: Rig, after: Rig, m: Matching, watched: Sequence[Watched], diagonal: float) -> Comparison:
+def _compare(
+    before: Rig,
+    after: Rig,
+    m: Matching,
+    watched: Sequence[Watched],
+    diagonal: float,
+    different: Sequence[str],
+) -> Comparison:
     was, now = denormalisation(before), denormalisation(after)
     tally = _Tally(watched)
     _run(before, after, m, tally, normalised=True)
@@ -257,6 +277,7 @@ def _compare(before: Rig, after: Rig, m: Matching, watched: Sequence[Watched], d
         lost=lost,
         added=m.added,
         changed=m.changed,
+        different=tuple(different),
         poses=tally.poses,
     )
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,19 @@ class Bound:
     key: Hashable = None
 
 
+class Surface(NamedTuple):
+    """How a mesh is drawn between its points; read only to compare.
+
+    kind: what is drawn, e.g. ``triangles``. sizes: corners of each face, (f,), empty
+    where ``kind`` says it. corners: point indices. normals: (m, 3), (0, 3) where there are none.
+    """
+
+    kind: str
+    sizes: Integers
+    corners: Integers
+    normals: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class Constraint:
     """A node that follows another by a rule that compares their axes.
@@ -109,6 +122,7 @@ class Mesh:
     (v, 0) for a rigid mesh, whose points are in the space of ``node``. bind: the
     matrix that takes points into the space of the skin's bind pose. morphs:
     (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``.
+    ``surface`` reads faces and normals, None where they cannot be read; asked only when needed.
     """
 
     name: str
@@ -121,6 +135,12 @@ class Mesh:
     morphs: Floats = field(default_factory=lambda: np.zeros((0, 0, 3)))
     morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
     dual_quaternion: bool = False
+    surface: Callable[[], Surface | None] | None = None
+
+    @cached_property
+    def surface_now(self) -> Surface | None:
+        """Faces and normals; None when nobody can tell."""
+        return None if self.surface is None else self.surface()
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,11 +34,11 @@ naming
 limbs
 skeleton bend
 matching
-moving
+moving scenery
 watched
-compare describe
+compare describe changes
 ops formats
-pipeline
+pipeline difference
 cli
 """.strip().splitlines()
 LONGEST = 60

@@ -212,6 +212,9 @@ class Edited:
     def meshes(self) -> Any:
         return self.document.meshes()
 
+    def scenery(self) -> Any:
+        return self.document.scenery()
+
 
 ANIMATED = (
     "khronos_CesiumMan_Binary.glb",

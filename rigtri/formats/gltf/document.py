@@ -19,6 +19,7 @@ from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
 from rigtri.formats.gltf.meshes import MeshReader
 from rigtri.formats.gltf.nodes import Rest, read_rest, read_tree
+from rigtri.formats.gltf.scenery import read_scenery
 from rigtri.formats.gltf.skins import read_skins
 from rigtri.formats.gltf.validate import (
     check_extensions,
@@ -32,6 +33,7 @@ from rigtri.formats.gltf.writer import write_file
 from rigtri.formats.vrm import read_bindings
 from rigtri.report import Notice
 from rigtri.rig import Booleans, Bound, Constraint, Mesh, Rig
+from rigtri.scenery import Scenery
 
 
 class GltfDocument:
@@ -79,6 +81,10 @@ class GltfDocument:
         if self._meshes is None:
             self._meshes = self._reader.read(self._rig.skins)
         return self._meshes
+
+    def scenery(self) -> Scenery:
+        """Scenes, lenses, lights and materials of the nodes that show something."""
+        return read_scenery(self.container.gltf, self.tree)
 
     def reopen(self, part: Path) -> GltfDocument:
         """Read what `write` wrote."""

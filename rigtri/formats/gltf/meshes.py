@@ -18,10 +18,12 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.nodes import Tree
 from rigtri.formats.gltf.values import Value
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Integers, Mesh, Skin
+from rigtri.rig import Booleans, Integers, Mesh, Skin, Surface
 from rigtri.trigonometry import Floats
 
 DRACO = "KHR_draco_mesh_compression"
+# What a primitive draws, by its mode (§5.24.4).
+MODES = ("points", "lines", "line loop", "line strip", "triangles", "triangle strip", "triangle fan")
 
 
 class MeshReader:
@@ -107,7 +109,24 @@ class MeshReader:
             weights=weights,
             morphs=morphs,
             morph_weights=self._morph_weights(node, mesh, len(morphs)),
+            surface=lambda: self._surface(primitive, len(points)),
         )
+
+    def _surface(self, primitive: Value, points: int) -> Surface | None:
+        """Faces and normals; None where they cannot be read."""
+        try:
+            mode = primitive.natural("mode", 4)
+            kind = MODES[mode] if mode < len(MODES) else f"mode {mode}"
+            none = np.zeros(0, dtype=np.int64)
+            corners, normals = np.arange(points), np.zeros((0, 3))
+            if primitive.get("indices") is not None:
+                corners = self._numbers_of(primitive.need("indices"), 1)[:, 0].astype(np.int64)
+            if "NORMAL" in primitive.need("attributes").object():
+                normals = self._read(primitive, "NORMAL", 3)
+        except FileError as error:
+            self._notice(str(error))
+            return None
+        return Surface(kind, none, corners, normals)
 
     def _read(self, primitive: Value, name: str, width: int) -> Floats:
         """The numbers of an attribute, (count, width)."""

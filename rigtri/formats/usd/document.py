@@ -8,16 +8,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
 from rigtri.formats.usd import layers, meshes, package, writer
 from rigtri.formats.usd.reader import Source, read_source
+from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
 from rigtri.formats.usd.values import Edit, kind, parts
 from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
+from rigtri.scenery import Scenery
 
 # An override of ours says so here, and a bare one also what it is for; editing it again edits this layer.
 MARK = "rigtri"
@@ -58,6 +61,12 @@ class UsdDocument:
         tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
         with quiet(f"{source.path}: USD cannot read its meshes"):
             return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+
+    def scenery(self) -> Scenery:
+        """Units and range of the stage; visibility, lenses, lights and materials of what it shows."""
+        shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.payload >= 0).tolist()}
+        with quiet(f"{self._source.path}: USD cannot read what it shows"):
+            return read_scenery(self._source.stage, shown)
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file, or with ``override`` only the opinions; see `formats.Document`.
