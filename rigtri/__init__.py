@@ -18,6 +18,7 @@ _WHERE = {
     "add_polevector": "rigtri.ops.polevector",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
+    "check": "rigtri.checks",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
@@ -28,6 +29,7 @@ __all__ = [
     "Rig",
     "RigtriError",
     "add_polevector",
+    "check",
     "describe",
     "edit",
     "orient_joints",
@@ -36,6 +38,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from rigtri.checks import check
     from rigtri.compare import verify
     from rigtri.describe import describe
     from rigtri.errors import RigtriError

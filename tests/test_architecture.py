@@ -38,7 +38,7 @@ moving
 watched
 compare describe
 ops formats
-pipeline
+checks pipeline
 cli
 """.strip().splitlines()
 LONGEST = 60
