@@ -20,7 +20,7 @@ MOST_ALIKE = 4
 
 
 @click.command("check")
-@click.argument("files", metavar="FILE…", nargs=-1, type=click.Path())
+@click.argument("files", metavar="FILE…", nargs=-1, type=click.Path(allow_dash=True))
 @click.option(
     "--severity",
     type=click.Choice(["error", "warning", "info"]),
@@ -52,7 +52,6 @@ def command(files: tuple[str, ...], **values: Any) -> None:
         rigtri check hero.glb
         rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
     """
-    from rigtri.checks import check
     from rigtri.checks.catalogue import matching
 
     if values["list_rules"]:
@@ -63,14 +62,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     if values["strict"] and values["severity"] == "error":
         raise UsageError("--strict fails on warnings, and --severity error leaves them out; give one of them")
     ignored = matching(values["ignore"])
-    results = {
-        name: _kept(
-            check(name, allow_external_paths=values["allow_external_paths"], external=values["external"]),
-            ignored,
-            values["severity"],
-        )
-        for name in files
-    }
+    results = {name: _kept(_check(name, values), ignored, values["severity"]) for name in files}
     code = _exit_code(results, strict=values["strict"])
     if values["as_json"]:
         click.echo(json.dumps(as_json(results, code), indent=2, ensure_ascii=False))
@@ -78,6 +70,18 @@ def command(files: tuple[str, ...], **values: Any) -> None:
         for name, findings in results.items():
             _tell(name, findings, verbose=values["verbose"], quiet=values["quiet"])
     sys.exit(code)
+
+
+def _check(name: str, values: dict[str, Any]) -> list[Finding]:
+    """The findings of one file; - is standard input."""
+    from rigtri.checks import check
+    from rigtri.pipeline import opened
+
+    options = {key: values[key] for key in ("allow_external_paths", "external")}
+    if name != "-":
+        return check(name, **options)
+    with opened(name) as path:
+        return check(path, **options)
 
 
 def _kept(findings: list[Finding], ignored: set[str], severity: str) -> list[Finding]:

@@ -54,6 +54,14 @@ def test_exit_codes_say_how_bad_the_worst_file_is(run: Any, files: dict[str, Pat
     run("no such file.glb", code=3)
 
 
+def test_standard_input_is_a_file_like_any_other(app: click.Group, files: dict[str, Path]) -> None:
+    result = CliRunner().invoke(app, ["check", "-", "--json"], input=files["wrong"].read_bytes())
+    assert result.exit_code == 1
+    (entry,) = json.loads(result.stdout)["files"]
+    assert entry["file"] == "-"
+    assert "gltf.skin.joint-twice" in {item["id"] for item in entry["findings"]}
+
+
 def test_words_name_place_id_and_remedy(run: Any, files: dict[str, Path]) -> None:
     printed = run(files["wrong"], code=1).stdout
     assert f"{files['wrong']}: 1 error, 1 warning" in printed

@@ -7,8 +7,10 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from rigtri.checks.findings import Rule
+from rigtri.checks.gltf import clip_rules
 from rigtri.checks.gltf import rules as gltf
 from rigtri.checks.gltf import vrm_rules as vrm
+from rigtri.checks.usd import binding_rules
 from rigtri.checks.usd import rules as usd
 from rigtri.errors import UsageError
 
@@ -21,7 +23,10 @@ _FILE = (
         "Copy or export it again.",
     ),
 )
-RULES: Mapping[str, Rule] = {rule.id: rule for rule in (*_FILE, *gltf.RULES, *vrm.RULES, *usd.RULES)}
+RULES: Mapping[str, Rule] = {
+    rule.id: rule
+    for rule in (*_FILE, *gltf.RULES, *clip_rules.RULES, *vrm.RULES, *usd.RULES, *binding_rules.RULES)
+}
 
 
 def matching(patterns: Iterable[str]) -> set[str]:

@@ -167,7 +167,7 @@ class View:
 
     def _add_broken(self, index: int, error: FileError) -> None:
         name = f"accessor #{index}"
-        text = _words(error, f"{self.container.path}")
+        text = _words(error, f"{self.container.path}").removeprefix(f"accessors[{index}]").lstrip(".: ")
         self.add("gltf.accessor.broken", name, f"/accessors/{index}", text)
 
     def _check_layouts(self) -> None:
@@ -237,7 +237,7 @@ class View:
             if buffers.place(index) != "none" or self._is_needed(index):
                 buffers.content(index)
         except FileError as error:
-            text = _words(error, f"{self.container.path}")
+            text = _words(error, f"{self.container.path}").removeprefix(f"buffers[{index}]").lstrip(".: ")
             self.add("gltf.buffer.broken", f"buffer #{index}", f"/buffers/{index}", text)
             self._broken.add(index)
 
