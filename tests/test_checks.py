@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from places import sample_files
 from usd_files import save
 
 from rigtri.checks import RULES, Finding, check
+from rigtri.errors import FileError
+from rigtri.formats import read
 
 BROKEN = GLTF | VRM | USD
 # What a mistake brings with it: the smallest file with the one has the other, too.
@@ -46,6 +49,26 @@ def test_the_smallest_broken_file_gives_just_that_finding(rule: str, make: Make,
     assert first.message
     assert first.remedy
     assert first.severity == RULES[rule].severity
+
+
+@pytest.mark.parametrize("make", [c[2] for c in CASES], ids=[f"{c[0]}-{c[1]}" for c in CASES])
+def test_what_the_reader_refuses_the_check_calls_an_error(make: Make, tmp_path: Path) -> None:
+    path = make(tmp_path)
+    # No skeleton at all is no fault of a file.
+    if refusal(path) and "no skeleton" not in refusal(path):
+        assert "error" in {finding.severity for finding in check(path)}
+
+
+def refusal(path: Path) -> str:
+    """Why the reader refuses a file, "" where it does not."""
+    with warnings.catch_warnings():
+        # A weird but legal number may overflow; it must not end in a traceback.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        try:
+            read(path).meshes()
+        except FileError as error:
+            return str(error)
+    return ""
 
 
 def test_every_check_has_a_file_that_breaks_it() -> None:
