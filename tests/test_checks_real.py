@@ -14,14 +14,14 @@ import pytest
 from broken_usd import clean
 from broken_vrm import avatar_0, avatar_1, motion
 from gltf_files import Builder, character, glb_bytes
-from places import SAMPLES, asset_files
+from places import GLTF, SAMPLES, USD, asset_files, sample_files
 from second_opinions import khronos_errors
 from test_checks import refusal
 from test_gltf_bad_input import WRONG, places
 
 from rigtri.checks import check
 
-GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
+STAGES = [*sample_files(*USD), *asset_files(*USD)]
 # Errors of the Khronos validator → what rigtri calls the same.
 SAME = {
     "ACCESSOR_JOINTS_INDEX_OOB": "gltf.mesh.joint-out-of-range",
@@ -41,7 +41,7 @@ ONLY_THEIRS = {
 }
 
 
-@pytest.mark.parametrize("path", asset_files(*GLTF_SUFFIXES), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [*sample_files(*GLTF), *asset_files(*GLTF)], ids=lambda path: path.name)
 def test_errors_are_those_of_the_khronos_validator(path: Path) -> None:
     (theirs,) = khronos_errors(path)
     findings = check(path)
@@ -51,7 +51,7 @@ def test_errors_are_those_of_the_khronos_validator(path: Path) -> None:
     assert errors <= {SAME.get(code) for code in theirs}
 
 
-@pytest.mark.parametrize("path", asset_files(".usd", ".usda", ".usdc", ".usdz"), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", STAGES, ids=lambda path: path.name)
 def test_real_stages_have_no_errors(path: Path) -> None:
     """Each of them was looked at: UsdSkel poses and skins them all."""
     assert [item for item in check(path) if item.severity == "error"] == []

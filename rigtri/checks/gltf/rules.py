@@ -231,8 +231,8 @@ RULES = (
     ),
     Rule(
         "gltf.skin.no-common-root",
-        "error",
-        "The joints of a skin hang in different trees.",
+        "warning",
+        "The joints of a skin hang in different trees, which glTF forbids and most engines take.",
         "Put all joints of a skin below one node.",
     ),
     Rule(

@@ -6,21 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pxr import Usd, UsdValidation
-
 from rigtri.checks import notes as judged
-from rigtri.checks.findings import Finding, Findings, Severity
+from rigtri.checks.findings import Findings
 from rigtri.checks.usd import animations, bindings, blend_shapes, skeletons
 from rigtri.checks.usd.scene import Scene
-from rigtri.errors import FileError
 from rigtri.formats.usd.document import opened
 from rigtri.formats.usd.notes import JOINT_NOTES, read_prim
 from rigtri.formats.usd.stage import quiet
-
-_KINDS: dict[Any, Severity] = {
-    UsdValidation.ValidationErrorType.Error: "error",
-    UsdValidation.ValidationErrorType.Warn: "warning",
-}
 
 
 def check_usd(path: Path, findings: Findings, *, external: bool = False) -> None:
@@ -46,7 +38,9 @@ def check_usd(path: Path, findings: Findings, *, external: bool = False) -> None
     for prim in scene.noted:
         scene.guard(prim, _check_notes)
     if external:
-        _validate(stage, findings, path)
+        from rigtri.checks.usd.openusd import validate
+
+        validate(stage, findings, path)
 
 
 def _check_notes(scene: Scene, prim: Any) -> None:
@@ -89,34 +83,3 @@ def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
             why = why or "there is no such joint"
         if why:
             scene.add("usd.note.broken", prim, JOINT_NOTES[1], f"joint '{token}': {why}")
-
-
-def _validate(stage: Usd.Stage, findings: Findings, path: Path) -> None:
-    """What OpenUSD's own validators say, under their own ids."""
-    with quiet(f"{path}: OpenUSD cannot validate it"):
-        validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-        found = UsdValidation.ValidationContext(validators).Validate(stage)
-    for error in found:
-        sites = [_site(site) for site in error.GetSites()]
-        findings.add_foreign(
-            Finding(
-                id=str(error.GetIdentifier()),
-                severity=_KINDS.get(error.GetType(), "info"),
-                place="OpenUSD",
-                pointer=sites[0] if sites else "",
-                message=" ".join(str(error.GetMessage()).split()),
-                remedy="See the documentation of OpenUSD's validators.",
-            )
-        )
-
-
-def _site(site: Any) -> str:
-    for part in (site.GetProperty, site.GetPrim):
-        try:
-            found = part()
-        except (RuntimeError, FileError):
-            continue
-        if found:
-            return f"<{found.GetPath()}>"
-    layer = site.GetLayer()
-    return str(layer.GetDisplayName()) if layer else ""
