@@ -19,6 +19,7 @@ _WHERE = {
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
+    "check": "rigtri.checks",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
@@ -29,6 +30,7 @@ __all__ = [
     "Rig",
     "RigtriError",
     "add_polevector",
+    "check",
     "describe",
     "diff",
     "edit",
@@ -38,6 +40,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from rigtri.checks import check
     from rigtri.compare import verify
     from rigtri.describe import describe
     from rigtri.difference import diff

@@ -38,7 +38,7 @@ moving scenery
 watched
 compare describe changes
 ops formats
-pipeline difference
+checks pipeline difference
 cli
 """.strip().splitlines()
 LONGEST = 60

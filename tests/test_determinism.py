@@ -41,7 +41,12 @@ OURS_UNLESS_NUMPY = {"dot", "cross", "outer"}
 def writing_modules() -> list[Path]:
     """The source of everything that can put a number into a file."""
     package = Path(rigtri.__file__).parent
-    return sorted(p for p in package.rglob("*.py") if not {p.stem, p.parent.name} & MEASURING)
+    return sorted(
+        p
+        for p in package.rglob("*.py")
+        # The checks only look: they have folders of their own.
+        if not {p.stem, p.parent.name} & MEASURING and "checks" not in p.relative_to(package).parts
+    )
 
 
 def shaky(path: Path) -> Iterator[str]:

@@ -106,7 +106,7 @@ def _inverse_bind(
     for row in np.flatnonzero(off)[:1].tolist():
         name = title(nodes, joints[row])
         item.fail(f"the inverse bind matrix of {name} has a last row that is not 0 0 0 1")
-    for row in np.flatnonzero(_flat(matrices))[:1].tolist():
+    for row in np.flatnonzero(flat(matrices))[:1].tolist():
         name = title(nodes, joints[row])
         text = f"the inverse bind matrix of {name} is flat, so the joint has no bind pose"
         if not lenient:
@@ -115,7 +115,8 @@ def _inverse_bind(
     return matrices
 
 
-def _flat(matrices: Floats) -> Booleans:
+def flat(matrices: Floats) -> Booleans:
+    """Which matrices have no inverse worth the name, (m, 4, 4) → (m,)."""
     box = length(matrices[:, :3, :3])
     size = box[:, 0] * box[:, 1] * box[:, 2]
     return np.asarray(np.abs(determinant(matrices)) <= FLAT * size)

@@ -38,10 +38,7 @@ class UsdDocument:
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
         options = options or Options()
-        stage, warnings = open_stage(path)
-        layer = stage.GetRootLayer()
-        if (below := _source_of(layer, path)) is not None:
-            stage, warnings = _over(layer, below)
+        stage, layer, warnings = opened(path)
         return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
@@ -186,6 +183,15 @@ class UsdDocument:
         fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
         if wanted != own and wanted not in fits:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
+
+
+def opened(path: Path) -> tuple[Any, Any, list[Notice]]:
+    """The stage of a file (bare opinions of ours over what they are for), its layer, and notices."""
+    stage, warnings = open_stage(path)
+    layer = stage.GetRootLayer()
+    if (below := _source_of(layer, path)) is not None:
+        stage, warnings = _over(layer, below)
+    return stage, layer, warnings
 
 
 def _source_of(layer: Any, path: Path) -> Path | None:
