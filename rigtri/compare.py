@@ -206,8 +206,9 @@ def verify(before: Source, after: Source) -> Comparison:
         origins(mine, matching, everything),
     ]
     # Skins whose points nobody can read (Draco), by the places of their joints.
-    seen = np.isin(np.arange(len(matching.skin)), [mesh.skin for mesh in meshes if mesh.skin is not None])
-    unseen = replace(matching, skin=np.where(seen, -1, matching.skin))
+    read = {mesh.skin for mesh in meshes}
+    hidden = [k not in read and (skin.drawn or not meshes) for k, skin in enumerate(mine.skins)]
+    unseen = replace(matching, skin=np.where(hidden, matching.skin, -1))
     watched += skin_corners(mine, theirs, unseen, [], everything)
     shown, now = before.scenery(), after.scenery()
     different, changed = compare_scenery(mine, shown, now, matching)

@@ -59,7 +59,8 @@ class Skin:
     joints: node indices, (m,). inverse_bind: (m, 4, 4). ``stored`` is False when
     the file has no matrices and these are the identity its format prescribes.
     ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
-    so it is asked only when needed.
+    so it is asked only when needed. drawn: something is drawn with it, whether or
+    not its points can be read.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Skin:
     stored: bool = True
     weigh: Callable[[], Booleans] | None = None
     key: Hashable = None
+    drawn: bool = False
 
     @cached_property
     def weighted(self) -> Booleans:

@@ -33,6 +33,7 @@ def read_skins(
 ) -> tuple[Skin, ...]:
     """All skins. weigh: which joints of skin k move any point."""
     skins = []
+    drawn = {node.get("skin") for node in gltf.object().get("nodes", []) if "mesh" in node}
     for number, item in enumerate(gltf.each("skins")):
         name = item.object().get("name")
         skin = Value(item.raw, f"{gltf.where} skin '{name}' (#{number})" if name else item.where)
@@ -46,6 +47,7 @@ def read_skins(
                 stored=matrices is not None,
                 weigh=_later(weigh, number),
                 key=number,
+                drawn=number in drawn,
             )
         )
     return tuple(skins)
