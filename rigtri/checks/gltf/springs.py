@@ -10,7 +10,8 @@ from typing import Any
 from rigtri.checks.findings import listed
 from rigtri.checks.gltf.view import View, told
 from rigtri.checks.gltf.vrm import is_above
-from rigtri.formats.vrm import CONSTRAINT, EXTENDED
+from rigtri.formats.node_constraints import CONSTRAINT
+from rigtri.formats.vrm import EXTENDED
 
 _KINDS = ("roll", "aim", "rotation")
 _AXES = {

@@ -11,7 +11,7 @@ from typing import Any
 
 from rigtri.checks.findings import Findings
 from rigtri.errors import FileError
-from rigtri.formats.gltf.accessors import Accessors, CompressedError
+from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container
 from rigtri.formats.gltf.nodes import title
@@ -148,9 +148,6 @@ class View:
             return None
         try:
             numbers = self.accessors.read(index)
-        except CompressedError:
-            self.compressed("Accessors are compressed")
-            return None
         except FileError as error:
             self._add_broken(index, error)
             return None
@@ -177,8 +174,6 @@ class View:
                 continue
             try:
                 self.accessors.layout(index)
-            except CompressedError:
-                self.compressed("Accessors are compressed")
             except FileError as error:
                 self._add_broken(index, error)
             else:
