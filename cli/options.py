@@ -3,7 +3,7 @@
 source_argument     every command
 facing_option       what asks where a straight limb bends
 target_option       edits
-reading_options     edits, inspect: --lenient, --allow-external-paths, --root
+reading_options     edits, inspect, verify, diff: --lenient, --allow-external-paths, --root
 edit_options        edits: --overwrite, --dry-run, --report, --strict, --verify, --tolerance …
 output_options      every command: --json, -q, -v
 """

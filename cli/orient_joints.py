@@ -134,6 +134,14 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     "a node of its own above it (glTF), or stop.",
 )
 @click.option(
+    "--on-constraint",
+    type=click.Choice(["freeze", "error"]),
+    default="freeze",
+    show_default=True,
+    help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
+    "constraint allows or not at all, and say so; or stop.",
+)
+@click.option(
     "--unknown-node-ext",
     type=click.Choice(["freeze", "ignore", "error"]),
     default="freeze",
@@ -227,6 +235,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             facing=values["facing"],
             pose=values["pose"],
             on_nonuniform_scale=values["on_nonuniform_scale"],
+            on_constraint=values["on_constraint"],
             snap=values["snap"],
             offset=values["offset"],
             mirror=values["mirror"],

@@ -18,6 +18,8 @@ _WHERE = {
     "add_polevector": "rigtri.ops.polevector",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
+    "diff": "rigtri.difference",
+    "check": "rigtri.checks",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
@@ -28,7 +30,9 @@ __all__ = [
     "Rig",
     "RigtriError",
     "add_polevector",
+    "check",
     "describe",
+    "diff",
     "edit",
     "orient_joints",
     "read",
@@ -36,8 +40,10 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from rigtri.checks import check
     from rigtri.compare import verify
     from rigtri.describe import describe
+    from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
     from rigtri.ops.orient import orient_joints

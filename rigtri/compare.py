@@ -23,6 +23,7 @@ from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
 from rigtri.quaternions import norm
 from rigtri.rig import Mesh, Rig
+from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 from rigtri.watched import (
@@ -60,6 +61,7 @@ class Source(Protocol):
     def rig(self) -> Rig: ...
     def meshes(self) -> Sequence[Mesh]: ...
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]: ...
+    def scenery(self) -> Scenery: ...
 
 
 @dataclass(frozen=True)
@@ -84,8 +86,9 @@ class Comparison:
     the source's rotations; raw_deviation: what renderers show that do not
     normalise them (equal to ``deviation`` where all are unit). per_mesh, per_clip:
     deviation by title. poses: how many were looked at; 0 where both are the same to
-    the bit. lost, added, changed: `rigtri.matching.Matching`. boxed: meshes of which
-    only some points were looked at, and the box that the file states for all.
+    the bit. lost, added, changed: `rigtri.matching.Matching`. different: what looks
+    different whatever the pose (`rigtri.scenery`). boxed: meshes of which only some points
+    were looked at, and the box that the file states for all.
     """
 
     deviation: float
@@ -99,12 +102,13 @@ class Comparison:
     lost: tuple[str, ...]
     added: tuple[str, ...]
     changed: tuple[str, ...]
+    different: tuple[str, ...]
     poses: int
     boxed: tuple[str, ...] = ()
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
-        """Whether both look the same: nothing lost and no deviation above ``tolerance``."""
-        return not self.lost and self.deviation <= tolerance
+        """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
+        return not self.lost and not self.different and self.deviation <= tolerance
 
     def as_json(self) -> dict[str, Any]:
         """For machines; a deviation that is not a number is null."""
@@ -121,6 +125,7 @@ class Comparison:
             "lost": list(self.lost),
             "added": list(self.added),
             "changed": list(self.changed),
+            "different": list(self.different),
             "poses": self.poses,
             "boxed": list(self.boxed),
         }
@@ -137,8 +142,9 @@ class Comparison:
             )
         if self.boxed:
             line += f"; {len(self.boxed)} large meshes by their boxes"
-        if self.lost:
-            line += f"; lost: {', '.join(self.lost[:3])}{' ...' if len(self.lost) > 3 else ''}"
+        for word, found in (("lost", self.lost), ("different", self.different)):
+            if found:
+                line += f"; {word}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
         return line
 
     def describe(self, *, verbose: bool = False) -> str:
@@ -157,7 +163,7 @@ class Comparison:
         for kind, table in (("mesh", self.per_mesh), ("clip", self.per_clip)):
             rows = sorted(table.items(), key=lambda row: -row[1])
             lines += [f"{kind:<12}{value:<8.2g}  {name}" for name, value in _first(rows, verbose)]
-        for word in ("lost", "added", "changed"):
+        for word in ("lost", "different", "added", "changed"):
             lines += [f"{word:<12}{what}" for what in _first(getattr(self, word), verbose)]
         return "\n".join(lines)
 
@@ -185,7 +191,10 @@ def self_check(before: Source, after: Source, *, closely: bool = False) -> Compa
         *frames(mine, matching, meshes, moving, diagonal),
         origins(mine, matching, moving),
     ]
-    compared = _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
+    different, changed = compare_scenery(mine, before.scenery(), after.scenery(), matching)
+    matching = replace(matching, changed=(*matching.changed, *changed))
+    kept = [w for w in watched if len(w.titles)]
+    compared = _compare(mine, theirs, matching, kept, diagonal, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
     return replace(compared, boxed=() if closely else boxed)
 
@@ -194,7 +203,8 @@ def verify(before: Source, after: Source) -> Comparison:
     """Compare any two files by their points; nodes are known by keys, paths or names.
 
     Skinned (linear or dual quaternion), morphed and rigid points, frames of
-    cameras and lights, origins of all nodes. Points that are not a number must
+    cameras and lights, origins of all nodes, faces and normals, and what else of
+    the two files shows (`rigtri.scenery`). Points that are not a number must
     be none in both.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
@@ -208,10 +218,17 @@ def verify(before: Source, after: Source) -> Comparison:
         *frames(mine, matching, meshes, everything, diagonal),
         origins(mine, matching, everything),
     ]
-    if not meshes:
-        watched += skin_corners(mine, theirs, matching, meshes, everything)
-    matching = replace(matching, lost=(*matching.lost, *lost))
-    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal)
+    # Skins whose points nobody can read (Draco), by the places of their joints.
+    read = {mesh.skin for mesh in meshes}
+    hidden = [k not in read and (skin.drawn or not meshes) for k, skin in enumerate(mine.skins)]
+    unseen = replace(matching, skin=np.where(hidden, matching.skin, -1))
+    watched += skin_corners(mine, theirs, unseen, [], everything)
+    shown, now = before.scenery(), after.scenery()
+    different, changed = compare_scenery(mine, shown, now, matching)
+    if shown.format == now.format:
+        different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
+    matching = replace(matching, lost=(*matching.lost, *lost), changed=(*matching.changed, *changed))
+    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal, different)
 
 
 @dataclass
@@ -242,7 +259,14 @@ class _Tally:
                 self.worst = Worst(watched.titles[int(row)], clip, float(moment.times[time]))
 
 
-def _compare(before: Rig, after: Rig, m: Matching, watched: Sequence[Watched], diagonal: float) -> Comparison:
+def _compare(
+    before: Rig,
+    after: Rig,
+    m: Matching,
+    watched: Sequence[Watched],
+    diagonal: float,
+    different: Sequence[str],
+) -> Comparison:
     was, now = denormalisation(before), denormalisation(after)
     tally = _Tally(watched)
     _run(before, after, m, tally, normalised=True)
@@ -267,6 +291,7 @@ def _compare(before: Rig, after: Rig, m: Matching, watched: Sequence[Watched], d
         lost=lost,
         added=m.added,
         changed=m.changed,
+        different=tuple(different),
         poses=tally.poses,
     )
 

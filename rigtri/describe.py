@@ -16,7 +16,7 @@ from rigtri import pose
 from rigtri.matrices import SKEW, determinant, skew
 from rigtri.quaternions import norm
 from rigtri.report import Report
-from rigtri.rig import Booleans, Clip, Rig, Skin
+from rigtri.rig import Booleans, Clip, Constraint, Rig, Skin
 from rigtri.triangle import STRAIGHT_SINE, bend_angle, bend_sine
 from rigtri.trigonometry import Floats
 from rigtri.vectors import angle, length, normalise
@@ -66,6 +66,11 @@ def as_json(rig: Rig) -> dict[str, Any]:
         "skins": [_skin_json(rig, skin) for skin in rig.skins],
         "clips": [_clip_json(rig, clip) for clip in rig.clips],
         "humanoid": {bone: rig.labels[node] for bone, node in rig.humanoid.items()},
+        "constraints": [
+            {"kind": c.kind, "node": rig.labels[c.node], "source": rig.labels[c.source]}
+            | ({"axis": _direction(c.axis)} if c.axis.any() else {})
+            for c in rig.constraints
+        ],
         "notes": {rig.labels[node]: dict(note) for node, note in sorted(rig.notes.items())},
     }
 
@@ -84,6 +89,9 @@ class _Seen:
         self.counts = rig.is_joint if rig.is_joint.any() else np.ones(len(rig), dtype=bool)
         self.weighted = _weighted(rig)
         points = self.position[np.isfinite(self.position).all(axis=1)]
+        self.follows: dict[int, list[str]] = {}
+        for constraint in rig.constraints:
+            self.follows.setdefault(constraint.node, []).append(_constraint_words(rig, constraint))
         self.size = float(length(np.ptp(points, axis=0))) if len(points) else 0.0
 
     def child(self, node: int) -> tuple[int, int, float] | None:
@@ -132,7 +140,8 @@ def _heading(rig: Rig) -> str:
         _count(len(rig.clips), "clip"),
     ]
     facing = f", facing {_direction(np.array(rig.facing))}" if rig.facing is not None else ""
-    return f"{', '.join(counts)}; up {_direction(np.array(rig.up))}{facing}"
+    frozen = f"; {rig.frozen}" if rig.frozen else ""
+    return f"{', '.join(counts)}; up {_direction(np.array(rig.up))}{facing}{frozen}"
 
 
 def _tree(seen: _Seen) -> Iterator[list[str]]:
@@ -187,6 +196,10 @@ def _flags(seen: _Seen, node: int) -> Iterator[str]:
         yield "not a number"
     if seen.counts[node]:
         yield from _joint_flags(seen, node)
+    yield from seen.follows.get(node, ())
+    bound = sum(b.node == node for b in rig.bound)
+    if bound:
+        yield _count(bound, "offset")
     if node in rig.fixed:
         yield f"fixed: {rig.fixed[node]}"
 
@@ -206,9 +219,17 @@ def _joint_flags(seen: _Seen, node: int) -> Iterator[str]:
         yield "straight" if bend[0] < 90 else "folded"
     if seen.rig.is_joint[node] and not seen.weighted[node]:
         yield "unweighted"
-    bound = sum(b.node == node for b in seen.rig.bound)
-    if bound:
-        yield _count(bound, "offset")
+
+
+def _constraint_words(rig: Rig, constraint: Constraint) -> str:
+    """``rolls about y with hand``."""
+    source, axis = rig.title(constraint.source), _direction(constraint.axis)
+    return {
+        "rotation": f"turns with {source}",
+        "roll": f"rolls about {axis[1:]} with {source}",
+        "aim": f"aims {axis} at {source}",
+        "tail": f"hangs from {source}",
+    }[constraint.kind]
 
 
 def _skin_words(skin: Skin, number: int) -> list[str]:

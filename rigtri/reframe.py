@@ -21,6 +21,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.constraints import broken, turned_constraints
 from rigtri.matrices import compose, decompose, turn_after, turn_before
 from rigtri.quaternions import IDENTITY, conjugate, multiply, rotate, to_axes
 from rigtri.rig import Booleans, Integers, Rig, Track
@@ -45,7 +46,8 @@ def reframe(rig: Rig, turn: Floats, *, scales: Scales | None = None) -> Rig:
 
     Nothing that can be seen moves. A node that itself shows a mesh, camera or
     light hands it to a new child ``<name>_payload`` that keeps the old axes.
-    ValueError where a node's scale does not allow the turn: ask `scale_allows` first.
+    ValueError where a node's scale does not allow the turn: ask `scale_allows` first; and
+    where constraints would no longer mean the same: ask `rigtri.constraints.broken`.
     scales: those of ``rig``, where the caller has them.
     """
     own = turned(turn)
@@ -55,12 +57,15 @@ def reframe(rig: Rig, turn: Floats, *, scales: Scales | None = None) -> Rig:
     refused = np.flatnonzero(own & ~_allowed(scales, turn)).tolist()
     if refused:
         raise ValueError(f"{[rig.title(node) for node in refused]} would shear: non-uniform scale")
+    if lost := broken(rig, turn):
+        names = [rig.title(constraint.node) for constraint in lost]
+        raise ValueError(f"the constraints of {names} compare axes that would not turn alike")
     above = np.where((rig.parents >= 0)[:, np.newaxis], turn[rig.parents], IDENTITY)
     fold = scales.fold(own & ~_permutes(to_axes(turn)))
     rig = _turn_rest(rig, turn, above, fold, scales)
     rig = _turn_skins(rig, turn)
     rig = _turn_clips(rig, turn, above, fold, scales)
-    rig = _turn_bound(rig, turn)
+    rig = replace(_turn_bound(rig, turn), constraints=turned_constraints(rig, turn))
     return _hand_over_payload(rig, turn)
 
 

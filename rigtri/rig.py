@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +62,8 @@ class Skin:
     joints: node indices, (m,). inverse_bind: (m, 4, 4). ``stored`` is False when
     the file has no matrices and these are the identity its format prescribes.
     ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
-    so it is asked only when needed.
+    so it is asked only when needed. drawn: something is drawn with it, whether or
+    not its points can be read.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Skin:
     stored: bool = True
     weigh: Callable[[], Booleans] | None = None
     key: Hashable = None
+    drawn: bool = False
 
     @cached_property
     def weighted(self) -> Booleans:
@@ -87,6 +89,36 @@ class Bound:
     key: Hashable = None
 
 
+class Surface(NamedTuple):
+    """How a mesh is drawn between its points; read only to compare.
+
+    kind: what is drawn, e.g. ``triangles``. sizes: corners of each face, (f,), empty
+    where ``kind`` says it. corners: point indices. normals: (m, 3), (0, 3) where there are none.
+    """
+
+    kind: str
+    sizes: Integers
+    corners: Integers
+    normals: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Constraint:
+    """A node that follows another by a rule that compares their axes.
+
+    kind: ``rotation``, node takes over how source has turned from its rest; ``roll``, of that
+    turn the part about ``axis``, seen from the two parents; ``aim``, ``axis`` points at source;
+    ``tail``, the end of a swinging chain, which hangs as its parent, the source, stands.
+    axis: (3,), one of the six axes of node; zero where the kind has none.
+    """
+
+    kind: Literal["rotation", "roll", "aim", "tail"]
+    node: int
+    source: int
+    axis: Floats
+    key: Hashable = None
+
+
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Points that skins or nodes move; read only to measure, never written.
@@ -95,6 +127,7 @@ class Mesh:
     (v, 0) for a rigid mesh, whose points are in the space of ``node``. bind: the
     matrix that takes points into the space of the skin's bind pose. morphs:
     (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``.
+    ``surface`` reads faces and normals, None where they cannot be read; asked only when needed.
     box: where ``points`` are only some of many, the lows and highs of all of them wherever
     morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
     of the skin moves, (2, m, 3).
@@ -110,7 +143,13 @@ class Mesh:
     morphs: Floats = field(default_factory=lambda: np.zeros((0, 0, 3)))
     morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
     dual_quaternion: bool = False
+    surface: Callable[[], Surface | None] | None = None
     box: Floats | None = None
+
+    @cached_property
+    def surface_now(self) -> Surface | None:
+        """Faces and normals; None when nobody can tell."""
+        return None if self.surface is None else self.surface()
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +163,9 @@ class Rig:
     payload: (n,), the node whose mesh, camera or light a node shows, −1 for none.
     keys: what only the format understands; None for a node that is new.
     fixed: nodes whose axes mean something in themselves, with the reason. frozen: why no
-    joint of this file may turn at all, "" where they may.
+    joint of this file may have axes of its own, "" where they may; then ``parallel`` are the
+    nodes that may stand, all of them, parallel to the world. aside: nodes of ``fixed`` whose
+    transform is data and places nothing, so that they are no joints whoever names them.
     humanoid: VRM bone names. notes: what rigtri has stored on a node.
     facing: the direction the character looks in, where the format prescribes one.
     """
@@ -144,6 +185,9 @@ class Rig:
     bound: tuple[Bound, ...] = ()
     fixed: Mapping[int, str] = field(default_factory=dict)
     frozen: str = ""
+    parallel: frozenset[int] = frozenset()
+    aside: frozenset[int] = frozenset()
+    constraints: tuple[Constraint, ...] = ()
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     facing: tuple[float, float, float] | None = None
@@ -420,6 +464,11 @@ class Rig:
             ),
             bound=tuple(replace(b, node=moved(b.node)) for b in self.bound),
             fixed={moved(k): reason for k, reason in self.fixed.items()},
+            parallel=frozenset(map(moved, self.parallel)),
+            aside=frozenset(map(moved, self.aside)),
+            constraints=tuple(
+                replace(c, node=moved(c.node), source=moved(c.source)) for c in self.constraints
+            ),
             humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
             notes={moved(k): note for k, note in self.notes.items()},
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -45,13 +46,18 @@ class Skeleton:
         return roots
 
 
-def skeleton(rig: Rig, root: str | None = None, *, plain: bool = False) -> Skeleton:
+def skeleton(
+    rig: Rig, root: str | None = None, *, plain: bool = False, joints: Collection[int] = ()
+) -> Skeleton:
     """The joints of all skins, or with ``root`` that node and everything below it.
 
     A file without skins but with a VRM humanoid map (a .vrma) has the nodes below its hips.
     plain: where there is neither, all nodes are joints (clip libraries); else FileError.
+    joints: the joints, where someone else has said which they are.
     """
-    if root is not None:
+    if joints:
+        joints = sorted(joints)
+    elif root is not None:
         joints = [node for node in rig.below(rig.find(root, "node")) if rig.payload[node] < 0]
     else:
         joints = np.flatnonzero(rig.is_joint).tolist()
@@ -64,6 +70,7 @@ def skeleton(rig: Rig, root: str | None = None, *, plain: bool = False) -> Skele
             "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "
             "name its top node with --root NAME; list the nodes with: rigtri inspect FILE"
         )
+    joints = [joint for joint in joints if joint not in rig.aside]
     inside = set(joints)
     above: dict[int, int] = {}
     below: dict[int, list[int]] = {joint: [] for joint in joints}

@@ -23,6 +23,8 @@ from rigtri.vectors import length
 
 # What rigtri adds to a file, by the type in its note; the rest of a file it must not move.
 OWN = ("poleVector", "group")
+# Where no points can be read: how thick a body is at least, as a share of its longest side.
+THICKNESS = 0.1
 # Points moved in one matrix product; of a skin with more joints than that, only so many:
 # a product has room for each point and each joint of its points.
 _CHUNK, _CROWDED, _SMALL_CHUNK = 4096, 256, 64
@@ -251,8 +253,10 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
         places = places[np.isfinite(places).all(axis=1)]
         if len(places):
             shape = (len(skin.joints), 3)
-            low, high = (np.broadcast_to(x, shape) for x in (places.min(axis=0), places.max(axis=0)))
-            yield np.eye(4), low, high
+            low, high = places.min(axis=0), places.max(axis=0)
+            # Joints on a line would not show a twist about it.
+            thin = np.maximum(THICKNESS * (high - low).max() - (high - low), 0.0) / 2.0
+            yield np.eye(4), np.broadcast_to(low - thin, shape), np.broadcast_to(high + thin, shape)
         return
     groups: dict[bytes, list[Mesh]] = {}
     for mesh in meshes:

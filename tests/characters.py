@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from rigs import rig_of
@@ -13,6 +13,7 @@ from rigtri.pose import worlds
 from rigtri.quaternions import unit
 from rigtri.report import Notice
 from rigtri.rig import Clip, Mesh, Rig, Skin, Track
+from rigtri.scenery import Scenery
 from rigtri.trigonometry import Floats
 
 NAMES = ["hips", "spine", "arm", "hand", "sword", "camera", "body", "face"]
@@ -28,11 +29,16 @@ class Held:
     drawn: tuple[Mesh, ...] = ()
     warnings: Sequence[Notice] = ()
 
+    shows: Scenery = field(default_factory=Scenery)
+
     def meshes(self) -> Sequence[Mesh]:
         return self.drawn
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         return self.drawn
+
+    def scenery(self) -> Scenery:
+        return self.shows
 
 
 def character(seed: int = 0) -> Held:

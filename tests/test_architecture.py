@@ -28,17 +28,17 @@ quaternions
 matrices
 triangle
 rig
-pose
+pose constraints
 reframe report
 naming
 limbs
 skeleton bend
 matching
-moving
+moving scenery
 watched
-compare describe
+compare describe changes
 ops formats
-pipeline
+checks pipeline difference
 cli
 """.strip().splitlines()
 LONGEST = 60

@@ -17,6 +17,7 @@ import rigtri
 
 # Modules that only measure or print; nothing of theirs reaches a file but a report.
 MEASURING = {"compare", "describe", "matching", "moving", "watched", "pipeline", "report"}
+MEASURING |= {"changes", "diff", "difference", "scenery"}
 # Functions of the writing modules that only measure: module.function → why it may.
 _POINTS = "points are measured, never written"
 ALLOWED = {
@@ -40,7 +41,12 @@ OURS_UNLESS_NUMPY = {"dot", "cross", "outer"}
 def writing_modules() -> list[Path]:
     """The source of everything that can put a number into a file."""
     package = Path(rigtri.__file__).parent
-    return sorted(p for p in package.rglob("*.py") if p.stem not in MEASURING)
+    return sorted(
+        p
+        for p in package.rglob("*.py")
+        # The checks only look: they have folders of their own.
+        if not {p.stem, p.parent.name} & MEASURING and "checks" not in p.relative_to(package).parts
+    )
 
 
 def shaky(path: Path) -> Iterator[str]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gltf_files import Builder, character, glb_bytes, small
+from rigs import lawful
 from test_vrm import vrm_0, vrm_1
 
 from rigtri.errors import FileError
@@ -30,7 +31,7 @@ def use(path: Path) -> None:
     for skin in rig.skins:
         assert skin.weighted.shape == skin.joints.shape
     turn = unit(np.random.default_rng(0).normal(size=(len(rig), 4)))
-    turn[list(rig.fixed)] = IDENTITY
+    turn = lawful(rig, turn)
     turn[~scale_allows(rig, turn)] = IDENTITY
     out = path.with_name(f"out{path.suffix}")
     document.write(reframe(rig, turn), out, out)

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gltf_files import Builder, character, glb_bytes, small
+from gltf_files import Builder, character, small
 
 from rigtri.errors import FileError
 from rigtri.formats import Options, read
-from rigtri.formats.gltf.accessors import CompressedError
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.pose import worlds
 
@@ -176,30 +175,6 @@ def test_joints_that_no_skin_has_leave_the_mesh_out(tmp_path: Path) -> None:
     document = opened(builder, tmp_path)
     assert list(document.meshes()) == []
     assert "joint 77 of a skin that has 3" in document.warnings[0].text
-
-
-def test_compressed_keys_are_refused_and_compressed_meshes_are_not(tmp_path: Path) -> None:
-    builder = small()
-    gltf = builder.gltf
-    compressed = {"EXT_meshopt_compression": {"buffer": 0, "byteLength": 4, "count": 1}}
-    positions = gltf["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
-    view = gltf["bufferViews"][gltf["accessors"][positions]["bufferView"]]
-    view |= {"buffer": 1, "byteOffset": 0, "extensions": compressed}
-    path = builder.glb(tmp_path / "a.glb")
-    gltf["buffers"].append({"byteLength": 1000})
-    path.write_bytes(glb_bytes(gltf, bytes(builder.binary)))
-    document = GltfDocument.read(path)
-    assert list(document.meshes()) == []
-    assert "compressed" in document.warnings[0].text
-    output = gltf["animations"][0]["samplers"][0]["output"]
-    gltf["bufferViews"][gltf["accessors"][output]["bufferView"]] |= {
-        "buffer": 1,
-        "byteOffset": 0,
-        "extensions": compressed,
-    }
-    path.write_bytes(glb_bytes(gltf, bytes(builder.binary)))
-    with pytest.raises(CompressedError, match="not supported yet"):
-        GltfDocument.read(path)
 
 
 def test_lenient_takes_trs_where_a_matrix_stands_beside_it(tmp_path: Path) -> None:

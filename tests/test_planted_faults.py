@@ -215,6 +215,9 @@ class Edited:
     def outlines(self, *, closely: bool = False) -> Any:
         return self.document.outlines(closely=closely)
 
+    def scenery(self) -> Any:
+        return self.document.scenery()
+
 
 ANIMATED = (
     "khronos_CesiumMan_Binary.glb",

@@ -7,13 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from avatars import NODES, avatar
 from gltf_files import Builder, glb_json, small
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.document import GltfDocument
+from rigtri.ops.orient import Options, orient_joints
+from rigtri.ops.presets import PRESETS
+from rigtri.ops.select import Selection
 from rigtri.pose import worlds
 from rigtri.quaternions import IDENTITY, unit
 from rigtri.reframe import reframe
+from rigtri.report import Report
 
 QUARTER = unit([0.0, 0.0, 1.0, 1.0])  # about Z: X goes to Y
 
@@ -151,25 +156,92 @@ def test_vrma_data_nodes_and_their_parents_are_frozen(tmp_path: Path) -> None:
     assert [bound.node for bound in rig.bound] == [0]
 
 
-@pytest.mark.parametrize(
-    ("kind", "node", "source", "frozen"),
-    [
-        ("rotation", 3, 1, [1, 3]),
-        ("aim", 3, 1, [3]),
-        ("roll", 3, 1, [0, 2, 3]),
-        ("roll", 5, 3, [5]),
-    ],
-)
-def test_constraints_freeze_what_they_compare(
-    kind: str, node: int, source: int, frozen: list[int], tmp_path: Path
-) -> None:
-    builder = small(5)
-    builder.gltf["nodes"][5] = {"name": "twist"}
-    builder.gltf["nodes"][2]["children"] = [3, 5]
-    constraint = {"specVersion": "1.0", "constraint": {kind: {"source": source, "weight": 1}}}
-    builder.gltf["nodes"][node]["extensions"] = {"VRMC_node_constraint": constraint}
-    builder.gltf["scenes"] = []
-    assert sorted(opened(builder, tmp_path).rig.fixed) == frozen
+def test_vrma_data_nodes_are_left_alone_with_a_note_whoever_names_them(tmp_path: Path) -> None:
+    builder = small(6)
+    builder.gltf["extensions"] = {
+        "VRMC_vrm_animation": {
+            "humanoid": {"humanBones": {"hips": {"node": 0}, "head": {"node": 1}}},
+            "expressions": {"preset": {"happy": {"node": 5}}},
+        }
+    }
+    rig = opened(builder, tmp_path).rig
+    report = Report()
+    data = Options(selection=Selection(joints=("joint 5",)))
+    assert orient_joints(rig, options=data, report=report) is rig
+    (notice,) = report.warnings
+    assert (
+        notice.text == "left alone: joint 5: its translation is the weight of the expression 'happy' (VRMA)"
+    )
+    both = Options(style=PRESETS["blender"], selection=Selection(joints=("joint 5", "joint 1")))
+    after = orient_joints(rig, options=both)
+    changed = np.flatnonzero((after.rotation != rig.rotation).any(axis=1))
+    assert changed.tolist() == [1, 2]
+    everything = orient_joints(
+        rig, options=Options(style=PRESETS["blender"], selection=Selection(joints=("*",)))
+    )
+    assert (everything.rotation[5] == rig.rotation[5]).all()
+    assert (everything.translation[5] == rig.translation[5]).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_all_that_swings_looks_and_collides_stays_where_it_is(seed: int, tmp_path: Path) -> None:
+    source, out = avatar(seed).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
+    document = GltfDocument.read(source)
+    document.write(orient_joints(document.rig), out, out)
+    before, after = places(source), places(out)
+    assert before.keys() == after.keys()
+    for what, place in before.items():
+        np.testing.assert_allclose(after[what], place, atol=1e-9, err_msg=what)
+    # The collider of a node that is no joint has kept its numbers, its node has turned back.
+    was, now = (glb_json(path)["extensions"]["VRMC_springBone"]["colliders"] for path in (source, out))
+    assert now[3] == was[3]
+    assert all(now[k]["shape"] != was[k]["shape"] for k in range(3))
+    assert now[2]["extensions"] != was[2]["extensions"]
+
+
+def places(path: Path) -> dict[str, np.ndarray]:
+    """Where colliders, plane normals, spring joints, their tails and the look-at point are in the world."""
+    extensions, rig = glb_json(path)["extensions"], GltfDocument.read(path).rig
+    world, found = worlds(rig), {}
+    row = {key: k for k, key in enumerate(rig.keys)}
+    springs, vrm = extensions["VRMC_springBone"], extensions["VRMC_vrm"]
+    for k, collider in enumerate(springs["colliders"]):
+        holders = [collider, *collider.get("extensions", {}).values()]
+        for n, (kind, shape) in enumerate(pair for h in holders for pair in h["shape"].items()):
+            for key in ("offset", "tail", "normal"):
+                if key in shape:
+                    point = np.append(shape[key], key != "normal")
+                    found[f"{k} {n} {kind} {key}"] = point @ world[row[collider["node"]]]
+    for joint in springs["springs"][0]["joints"]:
+        found[f"spring {joint['node']}"] = world[row[joint["node"]], 3]
+    head = row[vrm["humanoid"]["humanBones"]["head"]["node"]]
+    found["look at"] = np.append(vrm["lookAt"]["offsetFromHeadBone"], 1) @ world[head]
+    return found
+
+
+def test_what_shows_a_mesh_is_found_by_expressions_and_first_person(tmp_path: Path) -> None:
+    source, out = avatar(1).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
+    document = GltfDocument.read(source)
+    document.write(orient_joints(document.rig), out, out)
+    gltf = glb_json(out)
+    (shown,) = [k for k, node in enumerate(gltf["nodes"]) if node.get("name") == "hand_payload"]
+    vrm = gltf["extensions"]["VRMC_vrm"]
+    binds = [vrm["expressions"][kind][name] for kind, name in (("preset", "happy"), ("custom", "wink"))]
+    assert [bind["morphTargetBinds"][0]["node"] for bind in binds] == [shown, shown]
+    assert vrm["firstPerson"]["meshAnnotations"] == [{"node": shown, "type": "both"}]
+    assert gltf["nodes"][shown]["mesh"] == 1
+
+
+def test_a_reference_written_as_a_float_is_followed_and_true_is_none(tmp_path: Path) -> None:
+    builder = avatar(1)
+    vrm = builder.gltf["extensions"]["VRMC_vrm"]
+    vrm["firstPerson"]["meshAnnotations"] = [{"node": float(NODES["hand"])}, {"node": True}, {"node": 999}]
+    document, out = GltfDocument.read(builder.glb(tmp_path / "a.vrm")), tmp_path / "b.vrm"
+    assert [notice.code for notice in document.warnings] == ["vrm-reference", "vrm-reference"]
+    document.write(orient_joints(document.rig), out, out)
+    shown, *others = glb_json(out)["extensions"]["VRMC_vrm"]["firstPerson"]["meshAnnotations"]
+    assert glb_json(out)["nodes"][shown["node"]]["name"] == "hand_payload"
+    assert others == [{"node": True}, {"node": 999}]
 
 
 @pytest.mark.parametrize(

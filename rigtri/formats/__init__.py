@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from rigtri.changes.change import Change
 from rigtri.errors import FileError
 from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
+from rigtri.scenery import Scenery
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
 USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
@@ -77,6 +79,9 @@ class Document(Protocol):
         closely: boxes of what each joint moves, from all points, instead of those the file states.
         """
 
+    def scenery(self) -> Scenery:
+        """What the file shows that no pose tells, for comparing."""
+
     def reopen(self, part: Path) -> Document:
         """Read what `write` wrote, as it will be seen: an override over its source."""
 
@@ -102,3 +107,20 @@ def read(path: Path, options: Options | None = None) -> Document:
         return UsdDocument.read(path, options)
     known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
     raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
+
+
+def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change] | None:
+    """How two files of one format differ as files; None where their formats are two.
+
+    FileError where one of them cannot be taken apart.
+    """
+    suffixes = {before.suffix.lower(), after.suffix.lower()}
+    if suffixes <= set(GLTF_SUFFIXES):
+        from rigtri.formats.gltf import diff as gltf
+
+        return gltf.file_changes(before, after, options, tolerance)
+    if suffixes <= set(USD_SUFFIXES):
+        from rigtri.formats.usd import diff as usd
+
+        return usd.file_changes(before, after, options, tolerance)
+    return None

@@ -4,7 +4,7 @@ Node numbers here are indices of the file. Vectors that an extension keeps in
 the frame of a node turn with it, as frames keep their origin: offsets turn like
 directions.
 
-Source: VRM 0.0 README; VRMC_vrm 1.0 (humanoid, lookAt, tpose);
+Source: VRMC_vrm 1.0 (humanoid, lookAt, tpose);
 VRMC_springBone 1.0; VRMC_springBone_extended_collider 1.0;
 VRMC_node_constraint 1.0; VRMC_vrm_animation 1.0.
 """
@@ -12,31 +12,15 @@ VRMC_node_constraint 1.0; VRMC_vrm_animation 1.0.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
+from rigtri.formats.bindings import Bindings, Pointer
 from rigtri.formats.gltf.values import Value
+from rigtri.formats.node_constraints import CONSTRAINT, notice_circles, read_constraint
+from rigtri.formats.vrm0 import demand, read_vrm_0
+from rigtri.report import Notice
 
-VRM_0 = "VRM 0.x forbids rest rotations; convert the file to VRM 1.0 first"
 EXTENDED = "VRMC_springBone_extended_collider"
-CONSTRAINT = "VRMC_node_constraint"
-Pointer = tuple[str | int, ...]
-
-
-@dataclass
-class Bindings:
-    """humanoid: bone → node. fixed: node → reason. bound: node, vector and where it stands in the JSON."""
-
-    humanoid: dict[str, int] = field(default_factory=dict)
-    fixed: dict[int, str] = field(default_factory=dict)
-    bound: list[tuple[int, list[float], Pointer]] = field(default_factory=list)
-    facing: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    frozen: str = ""
-
-    def fix(self, node: int, reason: str) -> None:
-        """Freeze a node; the first reason stays. −1, the parent of a root, is nothing to freeze."""
-        if node >= 0:
-            self.fixed.setdefault(node, reason)
 
 
 def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
@@ -44,7 +28,7 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
     found, extensions = Bindings(), gltf.get("extensions")
     if extensions is not None:
         for name, read in (
-            ("VRM", _vrm_0),
+            ("VRM", read_vrm_0),
             ("VRMC_vrm", _vrm_1),
             ("VRMC_springBone", _spring_bones),
             ("VRMC_vrm_animation", _animation),
@@ -56,18 +40,12 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
         if "extensions" in item.object():
             constraint = item.need("extensions").get(CONSTRAINT)
             if constraint is not None:
-                _constrain(constraint, node, above, found)
+                read_constraint(constraint, node, above, found)
+    if found.frozen:
+        demand(gltf, above, found)
+    notice_circles(above, found)
+    _notice_dangling(extensions.raw if extensions is not None else {}, len(above), found)
     return found
-
-
-def _vrm_0(vrm: Value, above: Sequence[int], found: Bindings) -> None:
-    found.facing, found.frozen = (0.0, 0.0, -1.0), VRM_0
-    count = len(above)
-    humanoid = vrm.get("humanoid")
-    for bone in humanoid.each("humanBones") if humanoid else ():
-        # −1 is how VRM 0 says that a bone is missing.
-        if bone.object().get("node", -1) != -1:
-            found.humanoid[bone.need("bone").text()] = bone.need("node").index(count, "node")
 
 
 def _human_bones(extension: Value, count: int, found: Bindings) -> None:
@@ -134,29 +112,23 @@ def _animation(extension: Value, above: Sequence[int], found: Bindings) -> None:
         for name, item in group.members() if group else ():
             node = item.need("node").index(len(above), "node")
             data[node] = f"its translation is the weight of the expression '{name}' (VRMA)"
+    found.aside.update(data)
     for node, reason in data.items():
         found.fix(node, reason)
     for node in data:
         found.fix(above[node], "a node below it holds VRMA data in its own axes")
 
 
-def _constrain(extension: Value, node: int, above: Sequence[int], found: Bindings) -> None:
-    """Freeze what a node constraint compares axes of.
-
-    rotation: exact while source and destination turn alike. roll: while their parents
-    do and the axis stays one of the six. aim: while the destination keeps its axes.
-    """
-    constraint = extension.need("constraint")
-    for kind, item in constraint.members():
-        if kind not in ("roll", "aim", "rotation"):
-            continue
-        source = item.need("source").index(len(above), "node")
-        found.fix(node, f"a {kind} constraint drives it")
-        if kind == "rotation":
-            found.fix(source, "a rotation constraint copies its rotation")
-        if kind == "roll" and above[node] != above[source]:
-            found.fix(above[node], "a node below it has a roll constraint")
-            found.fix(above[source], "a node below it is the source of a roll constraint")
+def _notice_dangling(extensions: Any, count: int, found: Bindings) -> None:
+    """Say which expressions and annotations refer to nothing."""
+    for path in mesh_references(extensions if isinstance(extensions, dict) else {}):
+        node: Any = extensions
+        for key in path:
+            node = node[key]
+        if type(node) not in (int, float) or not 0 <= node < count or node != int(node):
+            place = ".".join(map(str, path))
+            text = f"extensions.{place} is {node!r}, which is no node of this file"
+            found.notices.append(Notice("vrm-reference", text))
 
 
 def mesh_references(extensions: Mapping[str, Any]) -> Iterator[Pointer]:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.ops.constrained import settle, unsplittable
 from rigtri.ops.plan import Options, Plan
 from rigtri.ops.scale import allowed_turns, splits
 from rigtri.ops.telling import check, record, tell_fixed, tell_straight
@@ -19,6 +20,9 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.triangle import axis_of
 from rigtri.trigonometry import Floats
+
+# What products of float64 quaternions leave of a rotation that is undone.
+LAST_BITS = 1e-12
 
 __all__ = ["Options", "orient_joints"]
 
@@ -42,18 +46,23 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     policy = options.on_nonuniform_scale
     axis = {joint: axis_of(plan.style(joint).aim)[0] for joint in wanted}
     parted = splits(rig, _at_frames(rig, turns), axis) if policy == "split" else {}
+    for joint in unsplittable(rig).intersection(parted):
+        del parted[joint]
     exact = turns.copy()
     exact[list(parted)] = IDENTITY
-    exact = allowed_turns(rig, _at_frames(rig, exact), policy, axis, plan.scales, report)
+    in_place = "skip" if policy == "split" else policy
+    exact = allowed_turns(rig, _at_frames(rig, exact), in_place, axis, plan.scales, report)
     for joint in set(wanted) - set(rig.frame_of) - set(parted):
         if options.frames is None:  # what the snap left over is noise too
             exact[joint] = plan.quiet(joint, exact[joint])
-        turns[joint] = exact[joint]
+    exact = settle(plan, exact, wanted, options.on_constraint)
+    for joint in set(plan.tree.joints) - set(parted):
+        turns[joint] = exact[rig.frame_of.get(joint, joint)]
     tell_fixed(plan)
     tell_straight(plan)
     check(plan, turns)
     record(plan, turns, parted)
-    out = _noted(reframe(rig, exact, scales=plan.scales), plan, turns)
+    out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
     for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
         out = split(out, joint, parted[joint])
     return out
@@ -67,6 +76,21 @@ def _at_frames(rig: Rig, turns: Floats) -> Floats:
     for joint, holder in rig.frame_of.items():
         moved[holder], moved[joint] = turns[joint], IDENTITY
     return moved
+
+
+def _zeroed(rig: Rig, before: Rig) -> Rig:
+    """Write rotations as 0 0 0 1 that are zero up to the last bit or the sign, where a format asks for zeros.
+
+    What has not changed stays as it is.
+    """
+    if rig is before or not rig.parallel:
+        return rig
+    nodes = sorted(rig.parallel)
+    q = rig.rotation[nodes]
+    nothing = (np.abs(q[:, :3]).max(axis=1) <= LAST_BITS) & (q != before.rotation[nodes]).any(axis=1)
+    rotation = rig.rotation.copy()
+    rotation[np.array(nodes)[nothing]] = IDENTITY
+    return replace(rig, rotation=rotation)
 
 
 def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:

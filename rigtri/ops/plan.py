@@ -53,6 +53,7 @@ class Options:
     facing: tuple[float, float, float] | None = None
     pose: str | None = None
     on_nonuniform_scale: Policy = "snap"
+    on_constraint: Literal["freeze", "error"] = "freeze"
     snap: bool = False
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mirror: Mirror | None = None
@@ -69,7 +70,8 @@ class Plan:
     """One run: what turns, where it aims, and what was decided for each joint.
 
     ups: what told the up direction of each joint; normals: the same before ``pole`` turns
-    it; straight: limbs and chains without a plane; noise: radians per joint that mean nothing.
+    it; follows: joints that take the turn of another; straight: limbs and chains without a
+    plane; noise: radians per joint that mean nothing.
     """
 
     tree: Skeleton
@@ -84,20 +86,22 @@ class Plan:
     ups: dict[int, Up] = field(default_factory=dict)
     normals: dict[int, Up] = field(default_factory=dict)  # before `pole` turns them
     noise: dict[int, float] = field(default_factory=dict)
+    follows: dict[int, int] = field(default_factory=dict)
     straight: dict[int, tuple[str, float]] = field(default_factory=dict)
 
     @staticmethod
     def of(rig: Rig, options: Options, report: Report) -> Plan:
         # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
         elsewhere = options.like is not None or options.frames is not None
-        tree = skeleton(rig, options.root, plain=elsewhere)
         if rig.frozen:
-            raise FileError(f"No joint of this file may turn: {rig.frozen}.")
-        ref = reference(tree, options.pose)
+            _check_parallel(rig, options)
+        tree = skeleton(rig, options.root, plain=elsewhere, joints=rig.parallel)
+        ref = reference(tree, "nodes" if rig.parallel else options.pose)
         selection = options.selection
         chains = tuple((start, end) for start, end, _ in options.chain_styles)
         selection = replace(selection, chains=(*selection.chains, *chains))
-        turning, kept = select(tree, ref, selection, all_named=elsewhere or options.root is not None)
+        everything = elsewhere or options.root is not None or bool(rig.parallel)
+        turning, kept = select(tree, ref, selection, all_named=everything)
         styles = {}
         for start, end, style in options.chain_styles:
             for joint in along(rig, rig.find(start), rig.find(end)):
@@ -314,6 +318,24 @@ class Plan:
         if other is None or other < 0:
             return np.asarray(self.ref.world[joint, letter, :3] * sign)
         return np.asarray(self._axes(other, turns)[letter] * sign)
+
+
+def _check_parallel(rig: Rig, options: Options) -> None:
+    """Let nothing through but zero rotations on every bone, where a format asks for that.
+
+    Raises FileError for axes of any other kind, UsageError for a part of the joints.
+    """
+    style = options.style.world and all(style.world for _, _, style in options.chain_styles)
+    elsewhere = options.like is not None or options.frames is not None or options.mirror is not None
+    if not rig.parallel or not style or elsewhere or options.snap or any(options.offset):
+        raise FileError(
+            f"No joint of this file may have axes of its own: {rig.frozen}. Take --world, which makes "
+            "all of them zero, or convert the file to VRM 1.0 first."
+        )
+    if options.selection != Selection() or options.chain_styles or options.root is not None:
+        raise UsageError(f"{rig.frozen}, so --world is for all joints of this file: name none")
+    if options.pose not in (None, "nodes"):
+        raise UsageError(f"--pose {options.pose}: {rig.frozen}; rotations are zero in the pose of the nodes")
 
 
 def _limbs(rig: Rig, options: Options) -> tuple[Limb, ...]:

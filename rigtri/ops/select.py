@@ -12,6 +12,11 @@ from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton
 
 _EYES = ("leftEye", "rightEye")
+EXCLUDED = "excluded"
+ROOT = "root joint: its motion is root motion"
+EYE = "VRM eye"
+# Joints that are kept for these reasons do not turn for the sake of another joint either.
+STEADFAST = frozenset({EXCLUDED, ROOT, EYE})
 
 
 @dataclass(frozen=True)
@@ -51,7 +56,7 @@ def select(
     turning = []
     for joint in tree.joints:
         if joint in excluded:
-            kept[joint] = "excluded"
+            kept[joint] = EXCLUDED
         elif selection.named and joint not in named:
             kept[joint] = "not selected"
         elif joint not in within:
@@ -71,7 +76,7 @@ def _check_named(rig: Rig, selection: Selection) -> None:
     named += [name for chain in selection.chains for name in chain]
     for name in named:
         node = rig.find(name)
-        if node in rig.fixed:
+        if node in rig.fixed and node not in rig.aside:
             raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.fixed[node]}")
 
 
@@ -82,7 +87,7 @@ def _named(tree: Skeleton, selection: Selection) -> set[int]:
         named.update(along(rig, rig.find(start), rig.find(end)))
     for top in selection.below:
         named.update(rig.below(rig.find(top)))
-    if selection.named and not named & known:
+    if selection.named and not named & known and not named & rig.aside:
         raise UsageError("the selection holds no joint; see the joints with: rigtri inspect FILE")
     return named & known
 
@@ -102,17 +107,20 @@ class _Stays:
     def __init__(self, tree: Skeleton, ref: Reference) -> None:
         self._tree, self._ref = tree, ref
         self._eyes = {tree.rig.humanoid[eye] for eye in _EYES if eye in tree.rig.humanoid}
+        self._driven = {c.node for c in tree.rig.constraints if c.kind == "roll"}
         self._carrying: dict[int, int] = {}
 
     def why(self, joint: int) -> str:
         """The reason, or "" where the joint turns."""
         tree, above = self._tree, self._tree.above[joint]
         if above < 0:
-            return "root joint: its motion is root motion"
+            return ROOT
         if not tree.carries[joint]:
             return "no weight on or below it"
         if joint in self._eyes:
-            return "VRM eye"
+            return EYE
+        if joint in self._driven:
+            return "a roll constraint drives it"
         if not tree.below[joint] and self._siblings(above) and chain_child(tree, self._ref, above) != joint:
             return "lone end joint beside siblings"
         return ""

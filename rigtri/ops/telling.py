@@ -54,7 +54,8 @@ def check(plan: Plan, turns: Floats) -> None:
             f"'{rig.title(flat[0])}' has scale 0 at rest, so its axes mean nothing below it. "
             f"Leave it out with --exclude '{rig.title(flat[0])}'."
         )
-    short = [plan.tree.rig.title(j) for j, aim in plan.aims.items() if aim.how == "descendant"]
+    aimed = {j: aim for j, aim in plan.aims.items() if not plan.style(j).world}
+    short = [plan.tree.rig.title(j) for j, aim in aimed.items() if aim.how == "descendant"]
     if short:
         names = ", ".join(short[:6]) + (" …" if len(short) > 6 else "")
         plan.report.warn(
@@ -93,6 +94,8 @@ def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
             entry["mirrored"] = True
         if joint in parted:
             entry["split"] = True
+        if joint in plan.follows:
+            entry["follows"] = rig.title(plan.follows[joint])
         if moves[joint]:
             entry |= {"degrees": round(degrees_of[joint], 6), "turn": turns[joint].tolist()}
             if joint in errors:
@@ -122,7 +125,13 @@ def _aim_errors(plan: Plan, turns: Floats) -> dict[int, float]:
 
 
 def tell_fixed(plan: Plan) -> None:
-    """Warn of joints that the file itself holds in place, once per reason."""
+    """Warn of joints that the file itself holds in place, once per reason; and of data that was named."""
+    rig, selection = plan.tree.rig, plan.options.selection
+    chains = (name for chain in selection.chains for name in chain)
+    for name in filter(rig.has, (*selection.joints, *selection.below, *chains)):
+        node = rig.find(name)
+        if node in rig.aside:
+            plan.report.warn("fixed", f"left alone: {rig.title(node)}: {rig.fixed[node]}")
     reasons: dict[str, list[str]] = {}
     for joint, reason in plan.kept.items():
         if plan.tree.rig.fixed.get(joint) == reason:

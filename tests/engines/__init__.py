@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from rigtri.trigonometry import Floats
 
 NO_BLENDER = "Blender is not here: set BPY_PYTHON"
 NO_THREE = "three.js is not here: set RIGTRI_THREE"
+NO_THREE_VRM = "three-vrm is not here: npm install @pixiv/three-vrm in RIGTRI_THREE"
 _HERE = Path(__file__).parent
 # Mesh, clip and moment → vertices in the world, (v, 3).
 Shown = dict[str, Floats]
@@ -39,6 +41,16 @@ def three(*paths: Path, folder: Path) -> list[Shown]:
     targets = [folder / f"three-{number}.json" for number in range(len(paths))]
     _run([node, str(_HERE / "three_points.mjs"), place], paths, targets, folder)
     return [_decoded(json.loads(target.read_text("utf-8"))) for target in targets]
+
+
+def three_vrm(*paths: Path, folder: Path) -> list[dict[str, Any]]:
+    """What three-vrm makes of each file (`three_vrm.mjs`). Skips where npm has not installed it."""
+    place, node = os.environ.get("RIGTRI_THREE"), shutil.which("node")
+    if not place or not node or not Path(place, "node_modules", "@pixiv", "three-vrm").is_dir():
+        pytest.skip(NO_THREE_VRM)
+    targets = [folder / f"three-vrm-{number}.json" for number in range(len(paths))]
+    _run([node, str(_HERE / "three_vrm.mjs"), place], paths, targets, folder)
+    return [json.loads(target.read_text("utf-8")) for target in targets]
 
 
 def apart(before: Shown, after: Shown) -> float:

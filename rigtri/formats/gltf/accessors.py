@@ -1,6 +1,6 @@
 """Accessors: typed views of buffers, decoded as float64.
 
-Source: glTF 2.0 §3.6.2; EXT_meshopt_compression.
+Source: glTF 2.0 §3.6.2.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.buffers import Buffers
+from rigtri.formats.gltf.compression import compression_of, decode_view
 from rigtri.formats.gltf.values import Value
 from rigtri.trigonometry import Floats
 
@@ -27,17 +28,16 @@ COMPONENTS: dict[int, np.dtype[Any]] = {
 FULL = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 # MAT2 and MAT3 are missing: nothing that rigtri reads uses them.
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-COMPRESSIONS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 # An accessor without bytes could claim any size; no skeleton needs more numbers than this.
 MOST_ZEROS = 1 << 24
 
 
-class CompressedError(FileError):
-    """An accessor whose bytes are compressed in a way that rigtri does not decode."""
-
-
 class Layout(NamedTuple):
-    """Where the numbers of an accessor lie. buffer −1: nowhere, they are zero. start: in the buffer."""
+    """Where the numbers of an accessor lie. start: in the buffer.
+
+    buffer −1: in none. Without a view the numbers are zero, with one they lie in what
+    the view is compressed to, and ``start`` is in that.
+    """
 
     component: int
     width: int
@@ -76,6 +76,7 @@ class Accessors:
         self._views = gltf.object().get("bufferViews", [])
         self._layouts: dict[int, Layout] = {}
         self._floats: dict[int, Floats] = {}
+        self._decoded: dict[int, memoryview] = {}
 
     def __len__(self) -> int:
         return len(self._items)
@@ -103,15 +104,18 @@ class Accessors:
         layout = self.layout(index)
         if layout.plain:
             return self._read_plain(layout)
-        return self._decoded(index, layout)
+        return self._converted(index, layout)
+
+    def has_rows(self, index: int) -> bool:
+        """Whether `rows` can read some rows alone: they are neither compressed nor sparse."""
+        layout = self.layout(index)
+        return layout.buffer >= 0 and not layout.sparse
 
     def rows(self, index: int, start: int, stop: int) -> Floats:
-        """Some rows of what `read` gives; of plain storage only these are touched."""
+        """Some rows of what `read` gives, of an accessor that `has_rows`; no others are touched."""
         layout = self.layout(index)
-        if layout.buffer < 0 or layout.sparse:
-            return self.read(index)[start:stop]
         first = layout.start + start * layout.stride
-        return self._decoded(index, layout._replace(start=first, rows=min(stop, layout.rows) - start))
+        return self._converted(index, layout._replace(start=first, rows=min(stop, layout.rows) - start))
 
     def stated(self, index: int) -> Floats | None:
         """The lows and highs, (2, width), that the file states for an accessor; None where it does not."""
@@ -122,27 +126,31 @@ class Accessors:
         bounds = np.array([accessor.need(key).numbers(layout.width) for key in ("min", "max")])
         return _whole(bounds, layout)
 
-    def _decoded(self, index: int, layout: Layout) -> Floats:
+    def _converted(self, index: int, layout: Layout) -> Floats:
         accessor = self.value(index)
-        if layout.buffer < 0 and layout.rows * layout.width > MOST_ZEROS:
+        if layout.view < 0 and layout.rows * layout.width > MOST_ZEROS:
             accessor.fail(f"claims {layout.rows} elements without bytes for them")
         numbers = self._elements(layout)
         if layout.sparse:
             numbers = self._replaced(numbers, accessor.need("sparse"), layout)
-        return _whole(numbers.astype(np.float64), layout)
+        # Some NaN are signalling ones, of which nobody wants to hear.
+        with np.errstate(invalid="ignore"):
+            return _whole(numbers.astype(np.float64), layout)
 
     def _read_plain(self, layout: Layout) -> Floats:
         # One float32 view of a buffer serves all its accessors: slicing it is cheap.
         start, rest = divmod(layout.start, 4)
         if rest:
-            return self._elements(layout).astype(np.float64)
+            with np.errstate(invalid="ignore"):
+                return self._elements(layout).astype(np.float64)
         whole = self._floats.get(layout.buffer)
         if whole is None:
             content = self.buffers.content(layout.buffer)
             whole = np.frombuffer(content, "<f4", len(content) // 4)
             self._floats[layout.buffer] = whole
         part = whole[start : start + layout.rows * layout.width]
-        return part.astype(np.float64).reshape(layout.rows, layout.width)
+        with np.errstate(invalid="ignore"):
+            return part.astype(np.float64).reshape(layout.rows, layout.width)
 
     def _lay(self, accessor: Value) -> Layout:
         raw = accessor.object()
@@ -171,40 +179,42 @@ class Accessors:
         return layout._replace(buffer=buffer, start=start + offset, stride=stride)
 
     def _view(self, index: int) -> tuple[int, int, int, int]:
-        """Buffer, offset, length and stride (0: none) of a buffer view."""
-        if index >= len(self._views):
-            raise FileError(f"{self._file} there is no bufferView {index}, the file has {len(self._views)}")
-        view = Value(self._views[index], f"{self._file} bufferViews[{index}]")
+        """Buffer, offset, length and stride (0: none) of a buffer view; buffer −1 for a compressed one."""
+        view = self._view_value(index)
         buffer = view.natural("buffer")
         if buffer >= len(self.buffers):
             view.fail(f"there is no buffer {buffer}, the file has {len(self.buffers)}")
-        if "extensions" in view.raw and self.buffers.place(buffer) == "none":
-            self._refuse_compressed(view, view.raw)
         start, length = view.natural("byteOffset", 0), view.natural("byteLength")
         stride = view.natural("byteStride", 0)
+        # Where the same bytes are also there uncompressed, those are read.
+        if "extensions" in view.raw and self.buffers.place(buffer) == "none" and compression_of(view):
+            return -1, 0, length, stride
         whole = self.buffers.length(buffer)
         if start + length > whole:
             view.fail(f"ends at {start + length}, outside buffer {buffer} of {whole} bytes")
         return buffer, start, length, stride
 
-    def _refuse_compressed(self, view: Value, raw: dict[str, Any]) -> None:
-        used = raw.get("extensions")
-        for name in COMPRESSIONS:
-            if isinstance(used, dict) and name in used:
-                raise CompressedError(
-                    f"{view.where}: data compressed with {name} are not supported yet; "
-                    "export or pack the file without that compression"
-                )
+    def _view_value(self, index: int) -> Value:
+        if index >= len(self._views):
+            raise FileError(f"{self._file} there is no bufferView {index}, the file has {len(self._views)}")
+        return Value(self._views[index], f"{self._file} bufferViews[{index}]")
+
+    def _content(self, layout: Layout) -> memoryview:
+        """The bytes that ``layout.start`` counts from."""
+        if layout.buffer >= 0:
+            return self.buffers.content(layout.buffer)
+        if layout.view not in self._decoded:
+            self._decoded[layout.view] = decode_view(self._view_value(layout.view), self.buffers)
+        return self._decoded[layout.view]
 
     def _elements(self, layout: Layout) -> np.ndarray:
         """The elements as stored, (count, width), zeros where there are no bytes."""
         kind = COMPONENTS[layout.component]
         shape = (layout.rows, layout.width)
-        if layout.buffer < 0:
+        if layout.view < 0:
             return np.zeros(shape, kind)
-        content = self.buffers.content(layout.buffer)
         strides = (layout.stride, kind.itemsize)
-        return np.ndarray(shape, kind, buffer=content, offset=layout.start, strides=strides)
+        return np.ndarray(shape, kind, buffer=self._content(layout), offset=layout.start, strides=strides)
 
     def _replaced(self, numbers: np.ndarray, sparse: Value, layout: Layout) -> np.ndarray:
         """``numbers`` with the elements that a sparse accessor names put in."""

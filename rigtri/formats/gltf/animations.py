@@ -97,6 +97,7 @@ class ClipReader:
                 raise FileError(f"{place}: an object should stand here")
             target = target_of(channel)
             if target is None:
+                self._wonder(channel, place)
                 continue  # no node of ours: kept, never read
             if target[0] < 0 or target[0] >= len(self._nodes):
                 raise FileError(f"{place}: there is no node {target[0]}, the file has {len(self._nodes)}")
@@ -107,6 +108,15 @@ class ClipReader:
             if track is not None:
                 tracks.append(track)
         return Clip(name, tuple(tracks), key=number)
+
+    def _wonder(self, channel: dict[str, Any], place: str) -> None:
+        """Say that a channel may drive a joint in a way that rigtri does not know."""
+        target = channel.get("target")
+        path = target.get("path") if isinstance(target, dict) else None
+        if path in (*WIDTH, "weights") or (path == "pointer" and pointer_of(channel["target"]) is not None):
+            return
+        text = f"{place}: nobody knows what the path {path!r} drives; the channel is kept as it is"
+        self._notices.append(Notice("channel-unknown", text))
 
     def _track(
         self,

@@ -1,6 +1,6 @@
 """The bytes of the buffers of a glTF file, fetched when they are needed.
 
-Source: glTF 2.0 §3.6.1.
+Source: glTF 2.0 §3.6.1; KHR_meshopt_compression, "Fallback buffers".
 """
 
 from __future__ import annotations
@@ -15,10 +15,14 @@ from rigtri.formats.gltf.values import Value
 
 # Where a buffer lies: in the GLB, in its URI, in a file of ours, in a file of the user's, nowhere.
 Place = Literal["bin", "data", "own", "file", "none"]
+MESHOPT = ("KHR_meshopt_compression", "EXT_meshopt_compression")
 
 
 class Buffers:
-    """All buffers of a file. Those in files are looked for at once and read later."""
+    """All buffers of a file. Those in files are looked for at once and read later.
+
+    The file of a fallback buffer may be missing: its views are compressed elsewhere.
+    """
 
     def __init__(self, gltf: Value, container: Container, *, allow_external: bool = False) -> None:
         self._items = list(gltf.each("buffers"))
@@ -26,10 +30,13 @@ class Buffers:
         self._allow_external = allow_external
         self._content: dict[int, memoryview] = {}
         self._lengths: dict[int, int] = {}
+        self._undeployed: set[int] = set()
         for index, item in enumerate(self._items):
             if self.place(index) in ("file", "own") and is_file(self.uri(index)):
                 path = self._path(index)
-                if not path.is_file():
+                if not path.is_file() and _is_fallback(item):
+                    self._undeployed.add(index)
+                elif not path.is_file():
                     item.fail(f"the file '{path.name}' is missing; put it beside {container.path.name}")
 
     def __len__(self) -> int:
@@ -43,6 +50,8 @@ class Buffers:
     def place(self, index: int) -> Place:
         """Where the bytes of a buffer lie."""
         uri = self.uri(index)
+        if index in self._undeployed:
+            return "none"
         if not uri:
             return "bin" if index == 0 and self._container.binary is not None else "none"
         if is_data(uri):
@@ -95,3 +104,9 @@ class Buffers:
     def raw(self, index: int) -> dict[str, Any]:
         """The JSON of a buffer."""
         return self._items[index].object()
+
+
+def _is_fallback(buffer: Value) -> bool:
+    used = buffer.object().get("extensions")
+    marks = [used.get(name) for name in MESHOPT] if isinstance(used, dict) else []
+    return any(isinstance(mark, dict) and mark.get("fallback") is True for mark in marks)

@@ -14,7 +14,8 @@ from typing import Any
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.mapped import load
-from rigtri.formats.gltf.spelling import Spelling, parse
+from rigtri.formats.gltf.spelling import Spelling, encode, parse
+from rigtri.formats.gltf.splice import splice
 from rigtri.report import Notice
 
 MAGIC = b"glTF"
@@ -77,8 +78,12 @@ class Container:
             yield kind, [content]
 
     def _text(self, gltf: dict[str, Any]) -> bytes:
+        content = self.chunks[0][1] if self.is_glb else self.source
+        text = str(content, "utf-8").removeprefix("\ufeff")
+        # Spaces behind the JSON of a GLB are padding, and made anew.
+        text = text.rstrip() if self.is_glb else text
         try:
-            return self.spelling.spell(gltf)
+            return encode(splice(text, self.gltf, gltf, self.spelling))
         except RecursionError:
             raise FileError(f"{self.path}: the JSON is nested too deep to be written") from None
         except ValueError:

@@ -19,6 +19,7 @@ from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
 from rigtri.formats.gltf.meshes import MeshReader
 from rigtri.formats.gltf.nodes import Rest, read_rest, read_tree
+from rigtri.formats.gltf.scenery import read_scenery
 from rigtri.formats.gltf.skins import read_skins
 from rigtri.formats.gltf.validate import (
     check_extensions,
@@ -31,7 +32,8 @@ from rigtri.formats.gltf.values import Value
 from rigtri.formats.gltf.writer import write_file
 from rigtri.formats.vrm import read_bindings
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Bound, Mesh, Rig
+from rigtri.rig import Booleans, Bound, Constraint, Mesh, Rig
+from rigtri.scenery import Scenery
 
 
 class GltfDocument:
@@ -86,6 +88,10 @@ class GltfDocument:
             return self.meshes()
         return self._reader.read(self._rig.skins, "closely" if closely else "stated")
 
+    def scenery(self) -> Scenery:
+        """Scenes, lenses, lights and materials of the nodes that show something."""
+        return read_scenery(self.container.gltf, self.tree)
+
     def reopen(self, part: Path) -> GltfDocument:
         """Read what `write` wrote."""
         # A relinked output may point anywhere that the source's data already came from.
@@ -118,6 +124,7 @@ class GltfDocument:
         skins = read_skins(gltf, self.accessors, tree, self.notices, self._weigh, lenient=options.lenient)
         clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
         bindings = read_bindings(gltf, tree.above)
+        self.notices += bindings.notices
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
         rig = Rig(
             names=tuple(name if isinstance(name, str) else "" for name in names),
@@ -138,6 +145,14 @@ class GltfDocument:
             ),
             fixed=fixed,
             frozen=bindings.frozen,
+            parallel=frozenset(tree.place[node] for node in bindings.bones)
+            if bindings.frozen
+            else frozenset(),
+            aside=frozenset(tree.place[node] for node in bindings.aside),
+            constraints=tuple(
+                Constraint(c.kind, tree.place[c.node], tree.place[c.source], np.array(c.axis), c.pointer)
+                for c in bindings.constraints
+            ),
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
             notes={
                 k: e["rigtri"]

@@ -20,11 +20,13 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.nodes import Tree
 from rigtri.formats.gltf.values import Value
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Integers, Mesh, Skin
+from rigtri.rig import Booleans, Integers, Mesh, Skin, Surface
 from rigtri.trigonometry import Floats
 from rigtri.watched import boxes, extent
 
 DRACO = "KHR_draco_mesh_compression"
+# What a primitive draws, by its mode (§5.24.4).
+MODES = ("points", "lines", "line loop", "line strip", "triangles", "triangle strip", "triangle fan")
 # Reading a point with its joints and weights takes some 400 bytes, an offset of a morph a few.
 MOST_POINTS, OFFSETS_TO_A_POINT = 150_000, 8
 # Rows read at a time of what is read in parts.
@@ -170,7 +172,7 @@ class MeshReader:
         for block in (block for first in range(SAMPLES) for block in blocks[first::SAMPLES]):
             joints, weights = self._influences(primitive, [block])
             live = joints[weights > 0]
-            moves[live[live < len(moves)]] = True
+            moves[live[(live >= 0) & (live < len(moves))]] = True
             if len(blocks) > 1:
                 self._accessors.buffers.forget()
             if moves.all():
@@ -224,7 +226,24 @@ class MeshReader:
             weights=weights,
             morphs=morphs,
             morph_weights=self._morph_weights(node, mesh, len(morphs)),
+            surface=lambda: self._surface(primitive, len(points)),
         )
+
+    def _surface(self, primitive: Value, points: int) -> Surface | None:
+        """Faces and normals; None where they cannot be read."""
+        try:
+            mode = primitive.natural("mode", 4)
+            kind = MODES[mode] if mode < len(MODES) else f"mode {mode}"
+            none = np.zeros(0, dtype=np.int64)
+            corners, normals = np.arange(points), np.zeros((0, 3))
+            if primitive.get("indices") is not None:
+                corners = self._numbers_of(primitive.need("indices"), 1, None)[:, 0].astype(np.int64)
+            if "NORMAL" in primitive.need("attributes").object():
+                normals = self._read(primitive, "NORMAL", 3, None)
+        except FileError as error:
+            self._notice(str(error))
+            return None
+        return Surface(kind, none, corners, normals)
 
     def _read(self, primitive: Value, name: str, width: int, some: Some) -> Floats:
         """The numbers of an attribute, (count, width)."""
@@ -235,12 +254,13 @@ class MeshReader:
 
     def _numbers_of(self, item: Value, width: int, some: Some) -> Floats:
         index = item.index(len(self._accessors), "accessor")
-        if some is not None:
+        if some is not None and self._accessors.has_rows(index):
             numbers = np.concatenate([self._accessors.rows(index, *block) for block in some])
-        elif index in self._numbers:
-            numbers = self._numbers[index]
         else:
-            numbers = self._numbers[index] = self._accessors.read(index)
+            if index not in self._numbers:
+                self._numbers[index] = self._accessors.read(index)
+            whole = self._numbers[index]
+            numbers = whole if some is None else np.concatenate([whole[slice(*block)] for block in some])
         if numbers.shape[1] != width:
             item.fail(f"the accessor should have {width} numbers for each point, not {numbers.shape[1]}")
         return numbers
@@ -257,6 +277,8 @@ class MeshReader:
         if len({len(rows) for rows in (*joints[1:], *weights[1:])}) > 1:
             primitive.fail("has sets of joints and weights of different lengths")
         together = np.concatenate(joints[1:], axis=1) if sets else joints[0]
+        # What is no number, or none that an index can be, is no joint either.
+        together = np.where(np.abs(together) < 1 << 31, together, -1.0)
         return together.astype(np.int64), np.concatenate(weights[1:], axis=1) if sets else weights[0]
 
     def _morphs(self, primitive: Value, points: Floats, some: Some) -> Floats:
@@ -284,10 +306,10 @@ def _blocks(rows: int) -> list[tuple[int, int]]:
 
 def _within(primitive: Value, joints: Integers, weights: Floats, count: int) -> tuple[Integers, Floats]:
     """Joint indices that all exist; those without weight may have been anything."""
-    outside = joints >= count
+    outside = (joints < 0) | (joints >= count)
     # A weight that is no number gives a point that is none, whatever the joint.
     wrong = outside & (weights != 0) & ~np.isnan(weights)
     if wrong.any():
-        worst = joints[wrong].max()
+        worst = joints[wrong][0]
         primitive.fail(f"uses joint {worst} of a skin that has {count}")
     return np.where(outside, 0, joints), weights

@@ -16,7 +16,9 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import unit_rotations
 from rigtri.formats.gltf.validate import SHOWN_EXTENSIONS
+from rigtri.formats.node_constraints import stored_axis
 from rigtri.formats.vrm import mesh_references
+from rigtri.formats.vrm0 import stored_vector
 from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.pose import worlds
 from rigtri.rig import Integers, Rig
@@ -59,6 +61,7 @@ class NodeWriter:
         self._move_payload()
         self._write_notes()
         self._write_bound()
+        self._write_constraints()
 
     @property
     def _new(self) -> list[int]:
@@ -212,8 +215,10 @@ class NodeWriter:
         extensions = self._draft.gltf.get("extensions")
         for path in mesh_references(extensions) if self.moved and isinstance(extensions, dict) else ():
             holder = self._draft.own("extensions", *path[:-1])
-            if isinstance(holder["node"], int):
-                holder["node"] = self.moved.get(holder["node"], holder["node"])
+            node = holder["node"]
+            # 3.0 is the same number; true is none.
+            if type(node) in (int, float):
+                holder["node"] = self.moved.get(node, node)
 
     def _hand_over(self, giver: dict[str, Any], taker: dict[str, Any]) -> None:
         for key in ("camera", "skin", "mesh", "weights"):
@@ -254,7 +259,19 @@ class NodeWriter:
         before = {bound.key: bound.vector for bound in self._source.bound}
         for bound in self._rig.bound:
             if isinstance(bound.key, tuple) and (bound.vector != before[bound.key]).any():
-                self._draft.own(*bound.key[:-1])[bound.key[-1]] = _numbers(bound.vector)
+                holder = self._draft.own(*bound.key[:-1])
+                name = bound.key[-1]
+                holder[name] = stored_vector(bound.key, bound.vector.tolist(), holder.get(name))
+
+    def _write_constraints(self) -> None:
+        before = {constraint.key: constraint.axis for constraint in self._source.constraints}
+        for constraint in self._rig.constraints:
+            key = constraint.key
+            if isinstance(key, tuple) and (constraint.axis != before[key]).any():
+                name, word = stored_axis(constraint.kind, constraint.axis.tolist())
+                holder = self._draft.own(*key)
+                if holder.get(name) != word:
+                    holder[name] = word
 
     def repair(self, repaired: set[int]) -> None:
         """Give nodes that contradicted themselves the TRS that was understood, and nothing else.

@@ -13,9 +13,9 @@ from urllib.parse import unquote
 
 from rigtri.errors import FileError
 from rigtri.formats import Companion
+from rigtri.formats.bindings import Pointer
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.uris import escape, file_of, is_file
-from rigtri.formats.vrm import Pointer
 
 
 def uris(gltf: dict[str, Any]) -> Iterator[tuple[Pointer, str]]:

@@ -33,6 +33,7 @@ def read_skins(
 ) -> tuple[Skin, ...]:
     """All skins. weigh: which joints of skin k move any point."""
     skins = []
+    drawn = {node.get("skin") for node in gltf.object().get("nodes", []) if "mesh" in node}
     for number, item in enumerate(gltf.each("skins")):
         name = item.object().get("name")
         skin = Value(item.raw, f"{gltf.where} skin '{name}' (#{number})" if name else item.where)
@@ -46,6 +47,7 @@ def read_skins(
                 stored=matrices is not None,
                 weigh=_later(weigh, number),
                 key=number,
+                drawn=number in drawn,
             )
         )
     return tuple(skins)
@@ -109,7 +111,7 @@ def _inverse_bind(
     for row in np.flatnonzero(off)[:1].tolist():
         name = title(nodes, joints[row])
         item.fail(f"the inverse bind matrix of {name} has a last row that is not 0 0 0 1")
-    for row in np.flatnonzero(_flat(matrices))[:1].tolist():
+    for row in np.flatnonzero(flat(matrices))[:1].tolist():
         name = title(nodes, joints[row])
         text = f"the inverse bind matrix of {name} is flat, so the joint has no bind pose"
         if not lenient:
@@ -118,7 +120,8 @@ def _inverse_bind(
     return matrices
 
 
-def _flat(matrices: Floats) -> Booleans:
+def flat(matrices: Floats) -> Booleans:
+    """Which matrices have no inverse worth the name, (m, 4, 4) → (m,)."""
     box = length(matrices[:, :3, :3])
     size = box[:, 0] * box[:, 1] * box[:, 2]
     return np.asarray(np.abs(determinant(matrices)) <= FLAT * size)

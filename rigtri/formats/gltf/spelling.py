@@ -39,6 +39,14 @@ def _no_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is no JSON number")
 
 
+def encode(text: str) -> bytes:
+    """A JSON text as UTF-8. Half of a surrogate pair has none; as an escape it stays what it was."""
+    try:
+        return text.encode()
+    except UnicodeEncodeError:
+        return _SURROGATE.sub(lambda half: f"\\u{ord(half[0]):04x}", text).encode()
+
+
 @dataclass(frozen=True)
 class Spelling:
     """Habits of a JSON text.
@@ -78,6 +86,10 @@ class Spelling:
 
     def spell(self, value: Any) -> bytes:
         """``value`` as UTF-8. ValueError for a number that JSON cannot hold."""
+        return encode(self.fragment(value) + self.end)
+
+    def fragment(self, value: Any, depth: int = 0) -> str:
+        """``value`` as a part of a text, ``depth`` levels deep. ValueError as for `spell`."""
         text = json.dumps(
             value,
             indent=self.indent,
@@ -87,12 +99,9 @@ class Spelling:
         )
         if self.inline is not None:
             text = _SPREAD.sub(self._on_one_line, text)
-        if self.newline != "\n":
-            text = text.replace("\n", self.newline)
-        if not self.ascii:
-            # Half of a surrogate pair has no UTF-8; as an escape it stays what it was.
-            text = _SURROGATE.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
-        return (text + self.end).encode()
+        if self.indent and depth:
+            text = text.replace("\n", "\n" + self.indent * depth)
+        return text.replace("\n", self.newline) if self.newline != "\n" else text
 
     def _on_one_line(self, spread: re.Match[str]) -> str:
         padding, comma = self.inline or ("", ",")

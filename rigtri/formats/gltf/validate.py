@@ -5,11 +5,11 @@ Source: glTF 2.0 §3.2 (JSON encoding), §3.12 (extensions).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rigtri.formats.gltf.values import Value
-from rigtri.formats.vrm import CONSTRAINT
+from rigtri.formats.node_constraints import CONSTRAINT
 from rigtri.report import Notice
 
 LISTS = (
@@ -91,13 +91,18 @@ def check_extensions(gltf: Value, notices: list[Notice]) -> None:
     """Say which required extensions rigtri does not know; it keeps them."""
     used = {item.text() for item in gltf.each("extensionsUsed")}
     required = {item.text() for item in gltf.each("extensionsRequired")}
-    unknown = sorted(name for name in required if not name.startswith(_HARMLESS_REQUIRED))
+    unknown = unknown_required(required)
     if unknown:
         text = f"The file requires {', '.join(unknown)}, which rigtri does not know; it is kept as it is"
         notices.append(Notice("extension-unknown", text))
     if required - used:
         missing = ", ".join(sorted(required - used))
         notices.append(Notice("extension-undeclared", f"{missing}: required, but not in extensionsUsed"))
+
+
+def unknown_required(names: Iterable[str]) -> list[str]:
+    """The required extensions that rigtri does not know to leave joints and storage alone."""
+    return sorted(name for name in names if not name.startswith(_HARMLESS_REQUIRED))
 
 
 def unknown_extension(node: Mapping[str, Any]) -> str | None:

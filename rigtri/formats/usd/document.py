@@ -8,16 +8,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
 from rigtri.formats.usd import layers, meshes, package, writer
 from rigtri.formats.usd.reader import Source, read_source
+from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
 from rigtri.formats.usd.values import Edit, kind, parts
 from rigtri.report import Notice
 from rigtri.rig import Mesh, Rig
+from rigtri.scenery import Scenery
 
 # An override of ours says so here, and a bare one also what it is for; editing it again edits this layer.
 MARK = "rigtri"
@@ -35,10 +38,7 @@ class UsdDocument:
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
         options = options or Options()
-        stage, warnings = open_stage(path)
-        layer = stage.GetRootLayer()
-        if (below := _source_of(layer, path)) is not None:
-            stage, warnings = _over(layer, below)
+        stage, layer, warnings = opened(path)
         return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
@@ -62,6 +62,12 @@ class UsdDocument:
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same: USD keeps what is drawn in memory anyway."""
         return self.meshes()
+
+    def scenery(self) -> Scenery:
+        """Units and range of the stage; visibility, lenses, lights and materials of what it shows."""
+        shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.payload >= 0).tolist()}
+        with quiet(f"{self._source.path}: USD cannot read what it shows"):
+            return read_scenery(self._source.stage, shown)
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file, or with ``override`` only the opinions; see `formats.Document`.
@@ -181,6 +187,15 @@ class UsdDocument:
         fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
         if wanted != own and wanted not in fits:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
+
+
+def opened(path: Path) -> tuple[Any, Any, list[Notice]]:
+    """The stage of a file (bare opinions of ours over what they are for), its layer, and notices."""
+    stage, warnings = open_stage(path)
+    layer = stage.GetRootLayer()
+    if (below := _source_of(layer, path)) is not None:
+        stage, warnings = _over(layer, below)
+    return stage, layer, warnings
 
 
 def _source_of(layer: Any, path: Path) -> Path | None:

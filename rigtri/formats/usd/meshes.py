@@ -7,7 +7,8 @@ straight line. Points are those of the Default time, else of the earliest sample
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, quiet
-from rigtri.rig import Booleans, Integers, Mesh, Track
+from rigtri.rig import Booleans, Integers, Mesh, Surface, Track
 from rigtri.trigonometry import Floats
 
 EARLIEST = Usd.TimeCode.EarliestTime()
@@ -84,8 +85,28 @@ def read_meshes(
         skeleton, query = by_prim.get(path, ("", None))
         if query is not None and skeleton in skins:
             mesh = _skinned(mesh, query, skins[skeleton], tokens[skeleton])
-        meshes.append(mesh)
+        meshes.append(replace(mesh, surface=partial(_surface, prim)))
     return meshes
+
+
+def _surface(prim: Any) -> Surface:
+    """Faces (or curves) and normals as authored."""
+    names = ("faceVertexCounts", "curveVertexCounts")
+    sizes = next((a for name in names if (a := _attribute(prim, name)) is not None), ())
+    corners = _attribute(prim, "faceVertexIndices")
+    normals = _attribute(prim, "primvars:normals")
+    normals = _attribute(prim, "normals") if normals is None else normals
+    return Surface(
+        prim.GetTypeName(),
+        np.array(sizes, dtype=np.int64).reshape(-1),
+        np.array(() if corners is None else corners, dtype=np.int64).reshape(-1),
+        np.array(() if normals is None else normals, dtype=np.float64).reshape(-1, 3),
+    )
+
+
+def _attribute(prim: Any, name: str) -> Any:
+    attribute = prim.GetAttribute(name)
+    return at_start(attribute) if attribute else None
 
 
 def at_start(attribute: Any) -> Any:

@@ -16,7 +16,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, numbers, why_locked
 from rigtri.matrices import determinant, inverse, multiply
 from rigtri.report import Notice
-from rigtri.rig import Integers
+from rigtri.rig import Booleans, Integers
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
@@ -97,18 +97,27 @@ def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
                 f"Skeleton <{path}> lists joint '{token}' twice. Every joint needs a path of its own."
             )
         index[token] = number
+    parents = nearest_listed(tokens)
+    early = np.flatnonzero(parents > np.arange(len(tokens)))
+    if len(early):
+        # A parent before its children: one pass is enough, and UsdSkel accepts nothing else.
+        token, above = tokens[int(early[0])], tokens[int(parents[early[0]])]
+        raise FileError(
+            f"Skeleton <{path}> lists joint '{token}' before its parent '{above}'. "
+            "UsdSkel wants parents first; sort the joints, their matrices and their influences."
+        )
+    return parents
+
+
+def nearest_listed(tokens: Sequence[str]) -> Integers:
+    """The index of each joint's nearest listed ancestor, (n,), −1 for roots, in whatever order they are."""
+    index = {token: number for number, token in enumerate(tokens)}
     parents = np.full(len(tokens), -1, dtype=np.int64)
     for number, token in enumerate(tokens):
         above = token.rpartition("/")[0]
         while above and above not in index:
             above = above.rpartition("/")[0]
         parents[number] = index[above] if above else -1
-        if parents[number] > number:
-            # A parent before its children: one pass is enough, and UsdSkel accepts nothing else.
-            raise FileError(
-                f"Skeleton <{path}> lists joint '{token}' before its parent '{above}'. "
-                "UsdSkel wants parents first; sort the joints, their matrices and their influences."
-            )
     return parents
 
 
@@ -137,12 +146,17 @@ def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
     return matrices
 
 
+def singular(matrices: Floats) -> Booleans:
+    """Which matrices have no inverse worth the name, (n, 4, 4) → (n,)."""
+    size = length(matrices[:, :3, :3]).prod(axis=1)
+    return np.asarray(~(np.abs(determinant(matrices)) > SINGULAR * size))
+
+
 def _check_bind(path: str, tokens: Sequence[str], bind: Floats) -> None:
-    size = length(bind[:, :3, :3]).prod(axis=1)
-    singular = ~(np.abs(determinant(bind)) > SINGULAR * size)
-    if singular.any():
+    wrong = singular(bind)
+    if wrong.any():
         raise FileError(
-            f"<{path}>.bindTransforms: the matrix of joint '{tokens[int(singular.argmax())]}' has no "
+            f"<{path}>.bindTransforms: the matrix of joint '{tokens[int(wrong.argmax())]}' has no "
             "inverse (an axis is zero or two coincide), so its skin is undefined."
         )
 

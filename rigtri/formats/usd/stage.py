@@ -63,7 +63,11 @@ def open_stage(path: Path) -> tuple[Any, list[Notice]]:
 
 def first_line(error: Exception) -> str:
     """What the first pxr error says, without the place in pxr's own sources."""
-    text = " ".join(str(error.args[0] if error.args else error).split())
+    try:
+        text = " ".join(str(error.args[0] if error.args else error).split())
+    except UnicodeDecodeError:
+        # pxr quotes the file, and what it quotes may be no text at all.
+        text = "it holds bytes that are no text"
     text = text.partition(" : ")[2] or text
     return re.sub(r"\bpxrInternal\w*::", "", text).strip("' ") or type(error).__name__
 
@@ -81,7 +85,8 @@ def numbers(attribute: Any, value: Any, *shape: int) -> np.ndarray:
 
 def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
     """One notice for all layers that were not found; pxr reports them in the order of its threads."""
-    found = [text.split("@")[1] for text in texts if "@" in text and "open" in text.lower()]
+    said = ("open", "not load sublayer")
+    found = [t.split("@")[1] for t in texts if "@" in t and any(words in t.lower() for words in said)]
     names = sorted({_seen_from(folder, name) for name in found})
     if not names:
         return []

@@ -1,0 +1,165 @@
+"""rigtri check"""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import json_option, quiet_option
+
+if TYPE_CHECKING:
+    from rigtri.checks.findings import Finding
+
+# Findings of one kind in a file that are shown without -v.
+MOST_ALIKE = 4
+
+
+@click.command("check")
+@click.argument("files", metavar="FILE…", nargs=-1, type=click.Path(allow_dash=True))
+@click.option(
+    "--severity",
+    type=click.Choice(["error", "warning", "info"]),
+    default="info",
+    show_default=True,
+    help="Leave out what is less severe.",
+)
+@click.option("--ignore", multiple=True, metavar="ID", help="Leave a check out; * stands for anything.")
+@click.option("--strict", is_flag=True, help="Let warnings fail as errors do.")
+@click.option("--external", is_flag=True, help="USD: add what OpenUSD's own validators say.")
+@click.option("--list", "list_rules", is_flag=True, help="Print every id with what it means, and end.")
+@click.option(
+    "--allow-external-paths",
+    is_flag=True,
+    help="Read buffers outside the folder of a file. Nothing is ever fetched from a network.",
+)
+@click.option("-v", "--verbose", is_flag=True, help="Show every finding, and what to do about each kind.")
+@quiet_option
+@json_option
+def command(files: tuple[str, ...], **values: Any) -> None:
+    """Find all that is wrong with the skinned rigs in files.
+
+    Skins, joints, clips, weights, VRM and our own notes in glTF; skeletons, animations
+    and bindings in USD. Exit code 0 when nothing worse than a warning is found, 1 with
+    errors (--strict: or warnings), 3 when a file cannot be read at all.
+
+    \b
+    Example:
+        rigtri check hero.glb
+        rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
+    """
+    from rigtri.checks.catalogue import matching
+
+    if values["list_rules"]:
+        _list(values["as_json"])
+        return
+    if not files:
+        raise UsageError("name a file to check, or --list")
+    if values["strict"] and values["severity"] == "error":
+        raise UsageError("--strict fails on warnings, and --severity error leaves them out; give one of them")
+    ignored = matching(values["ignore"])
+    results = {name: _kept(_check(name, values), ignored, values["severity"]) for name in files}
+    code = _exit_code(results, strict=values["strict"])
+    if values["as_json"]:
+        click.echo(json.dumps(as_json(results, code), indent=2, ensure_ascii=False))
+    else:
+        for name, findings in results.items():
+            _tell(name, findings, verbose=values["verbose"], quiet=values["quiet"])
+    sys.exit(code)
+
+
+def _check(name: str, values: dict[str, Any]) -> list[Finding]:
+    """The findings of one file; - is standard input."""
+    from rigtri.checks import check
+    from rigtri.pipeline import opened
+
+    options = {key: values[key] for key in ("allow_external_paths", "external")}
+    if name != "-":
+        return check(name, **options)
+    with opened(name) as path:
+        return check(path, **options)
+
+
+def _kept(findings: list[Finding], ignored: set[str], severity: str) -> list[Finding]:
+    from rigtri.checks.findings import SEVERITIES
+
+    shown = SEVERITIES[: [*SEVERITIES].index(severity) + 1]  # type: ignore[arg-type]
+    return [item for item in findings if item.id not in ignored and item.severity in shown]
+
+
+def _exit_code(results: dict[str, list[Finding]], *, strict: bool) -> int:
+    from rigtri.checks.catalogue import UNREADABLE
+
+    found = [item for findings in results.values() for item in findings]
+    if any(item.id == UNREADABLE for item in found):
+        return 3
+    bad = ("error", "warning") if strict else ("error",)
+    return int(any(item.severity in bad for item in found))
+
+
+def as_json(results: dict[str, list[Finding]], code: int) -> dict[str, Any]:
+    """The findings of all files as schemas/check.schema.json describes them."""
+    from rigtri import __version__
+    from rigtri.checks.catalogue import UNREADABLE
+    from rigtri.checks.findings import counts
+
+    every = [item for findings in results.values() for item in findings]
+    return {
+        "rigtri": __version__,
+        "command": "check",
+        "exit_code": code,
+        **counts(every),
+        "files": [
+            {
+                "file": name,
+                "readable": all(item.id != UNREADABLE for item in findings),
+                **counts(findings),
+                "findings": [item.as_json() for item in findings],
+            }
+            for name, findings in results.items()
+        ],
+    }
+
+
+def _tell(name: str, findings: list[Finding], *, verbose: bool, quiet: bool) -> None:
+    """One file: its findings, of many alike only the first, and how many there are."""
+    from rigtri.checks.findings import counts
+
+    if quiet and not any(item.severity == "error" for item in findings):
+        return
+    click.echo(f"{name}: {_counted(counts(findings))}")
+    said: dict[str, int] = {}
+    for item in findings:
+        if quiet and item.severity != "error":
+            continue
+        said[item.id] = said.get(item.id, 0) + 1
+        if verbose or said[item.id] <= MOST_ALIKE:
+            click.echo(f"  {item.severity}: {item.place}: {item.message}  [{item.id}]")
+            if verbose:
+                click.echo(f"      at {item.pointer or 'the file'}. {item.remedy}")
+            elif said[item.id] == 1:
+                click.echo(f"      {item.remedy}")
+        elif said[item.id] == MOST_ALIKE + 1:
+            more = sum(other.id == item.id for other in findings) - MOST_ALIKE
+            click.echo(f"  {item.severity}: {more} more of these; -v shows all  [{item.id}]")
+
+
+def _counted(numbers: dict[str, int]) -> str:
+    words = [
+        f"{count} {key if count != 1 else key.removesuffix('s')}" for key, count in numbers.items() if count
+    ]
+    return ", ".join(words) or "nothing wrong"
+
+
+def _list(machine: bool) -> None:
+    from rigtri.checks.catalogue import RULES
+
+    if machine:
+        click.echo(json.dumps([vars(rule) for rule in RULES.values()], indent=2, ensure_ascii=False))
+        return
+    for rule in RULES.values():
+        click.echo(f"{rule.id} ({rule.severity})\n    {rule.says}\n    {rule.remedy}")

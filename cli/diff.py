@@ -1,0 +1,78 @@
+"""rigtri diff"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rigtri.errors import RigtriError
+
+from .options import json_option, read_options, reading_options
+
+# As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.
+DIFFERS, ERROR = 1, 2
+
+
+@click.command("diff")
+@click.argument("before", metavar="A", type=click.Path(allow_dash=True))
+@click.argument("after", metavar="B", type=click.Path())
+@click.option("-q", "--brief", is_flag=True, help="Say only whether they differ.")
+@click.option("--all", "every", is_flag=True, help="Show every line of long groups.")
+@click.option(
+    "--only", type=click.Choice(["rig", "file"]), help="Compare in the terms of riggers or of files alone."
+)
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(min=0),
+    default=0.0,
+    show_default=True,
+    help="Numbers that differ by no more are the same; 0 compares every bit and spelling.",
+)
+@click.option(
+    "--verify/--no-verify", default=True, show_default=True, help="Measure how far they look apart, too."
+)
+@reading_options
+@json_option
+def command(before: str, after: str, **values: Any) -> None:
+    """Say in rig terms and in file terms what differs between two files.
+
+    Rig terms: joints, axes, rest and bind pose, skins, clips, attachments, colliders. File
+    terms: JSON members, chunks, buffers, images, spelling; layers, prims, fields, package
+    entries. Exit code 0 when nothing differs, 1 when something does, 2 for an error. Lines
+    start with + (added), - (removed), ~ (changed) or > (moved).
+
+    \b
+    Example:
+        rigtri diff hero.glb out.glb
+    """
+    from rigtri.difference import diff
+    from rigtri.pipeline import opened
+
+    try:
+        with opened(before) as one, opened(after) as other:
+            found = diff(
+                Path(one),
+                Path(other),
+                only=values["only"],
+                tolerance=values["tolerance"],
+                verify=values["verify"] and not values["brief"],
+                options=read_options(values),
+            )
+    except (RigtriError, OSError) as error:
+        click.echo(f"rigtri: {error}", err=True)
+        sys.exit(ERROR)
+    if values["as_json"]:
+        told = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
+        click.echo(json.dumps(told, indent=2, ensure_ascii=False))
+    elif values["brief"] and not found.same:
+        click.echo(f"{before} and {after} differ")
+    elif not found.same:
+        click.echo(found.describe(every=values["every"]))
+    if not values["brief"]:
+        for notice in found.notices:
+            click.echo(notice, err=True)
+    sys.exit(0 if found.same else DIFFERS)

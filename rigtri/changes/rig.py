@@ -1,0 +1,247 @@
+"""How two rigs differ, in the words of riggers: joints, axes, rest and bind pose, skins, clips.
+
+Numbers are compared as they are stored; what is derived from them (axes and places
+in the world) counts from `DERIVED` on, for it carries the rounding of all joints above.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rigtri import pose
+from rigtri.changes.change import Change, number, order_of, row, rows, same_numbers
+from rigtri.changes.clips import clip_changes
+from rigtri.changes.meshes import mesh_changes
+from rigtri.changes.renaming import renamed
+from rigtri.changes.turns import DERIVED, moved, turn
+from rigtri.matching import Matching, match, played_together
+from rigtri.matrices import inverse, nearest_rotation
+from rigtri.rig import Mesh, Rig, Skin
+from rigtri.vectors import length
+
+
+def rig_changes(
+    before: Rig,
+    after: Rig,
+    *,
+    meshes: tuple[Sequence[Mesh], Sequence[Mesh]] = ((), ()),
+    tolerance: float = 0.0,
+) -> list[Change]:
+    """Everything in which the second rig is not the first, grouped, in the order of the first.
+
+    meshes: of both, for weights and points. tolerance: numbers that differ by less are the same.
+    """
+    before, after = played_together(before, after, by_key=False)
+    m = renamed(before, after, match(before, after, by_key=False))
+    return [
+        *_joints(before, after, m),
+        *_axes(before, after, m, tolerance),
+        *_rest(before, after, m, tolerance),
+        *_skins(before, after, m, tolerance),
+        *mesh_changes(before, meshes, m, tolerance),
+        *_carried(before, after, m),
+        *clip_changes(before, after, m, tolerance),
+        *_bound(before, after, m, tolerance),
+        *_whole(before, after, m),
+    ]
+
+
+def _kind(rig: Rig, node: int) -> str:
+    if node in rig.notes:
+        return str(rig.notes[node].get("type", "node"))
+    return "joint" if rig.is_joint[node] else "node"
+
+
+def _joints(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+    """Nodes that are gone, new, renamed, hung elsewhere or in another order."""
+    group, known = "hierarchy", {*m.node.tolist(), *m.shown.tolist()}
+    for k, now in enumerate(m.node.tolist()):
+        title = f"{_kind(before, k)} {before.title(k)}"
+        if now < 0:
+            yield Change(group, "removed", title, f"was below {_above(before, k)}")
+            continue
+        if before.names[k] != after.names[now]:
+            yield Change(group, "changed", title, f"renamed to {after.names[now] or 'nothing'}")
+        if before.is_joint[k] != after.is_joint[now]:
+            yield Change(group, "changed", title, f"is {'a' if after.is_joint[now] else 'no'} joint now")
+        parent = int(before.parents[k])
+        if (int(m.node[parent]) if parent >= 0 else -1) != int(after.parents[now]):
+            yield Change(group, "moved", title, f"from below {_above(before, k)} to {_above(after, now)}")
+    for k in range(len(after)):
+        if k not in known:
+            yield Change(group, "added", f"{_kind(after, k)} {after.title(k)}", f"below {_above(after, k)}")
+    yield from _orders(before, after, m)
+
+
+def _above(rig: Rig, node: int) -> str:
+    parent = int(rig.parents[node])
+    return rig.title(parent) if parent >= 0 else "nothing"
+
+
+def _orders(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+    back = {int(now): k for k, now in enumerate(m.node.tolist()) if now >= 0}
+    for k, children in enumerate(before.children):
+        if m.node[k] >= 0:
+            theirs = [back.get(c, -1) for c in after.children[m.node[k]]]
+            if text := order_of(
+                [before.title(c) for c in children], [before.title(c) for c in theirs if c >= 0]
+            ):
+                yield Change("hierarchy", "moved", f"children of {before.title(k)}", f"order: {text}")
+    roots = [before.title(k) for k in np.flatnonzero(before.parents < 0).tolist()]
+    theirs = [back.get(k, -1) for k in np.flatnonzero(after.parents < 0).tolist()]
+    if text := order_of(roots, [before.title(c) for c in theirs if c >= 0]):
+        yield Change("hierarchy", "moved", "roots", f"order: {text}")
+
+
+def _pairs(m: Matching) -> list[tuple[int, int]]:
+    return [(k, now) for k, now in enumerate(m.node.tolist()) if now >= 0]
+
+
+def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+    """Nodes whose axes point elsewhere in the world, or that stand elsewhere."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        worlds = pose.worlds(before), pose.worlds(after)
+        axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
+    places = worlds[0][:, 3, :3]
+    whole = places[np.isfinite(places).all(axis=1)]
+    size = float(length(np.ptp(whole, axis=0))) if len(whole) else 1.0
+    for k, now in _pairs(m):
+        if np.array_equal(axes[0][k], axes[1][now], equal_nan=True):
+            continue
+        degrees, axis = turn(axes[0][k], axes[1][now])
+        if not degrees <= np.degrees(max(DERIVED, tolerance)):
+            text = f"turned {degrees:.4g}° about its own {axis}" if np.isfinite(degrees) else "is no frame"
+            yield Change("axes", "changed", before.title(k), text)
+    for k, now in _pairs(m):
+        if np.array_equal(worlds[1][now, 3, :3], places[k], equal_nan=True):
+            continue
+        off = float(length(worlds[1][now, 3, :3] - places[k]))
+        if not off <= max(DERIVED * size, tolerance):
+            yield Change("places", "changed", before.title(k), f"stands {number(off)} away: "
+                         f"{rows(places[k], worlds[1][now, 3, :3])}")  # fmt: skip
+
+
+def _rest(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+    """Local rest transforms as stored."""
+    for k, now in _pairs(m):
+        if before.has_matrix[k] != after.has_matrix[now]:
+            words = ("translation, rotation, scale", "a matrix")
+            text = f"is stored as {words[int(after.has_matrix[now])]}"
+            yield Change("rest pose", "changed", before.title(k), text)
+        if before.has_matrix[k] and after.has_matrix[now]:
+            if not same_numbers(before.matrix[k], after.matrix[now], tolerance):
+                yield Change(
+                    "rest pose", "changed", before.title(k), moved(before.matrix[k], after.matrix[now])
+                )
+            continue
+        for name in ("translation", "rotation", "scale"):
+            was, is_now = getattr(before, name)[k], getattr(after, name)[now]
+            if not same_numbers(was, is_now, tolerance):
+                yield Change("rest pose", "changed", before.title(k), f"{name} {rows(was, is_now)}")
+
+
+def _skins(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+    for k, now in enumerate(m.skin.tolist()):
+        skin, title = before.skins[k], before.skins[k].name or f"#{k}"
+        if now < 0:
+            yield Change("skins", "removed", title, f"{len(skin.joints)} joints")
+            continue
+        other = after.skins[now]
+        if skin.name != other.name:
+            yield Change("skins", "changed", title, f"renamed to {other.name or 'nothing'}")
+        if skin.stored != other.stored:
+            yield Change("skins", "changed", title, f"has {'' if other.stored else 'no '}inverse binds now")
+        yield from _skin_joints(before, after, m, (skin, other), title)
+        yield from _binds(before, m, (skin, other), tolerance)
+    for k, skin in enumerate(after.skins):
+        if k not in m.skin.tolist():
+            yield Change("skins", "added", skin.name or f"#{k}", f"{len(skin.joints)} joints")
+
+
+def _skin_joints(
+    before: Rig, after: Rig, m: Matching, skins: tuple[Skin, Skin], title: str
+) -> Iterator[Change]:
+    mine, theirs = m.node[skins[0].joints].tolist(), skins[1].joints.tolist()
+    for joint, partner in zip(skins[0].joints.tolist(), mine, strict=True):
+        if partner not in theirs:
+            yield Change("skins", "removed", f"joint {before.title(joint)} of skin {title}")
+    for joint in theirs:
+        if joint not in mine:
+            yield Change("skins", "added", f"joint {after.title(joint)} of skin {title}")
+    common = [j for j in mine if j in theirs]
+    if text := order_of([after.title(j) for j in common], [after.title(j) for j in theirs if j in common]):
+        yield Change("skins", "moved", f"joints of skin {title}", f"order: {text}")
+
+
+def _binds(before: Rig, m: Matching, skins: tuple[Skin, Skin], tolerance: float) -> Iterator[Change]:
+    there = {joint: k for k, joint in enumerate(skins[1].joints.tolist())}
+    for k, joint in enumerate(skins[0].joints.tolist()):
+        row_there = there.get(int(m.node[joint]))
+        if row_there is None:
+            continue
+        was, now = skins[0].inverse_bind[k], skins[1].inverse_bind[row_there]
+        if not same_numbers(was, now, tolerance):
+            text = moved(inverse(was), inverse(now))
+            yield Change("bind pose", "changed", before.title(joint), text)
+
+
+def _carried(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+    """What nodes show, where another node shows it now."""
+    for k in np.flatnonzero(before.payload >= 0).tolist():
+        now, shown = int(m.node[k]), int(m.shown[k])
+        if shown >= 0 and shown != now:
+            yield Change("attachments", "moved", f"what {before.title(k)} shows", f"to {after.title(shown)}")
+        elif shown < 0 <= now:
+            yield Change("attachments", "removed", f"what {before.title(k)} shows")
+
+
+def _bound(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+    there = {b.key: b for b in after.bound}
+    for bound in before.bound:
+        title, now = f"{_place(bound.key)} on {before.title(bound.node)}", there.pop(bound.key, None)
+        if now is None:
+            yield Change("colliders and offsets", "removed", title, row(bound.vector))
+        elif int(m.node[bound.node]) != now.node:
+            yield Change("colliders and offsets", "moved", title, f"to {after.title(now.node)}")
+        elif not same_numbers(bound.vector, now.vector, tolerance):
+            yield Change("colliders and offsets", "changed", title, rows(bound.vector, now.vector))
+    for now in there.values():
+        title = f"{_place(now.key)} on {after.title(now.node)}"
+        yield Change("colliders and offsets", "added", title, row(now.vector))
+
+
+def _place(key: Any) -> str:
+    return " ".join(map(str, key)) if isinstance(key, tuple) else str(key)
+
+
+def _whole(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+    """What a rig says about itself: humanoid map, what rigtri has noted, up."""
+    back = {int(now): k for k, now in enumerate(m.node.tolist()) if now >= 0}
+    bones = {bone: back.get(node, -1) for bone, node in after.humanoid.items()}
+
+    def told(node: int) -> str:
+        return before.title(node) if node >= 0 else "another"
+
+    yield from _table("humanoid", before.humanoid, bones, told)
+    mine = {before.title(k): dict(note) for k, note in before.notes.items()}
+    theirs = {
+        before.title(back[k]) if k in back else after.title(k): dict(note) for k, note in after.notes.items()
+    }
+    yield from _table("controls and locators", mine, theirs, str)
+    if before.up != after.up:
+        yield Change("whole", "changed", "up", rows(before.up, after.up))
+    if before.facing != after.facing:
+        yield Change("whole", "changed", "facing", f"{before.facing} → {after.facing}")
+
+
+def _table(group: str, mine: Mapping[str, Any], theirs: Mapping[str, Any], told: Any) -> Iterator[Change]:
+    for name in dict.fromkeys((*mine, *theirs)):
+        if name not in theirs:
+            yield Change(group, "removed", name, told(mine[name]))
+        elif name not in mine:
+            yield Change(group, "added", name, told(theirs[name]))
+        elif mine[name] != theirs[name]:
+            yield Change(group, "changed", name, f"{told(mine[name])} → {told(theirs[name])}")

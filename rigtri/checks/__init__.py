@@ -1,0 +1,49 @@
+"""The check of skinned rigs: everything that is wrong with a file, not only the first thing.
+
+The readers refuse a file at its first error; here the same rules go on. Low-level
+parts (containers, accessors, stages, tolerances) are the readers' own.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rigtri.checks.catalogue import RULES, UNREADABLE
+from rigtri.checks.findings import Finding, Findings, Rule
+from rigtri.errors import FileError
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
+
+__all__ = ["RULES", "Finding", "Rule", "check"]
+
+
+def check(path: Path | str, *, allow_external_paths: bool = False, external: bool = False) -> list[Finding]:
+    """Everything that is wrong with a skinned rig in a glTF, VRM or USD file, the worst first.
+
+    A file that cannot be read at all has the one finding ``file.unreadable``.
+    allow_external_paths: read buffers outside the folder of the file. external: for
+    USD, add what OpenUSD's own validators say.
+
+    Every id is in `RULES`, but those of OpenUSD, which have a colon.
+    """
+    path = Path(path)
+    findings = Findings(RULES)
+    try:
+        _check(path, findings, allow_external_paths, external)
+    except FileError as error:
+        findings.add(UNREADABLE, "file", "", str(error).removeprefix(f"{path}: "))
+    return findings.all()
+
+
+def _check(path: Path, findings: Findings, allow_external: bool, external: bool) -> None:
+    suffix = path.suffix.lower()
+    if suffix in GLTF_SUFFIXES:
+        from rigtri.checks.gltf.check import check_gltf
+
+        check_gltf(path, findings, allow_external=allow_external)
+    elif suffix in USD_SUFFIXES:
+        from rigtri.checks.usd.check import check_usd
+
+        check_usd(path, findings, external=external)
+    else:
+        known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
+        raise FileError(f"'{suffix}' is no format rigtri reads. It reads: {known}")

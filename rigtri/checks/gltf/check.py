@@ -1,0 +1,71 @@
+"""All checks of a glTF, VRM or VRMA file, one after the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rigtri.checks.findings import Findings
+from rigtri.checks.gltf import animations, meshes, nodes, notes, skins, springs, vrm
+from rigtri.checks.gltf.view import View, told
+from rigtri.errors import FileError
+from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.validate import unknown_required
+
+_NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
+
+
+def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) -> None:
+    """Note all that is wrong with a file. FileError where it is no glTF at all."""
+    container = _opened(path, findings)
+    try:
+        view = View(container, findings, allow_external=allow_external)
+        _check_extensions(view)
+        nodes.check(view)
+        skins.check(view)
+        animations.check(view)
+        nodes.check_joints(view)
+        meshes.check(view)
+        vrm.check(view)
+        springs.check(view)
+        notes.check(view)
+    except RecursionError:
+        raise FileError(f"{path}: the JSON is nested too deep") from None
+
+
+def _opened(path: Path, findings: Findings) -> Container:
+    """The parts of a file; of one that only a lenient reader opens, with what is wrong with it."""
+    try:
+        container = open_container(path)
+    except FileError as error:
+        container = open_container(path, lenient=True)
+        if "glb-length" not in {notice.code for notice in container.notices}:
+            text = str(error).removeprefix(f"{path}: this is no valid JSON: ")
+            findings.add("gltf.json.key-twice", "file", "", text)
+    for notice in container.notices:
+        if notice.code in _NOTICES:
+            findings.add(_NOTICES[notice.code], "file", "", notice.text)
+    return container
+
+
+def _check_extensions(view: View) -> None:
+    used, required = (_texts(view, key) for key in ("extensionsUsed", "extensionsRequired"))
+    for name in unknown_required(required):
+        text = f"the file requires {name}, which rigtri does not know"
+        view.add("gltf.extension.required-unknown", "file", "/extensionsRequired", text)
+    for name in sorted(required - used):
+        text = f"{name} is required, but not in extensionsUsed"
+        view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
+    for name in sorted(set(view.object(view.raw, "extensions", "file", "")) - used - required):
+        text = f"{name} is used, but not in extensionsUsed"
+        view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
+
+
+def _texts(view: View, key: str) -> set[str]:
+    found = set()
+    for number, item in enumerate(view.items(view.raw, key, "file")):
+        if isinstance(item, str):
+            found.add(item)
+        else:
+            pointer = f"/{key}/{number}"
+            view.add("gltf.json.value", "file", pointer, f"{pointer} should be a text, not {told(item)}")
+    return found

@@ -1,0 +1,27 @@
+"""What rigtri stored on nodes: whether it can still be read, and its joints are there."""
+
+from __future__ import annotations
+
+from rigtri.checks.gltf.view import View
+from rigtri.checks.notes import broken
+
+
+def check(view: View) -> None:
+    """The ``extras.rigtri`` of all nodes."""
+    known = {node["name"] for node in view.nodes if isinstance(node.get("name"), str)}
+    for index, node in enumerate(view.nodes):
+        extras = node.get("extras")
+        if isinstance(extras, dict) and "rigtri" in extras:
+            why = broken(extras["rigtri"], lambda name: name in known or _address(view, name))
+            if why:
+                view.add("gltf.note.broken", view.title(index), f"/nodes/{index}/extras/rigtri", why)
+
+
+def _address(view: View, name: str) -> bool:
+    """Whether a path ends in a node's name, or NAME#INDEX is a node of that name."""
+    word, _, number = name.rpartition("#")
+    if not number.isdecimal():
+        last = name.rpartition("/")[2]
+        return name.startswith("/") and any(node.get("name") == last for node in view.nodes)
+    index = int(number)
+    return index < len(view.nodes) and (not word or view.nodes[index].get("name") == word)

@@ -1,0 +1,85 @@
+"""All checks of a USD file, one after the other."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rigtri.checks import notes as judged
+from rigtri.checks.findings import Findings
+from rigtri.checks.usd import animations, bindings, blend_shapes, skeletons
+from rigtri.checks.usd.scene import Scene
+from rigtri.formats.usd.document import opened
+from rigtri.formats.usd.notes import JOINT_NOTES, read_prim
+from rigtri.formats.usd.stage import quiet
+
+
+def check_usd(path: Path, findings: Findings, *, external: bool = False) -> None:
+    """Note all that is wrong with a file; ``external`` asks OpenUSD's validation, too.
+
+    FileError where it is no USD at all.
+    """
+    stage, _, notices = opened(path)
+    for notice in notices:
+        findings.add("usd.layer.missing", "stage", "", notice.text)
+    scene = Scene(stage, findings)
+    with quiet(f"{path}: USD cannot read it"):
+        scene.find()
+    if not scene.skeletons:
+        findings.add("usd.no-skeleton", "stage", "", "there is no Skeleton in it")
+    for prim in scene.skeletons:
+        scene.guard(prim, skeletons.check)
+    for prim in scene.animations:
+        scene.guard(prim, animations.check)
+    for prim in scene.bound:
+        scene.guard(prim, bindings.check)
+        scene.guard(prim, blend_shapes.check)
+    for prim in scene.noted:
+        scene.guard(prim, _check_notes)
+    if external:
+        from rigtri.checks.usd.openusd import validate
+
+        validate(stage, findings, path)
+
+
+def _check_notes(scene: Scene, prim: Any) -> None:
+    """What rigtri stored on a prim and, of joints, on their skeleton."""
+    known = {token for tokens in scene.tokens.values() for token in tokens}
+    leaves = {token.rpartition("/")[2] for token in known}
+    names = {str(prim.GetName()) for prim in scene.skeletons} | leaves | known
+
+    def is_joint(name: str) -> bool:
+        # Joints are stored by their tokens, behind the skeleton's path where two have the same.
+        return name in names or name.rpartition(":")[2] in known or bool(_prim(scene, name))
+
+    try:
+        note = read_prim(prim)
+        why = judged.broken(note, is_joint) if note else ""
+    except (ValueError, TypeError, AttributeError) as error:
+        why = f"it cannot be read: {error}"
+    if why:
+        scene.add("usd.note.broken", prim, "rigtri:type", why)
+    if prim.GetTypeName() == "Skeleton":
+        _check_joint_notes(scene, prim, is_joint)
+
+
+def _prim(scene: Scene, name: str) -> Any:
+    return scene.stage.GetPrimAtPath(name) if name.startswith("/") and ":" not in name else None
+
+
+def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
+    tokens, texts = (scene.words(prim, name) for name in JOINT_NOTES)
+    if len(tokens) != len(texts):
+        text = f"{len(tokens)} joints have {len(texts)} notes"
+        scene.add("usd.note.broken", prim, JOINT_NOTES[0], text)
+    own = scene.tokens.get(str(prim.GetPath()), ())
+    for token, text in zip(tokens, texts, strict=False):
+        try:
+            why = judged.broken(json.loads(text), is_joint)
+        except ValueError as error:
+            why = f"its note is no JSON: {error}"
+        if token not in own:
+            why = why or "there is no such joint"
+        if why:
+            scene.add("usd.note.broken", prim, JOINT_NOTES[1], f"joint '{token}': {why}")

@@ -1,0 +1,243 @@
+"""For each check of USD files the smallest file that breaks it: id → how to make it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from usd_files import MESH, ONE, animation, at, save, scene, skeleton
+
+Make = Callable[[Path], Path]
+
+NONE = {"source": ""}
+ROOT = '#usda 1.0\ndef SkelRoot "Root" (\n{more}\n)\n'
+MAGIC = """
+def Mesh "Other" (prepend apiSchemas = ["SkelBindingAPI"])
+{
+    uniform token primvars:skel:skinningMethod = "magic"
+}"""
+POLE = 'custom int rigtri:v = 1\ncustom token rigtri:type = "poleVector"\n'
+GROUP = '"{\\"v\\": 1, \\"type\\": \\"group\\"}"'
+BLEND = """
+    uniform token[] skel:blendShapes = ["smile"]
+    rel skel:blendShapeTargets = </Root/Smile>
+}
+def BlendShape "Smile"
+{
+    uniform vector3f[] offsets = [(0, 0, 1)]
+    uniform int[] pointIndices = [1]
+}"""
+SHAPED = MESH[: MESH.rindex("}")] + BLEND
+
+
+def clean() -> str:
+    """A skeleton of three joints, its animation, a skinned mesh with a blend shape."""
+    moved = animation(
+        translations="float3[] translations = [(0, 2, 0), (0, 0, 0), (0, 2, 1)]",
+        blend='uniform token[] blendShapes = ["smile"]',
+        weights="float[] blendShapeWeights = [0.5]",
+    )
+    return scene(skeleton(), moved, SHAPED)
+
+
+def stage(text: str) -> Make:
+    return lambda folder: save(folder, text)
+
+
+def replaced(old: str, new: str) -> Make:
+    """A sound file with one text for another."""
+    assert clean().count(old) >= 1, old
+    return stage(clean().replace(old, new, 1))
+
+
+def bones(**changes: str) -> Make:
+    return stage(scene(skeleton(**changes), animation(), MESH))
+
+
+def moving(**changes: str) -> Make:
+    return stage(scene(skeleton(), animation(**changes), MESH))
+
+
+def joints(*tokens: str) -> Make:
+    listed = ", ".join(f'"{token}"' for token in tokens)
+    return bones(joints=f"uniform token[] joints = [{listed}]")
+
+
+def matrices(name: str, *rows: str) -> str:
+    return f"uniform matrix4d[] {name} = [{', '.join(rows)}]"
+
+
+def bind(row: str) -> Make:
+    return bones(bind=matrices("bindTransforms", at(0, 0, 0), row, at(0, 4, 1)))
+
+
+def rest(row: str) -> Make:
+    return bones(rest=matrices("restTransforms", at(0, 0, 0), row, at(0, 2, 1)))
+
+
+def keys(first: str) -> Make:
+    return moving(rotations=f"quatf[] rotations = [{first}, (1, 0, 0, 0), (1, 0, 0, 0)]")
+
+
+def _variant() -> str:
+    inner = f'variantSet "who" = {{\n"a" {{\n{skeleton()}\n}}\n"b" {{\n}}\n}}'
+    head = (
+        '#usda 1.0\ndef SkelRoot "Root" (\nvariants = { string who = "a" }\nprepend variantSets = "who"\n)\n'
+    )
+    return f"{head}{{\n{inner}\n{animation()}\n{MESH}\n}}\n"
+
+
+def _source_in_variant() -> str:
+    over = 'over "Skel"\n{\nrel skel:animationSource = </Root/Other>\n}'
+    inner = f'variantSet "clip" = {{\n"a" {{\n}}\n"b" {{\n{over}\n}}\n}}'
+    chosen = 'variants = { string clip = "a" }\nprepend variantSets = "clip"'
+    head = ROOT.format(more=f'prepend apiSchemas = ["SkelBindingAPI"]\n{chosen}')
+    bound = skeleton(source="")
+    above = "rel skel:animationSource = </Root/Anim>"
+    return f"{head}{{\n{above}\n{inner}\n{bound}\n{animation()}\n{animation('Other')}\n{MESH}\n}}\n"
+
+
+INFLUENCES = "primvars:skel:jointIndices = [0, 1, 1, 2, 2, 1]"
+SHARES = "primvars:skel:jointWeights = [1, 0, 0.5, 0.5, 1, 0]"
+FLAT = "((0, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))"
+SHEAR = "((1, 0.5, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+WIDE = "((1, 0, 0, 0), (0, 2, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+MIRROR = "((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+LOST = "((nan, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+TILTED = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 2))"
+
+
+def _shares(numbers: str) -> Make:
+    return replaced(SHARES, f"primvars:skel:jointWeights = [{numbers}]")
+
+
+def _note(text: str) -> Make:
+    return stage(scene(skeleton(), animation(), MESH, f'def Xform "Pole"\n{{\n{text}\n}}'))
+
+
+def before_binding(text: str) -> Make:
+    """The mesh of a sound file with something more."""
+    return replaced("rel skel:skeleton", f"{text}\n    rel skel:skeleton")
+
+
+USD: dict[str, list[Make]] = {
+    "usd.layer.missing": [stage(clean().replace("(\n", "(\n    subLayers = [@./gone.usda@]\n", 1))],
+    "usd.no-skeleton": [stage(scene('def Xform "A" {}'))],
+    "usd.skel.no-joints": [
+        stage(scene(skeleton(), animation(), MESH, skeleton("B", joints="", bind="", rest="", **NONE)))
+    ],
+    "usd.skel.joint-empty": [joints("", "a", "a/b"), joints("a", "a/b", "a//c")],
+    "usd.skel.joint-twice": [joints("a", "a/b", "a/b")],
+    "usd.skel.joint-order": [joints("a/b", "a", "a/b/c")],
+    "usd.skel.joint-names": [bones(names='uniform token[] jointNames = ["a"]')],
+    "usd.skel.bind-missing": [bones(bind="")],
+    "usd.skel.rest-missing": [bones(rest="")],
+    "usd.skel.rest-needed": [
+        stage(
+            scene(
+                skeleton(rest=""),
+                animation(
+                    joints='uniform token[] joints = ["a"]',
+                    translations="float3[] translations = [(0, 0, 0)]",
+                    rotations="quatf[] rotations = [(1, 0, 0, 0)]",
+                    scales="half3[] scales = [(1, 1, 1)]",
+                ),
+                MESH,
+            )
+        )
+    ],
+    "usd.skel.matrix-count": [
+        bones(bind=matrices("bindTransforms", ONE)),
+        bones(rest=matrices("restTransforms", ONE)),
+    ],
+    "usd.skel.time-samples": [
+        bones(rest=f"uniform matrix4d[] restTransforms.timeSamples = {{ 1: [{ONE}, {ONE}, {ONE}] }}"),
+    ],
+    "usd.skel.matrix-nan": [bind(LOST), rest(LOST)],
+    "usd.skel.matrix-last-column": [bind(TILTED), rest(TILTED)],
+    "usd.skel.bind-singular": [bind(FLAT)],
+    "usd.skel.rest-singular": [rest(FLAT)],
+    "usd.skel.rest-sheared": [rest(SHEAR)],
+    "usd.skel.scale-nonuniform": [
+        rest(WIDE),
+        moving(scales="half3[] scales = [(1, 2, 1), (1, 1, 1), (1, 1, 1)]"),
+    ],
+    "usd.skel.mirrored": [rest(MIRROR)],
+    "usd.skel.locked": [stage(_variant())],
+    "usd.skel.variants": [stage(_source_in_variant())],
+    "usd.type": [
+        bones(joints="uniform int[] joints = [1, 2, 3]"),
+        bones(bind="uniform float[] bindTransforms = [1, 2, 3]"),
+        moving(rotations="float3[] rotations = [(1, 0, 0), (1, 0, 0), (1, 0, 0)]"),
+    ],
+    "usd.anim.no-joints": [moving(joints="")],
+    "usd.anim.joint-twice": [moving(joints='uniform token[] joints = ["a/b", "a", "a"]')],
+    "usd.anim.joint-unknown": [moving(joints='uniform token[] joints = ["a/b", "a", "other"]')],
+    "usd.anim.incomplete": [moving(scales="")],
+    "usd.anim.length": [moving(scales="half3[] scales = [(1, 1, 1)]")],
+    "usd.anim.value-nan": [
+        moving(translations="float3[] translations = [(nan, 0, 0), (0, 0, 0), (0, 2, 1)]")
+    ],
+    "usd.anim.rotation-zero": [keys("(0, 0, 0, 0)")],
+    "usd.anim.rotation-not-unit": [keys("(1.01, 0, 0, 0)")],
+    "usd.anim.blend-length": [replaced("blendShapeWeights = [0.5]", "blendShapeWeights = [0.5, 1]")],
+    "usd.anim.unbound": [stage(scene(skeleton(), animation(), MESH, animation("Loose")))],
+    "usd.binding.skeleton": [
+        replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = </Root/Gone>"),
+        replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = </Root/Anim>"),
+    ],
+    "usd.binding.animation": [bones(source="rel skel:animationSource = </Root/Gone>")],
+    "usd.binding.many-targets": [
+        replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = [</Root/Skel>, </Root/Anim>]")
+    ],
+    "usd.binding.no-skelroot": [stage(clean().replace("def SkelRoot", "def Xform", 1))],
+    "usd.binding.no-skeleton": [replaced("rel skel:skeleton = </Root/Skel>", "")],
+    "usd.binding.api": [
+        replaced('def Mesh "Skin" (prepend apiSchemas = ["SkelBindingAPI"])', 'def Mesh "Skin"')
+    ],
+    "usd.binding.method": [replaced(SHAPED[-3:], SHAPED[-3:] + MAGIC)],
+    "usd.binding.bind-transform": [
+        before_binding(f"matrix4d primvars:skel:geomBindTransform = {FLAT}"),
+        before_binding(f"matrix4d primvars:skel:geomBindTransform = {LOST}"),
+    ],
+    "usd.binding.joint-unknown": [before_binding('uniform token[] skel:joints = ["a", "a/b", "x"]')],
+    "usd.binding.index": [
+        replaced(INFLUENCES, "primvars:skel:jointIndices = [0, 1, 1, 2, 3, 1]"),
+        replaced(INFLUENCES, "primvars:skel:jointIndices = [0, 1, 1, 2, -1, 1]"),
+    ],
+    "usd.binding.element-size": [
+        replaced("elementSize = 2", "elementSize = 1"),
+        replaced("elementSize = 2", "elementSize = 4"),
+    ],
+    "usd.binding.count": [
+        _shares("1, 0, 0.5, 0.5"),
+        replaced("points = [(0.5, 0, 0),", "points = [(1, 1, 1), (0.5, 0, 0),"),
+        stage(clean().replace('"vertex"', '"constant"')),
+        stage("\n".join(line for line in clean().splitlines() if "jointWeights" not in line)),
+    ],
+    "usd.binding.interpolation": [
+        stage(clean().replace('interpolation = "vertex"', 'interpolation = "faceVarying"'))
+    ],
+    "usd.binding.weight-nan": [_shares("nan, 0, 0.5, 0.5, 1, 0")],
+    "usd.binding.weight-negative": [_shares("1.5, -0.5, 0.5, 0.5, 1, 0")],
+    "usd.binding.weight-sum": [_shares("0.9, 0, 0.5, 0.5, 1, 0")],
+    "usd.binding.weight-zero": [_shares("0, 0, 0.5, 0.5, 1, 0")],
+    "usd.blend.targets": [replaced('skel:blendShapes = ["smile"]', 'skel:blendShapes = ["smile", "frown"]')],
+    "usd.blend.target": [
+        replaced("= </Root/Smile>", "= </Root/Gone>"),
+        replaced("= </Root/Smile>", "= </Root/Anim>"),
+    ],
+    "usd.blend.offsets": [
+        replaced("pointIndices = [1]", "pointIndices = [0, 1]"),
+        replaced("uniform int[] pointIndices = [1]", ""),
+        replaced("uniform vector3f[] offsets = [(0, 0, 1)]", ""),
+    ],
+    "usd.blend.point": [replaced("pointIndices = [1]", "pointIndices = [3]")],
+    "usd.note.broken": [
+        _note('custom int rigtri:v = 2\ncustom token rigtri:type = "group"'),
+        _note(POLE + 'custom token[] rigtri:chain = ["a", "a/b", "gone"]'),
+        bones(names='custom token[] rigtri:joints = ["a"]\ncustom string[] rigtri:jointNotes = ["no JSON"]'),
+        bones(names='custom token[] rigtri:joints = ["a"]'),
+        bones(names=f'custom token[] rigtri:joints = ["x"]\ncustom string[] rigtri:jointNotes = [{GROUP}]'),
+    ],
+}

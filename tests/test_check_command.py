@@ -1,0 +1,147 @@
+"""rigtri check as a user, a script and a hook call it: words, JSON, exit codes, filters."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from broken_gltf import clean
+from broken_usd import clean as clean_usd
+from click.testing import CliRunner, Result
+from places import ROOT
+from second_opinions import validator
+from usd_files import save
+
+from rigtri.checks.catalogue import RULES, as_markdown
+
+
+@pytest.fixture
+def run(app: click.Group) -> Any:
+    def call(*args: object, code: int = 0) -> Result:
+        result = CliRunner().invoke(app, ["check", *map(str, args)])
+        assert result.exit_code == code, result.output
+        return result
+
+    return call
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> dict[str, Path]:
+    """One sound file, one with a warning, one with an error, one that is no rig file."""
+    found = {"sound": clean().glb(tmp_path / "sound.glb")}
+    b = clean()
+    b.gltf["nodes"][2] |= {"name": "joint 1", "rotation": [0, 0, 0, 2]}
+    found["warned"] = b.glb(tmp_path / "warned.glb")
+    b.gltf["skins"][0]["joints"] = [0, 1, 1]
+    found["wrong"] = b.glb(tmp_path / "wrong.glb")
+    found["junk"] = tmp_path / "junk.glb"
+    found["junk"].write_bytes(b"nothing")
+    return found
+
+
+def test_a_sound_file_ends_with_0_and_says_so(run: Any, files: dict[str, Path]) -> None:
+    assert run(files["sound"]).stdout == f"{files['sound']}: nothing wrong\n"
+
+
+def test_exit_codes_say_how_bad_the_worst_file_is(run: Any, files: dict[str, Path]) -> None:
+    run(files["sound"], files["warned"], code=0)
+    run(files["sound"], files["warned"], "--strict", code=1)
+    run(files["wrong"], files["sound"], code=1)
+    run(files["wrong"], files["junk"], files["sound"], code=3)
+    run("no such file.glb", code=3)
+
+
+def test_standard_input_is_a_file_like_any_other(app: click.Group, files: dict[str, Path]) -> None:
+    result = CliRunner().invoke(app, ["check", "-", "--json"], input=files["wrong"].read_bytes())
+    assert result.exit_code == 1
+    (entry,) = json.loads(result.stdout)["files"]
+    assert entry["file"] == "-"
+    assert "gltf.skin.joint-twice" in {item["id"] for item in entry["findings"]}
+
+
+def test_words_name_place_id_and_remedy(run: Any, files: dict[str, Path]) -> None:
+    printed = run(files["wrong"], code=1).stdout
+    assert f"{files['wrong']}: 1 error, 1 warning" in printed
+    assert "error: skin #0: lists node 'joint 1' (#1) 2 times  [gltf.skin.joint-twice]" in printed
+    assert RULES["gltf.skin.joint-twice"].remedy in printed
+    assert "at /skins/0/joints/2." in run(files["wrong"], "-v", code=1).stdout
+
+
+def test_of_many_alike_only_the_first_are_shown(run: Any, tmp_path: Path) -> None:
+    b = clean()
+    b.gltf["nodes"] += [{"name": f"n{k}", "rotation": [0, 0, 0, 2]} for k in range(9)]
+    path = b.glb(tmp_path / "a.glb")
+    short, full = (run(path, *more).stdout for more in ([], ["-v"]))
+    assert short.count("its rotation has the length 2") == 4
+    assert "5 more of these" in short
+    assert full.count("its rotation has the length 2") == 9
+
+
+def test_json_of_all_files_keeps_to_its_schema(run: Any, files: dict[str, Path], tmp_path: Path) -> None:
+    stage = save(tmp_path, clean_usd().replace("def SkelRoot", "def Xform", 1))
+    printed = run(*files.values(), stage, "--json", "--external", code=3).stdout
+    document = json.loads(printed)
+    validator("check").validate(document)
+    assert [entry["file"] for entry in document["files"]] == [*map(str, files.values()), str(stage)]
+    assert [entry["readable"] for entry in document["files"]] == [True, True, True, False, True]
+    assert document["exit_code"] == 3
+    assert document["errors"] == sum(entry["errors"] for entry in document["files"])
+    assert not validator("check").is_valid(document | {"more": 1})
+
+
+def test_severity_and_ignore_leave_findings_out(run: Any, files: dict[str, Path]) -> None:
+    def found(*options: str, code: int = 0) -> set[str]:
+        document = json.loads(run(files["wrong"], "--json", *options, code=code).stdout)
+        return {item["id"] for item in document["files"][0]["findings"]}
+
+    everything = found(code=1)
+    assert everything == {"gltf.skin.joint-twice", "gltf.node.rotation-not-unit"}
+    assert found("--severity", "error", code=1) == {"gltf.skin.joint-twice"}
+    assert found("--ignore", "gltf.skin.*") == {"gltf.node.rotation-not-unit"}
+    assert found("--ignore", "*") == set()
+    assert not run(files["junk"], "--ignore", "file.unreadable").exception
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--ignore", "gltf.skin.joint-twise"], "Did you mean gltf.skin.joint-twice"),
+        (["--strict", "--severity", "error"], "give one of them"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(
+    options: list[str], words: str, run: Any, files: dict[str, Path]
+) -> None:
+    assert words in run(files["sound"], *options, code=2).stderr
+    assert "name a file" in run(code=2).stderr
+
+
+def test_the_list_has_every_id_for_people_and_machines(run: Any) -> None:
+    words = run("--list").stdout
+    assert all(f"{rule.id} ({rule.severity})" in words for rule in RULES.values())
+    assert [item["id"] for item in json.loads(run("--list", "--json").stdout)] == list(RULES)
+
+
+def test_the_page_of_checks_is_what_the_code_says(pytestconfig: pytest.Config) -> None:
+    """Where it is not: pytest --update-golden."""
+    page = ROOT / "docs" / "checks.md"
+    text = page.read_text("utf-8")
+    head, mark, _ = text.partition("<!-- from here on: rigtri.checks.catalogue.as_markdown() -->\n\n")
+    assert mark
+    if pytestconfig.getoption("--update-golden"):
+        page.write_text(head + mark + as_markdown(), "utf-8", newline="\n")
+    else:
+        assert text == head + mark + as_markdown()
+
+
+def test_help_has_an_example(run: Any) -> None:
+    assert "Example" in run("--help").output
+
+
+def test_the_library_has_the_twin_of_the_command(files: dict[str, Path]) -> None:
+    import rigtri
+
+    assert {item.id for item in rigtri.check(files["wrong"])} >= {"gltf.skin.joint-twice"}

@@ -1,0 +1,151 @@
+"""rigtri check finds each thing that is wrong, all of them, and nothing else."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from broken_gltf import GLTF, Make
+from broken_gltf import clean as clean_gltf
+from broken_usd import USD
+from broken_usd import clean as clean_usd
+from broken_vrm import VRM, avatar_0, avatar_1, motion
+from places import sample_files
+from usd_files import save
+
+from rigtri.checks import RULES, Finding, check
+from rigtri.errors import FileError
+from rigtri.formats import read
+
+BROKEN = GLTF | VRM | USD
+# What a mistake brings with it: the smallest file with the one has the other, too.
+ALONG = {
+    "gltf.accessor.broken": {"gltf.accessor.bounds"},
+    "usd.skel.no-joints": {"usd.skel.bind-missing"},
+}
+
+
+def ids(findings: Iterable[Finding]) -> set[str]:
+    return {finding.id for finding in findings}
+
+
+def serious(findings: Iterable[Finding]) -> set[str]:
+    return {finding.id for finding in findings if finding.severity != "info"}
+
+
+CASES = [(rule, k, make) for rule, makes in BROKEN.items() for k, make in enumerate(makes)]
+
+
+@pytest.mark.parametrize(("rule", "make"), [c[::2] for c in CASES], ids=[f"{c[0]}-{c[1]}" for c in CASES])
+def test_the_smallest_broken_file_gives_just_that_finding(rule: str, make: Make, tmp_path: Path) -> None:
+    findings = check(make(tmp_path))
+    assert rule in ids(findings)
+    wanted = {rule} if RULES[rule].severity != "info" else set()
+    assert serious(findings) - wanted == ALONG.get(rule, set()) & serious(findings)
+    (first, *_) = [finding for finding in findings if finding.id == rule]
+    assert first.place
+    assert first.message
+    assert first.remedy
+    assert first.severity == RULES[rule].severity
+
+
+@pytest.mark.parametrize("make", [c[2] for c in CASES], ids=[f"{c[0]}-{c[1]}" for c in CASES])
+def test_what_the_reader_refuses_the_check_calls_an_error(make: Make, tmp_path: Path) -> None:
+    path = make(tmp_path)
+    # No skeleton at all is no fault of a file.
+    if refusal(path) and "no skeleton" not in refusal(path):
+        assert "error" in {finding.severity for finding in check(path)}
+
+
+def refusal(path: Path) -> str:
+    """Why the reader refuses a file, "" where it does not."""
+    with warnings.catch_warnings():
+        # A weird but legal number may overflow; it must not end in a traceback.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        try:
+            read(path).meshes()
+        except FileError as error:
+            return str(error)
+    return ""
+
+
+def test_every_check_has_a_file_that_breaks_it() -> None:
+    assert set(BROKEN) == set(RULES)
+
+
+@pytest.mark.parametrize("make", [clean_gltf, avatar_1, avatar_0, motion])
+def test_there_is_nothing_to_say_of_a_sound_gltf(make: object, tmp_path: Path) -> None:
+    assert callable(make)
+    findings = check(make().glb(tmp_path / "a.glb"))
+    assert findings == []
+
+
+def test_there_is_nothing_to_say_of_a_sound_stage(tmp_path: Path) -> None:
+    assert check(save(tmp_path, clean_usd())) == []
+
+
+@pytest.mark.parametrize("path", sample_files(), ids=lambda path: path.name)
+def test_samples_have_neither_errors_nor_warnings(path: Path) -> None:
+    # Two roots and no node above them: glTF asks for one, and the Khronos validator misses it here.
+    rootless = {"gltf.skin.no-common-root"} if path.name == "mirrored_pair.glb" else set()
+    assert serious(check(path)) == rootless
+
+
+def test_all_mistakes_of_a_file_are_told_and_the_worst_first(tmp_path: Path) -> None:
+    b = clean_gltf()
+    b.gltf["nodes"][1]["rotation"] = [0, 0, 0, 2]
+    b.gltf["skins"][0] |= {"joints": [0, 1, 1, 88], "skeleton": 2}
+    b.gltf["animations"][0]["channels"][0]["sampler"] = 5
+    b.gltf["nodes"][2]["name"] = "joint 1"
+    findings = check(b.glb(tmp_path / "a.glb"))
+    assert ids(findings) == {
+        "gltf.node.rotation-not-unit",
+        "gltf.skin.joint-twice",
+        "gltf.skin.joint-missing",
+        "gltf.skin.inverse-bind-count",
+        "gltf.skin.skeleton-not-above",
+        "gltf.animation.sampler-missing",
+    }
+    severities = [finding.severity for finding in findings]
+    assert severities == sorted(severities, key=["error", "warning", "info"].index)
+
+
+def test_a_finding_names_the_place_as_the_user_does(tmp_path: Path) -> None:
+    b = clean_gltf()
+    b.gltf["skins"][0] |= {"name": "body", "joints": [0, 1, 1]}
+    (found,) = check(b.glb(tmp_path / "a.glb"))
+    assert found.place == "skin 'body' (#0)"
+    assert found.pointer == "/skins/0/joints/2"
+    assert found.message == "lists node 'joint 1' (#1) 2 times"
+
+
+def test_a_finding_in_another_layer_names_that_layer(tmp_path: Path) -> None:
+    text = clean_usd().replace('"a", "a/b", "a/b/c"]', '"a", "a/b", "a/b"]', 1)
+    save(tmp_path, text, "character.usda")
+    head = "#usda 1.0\n(\n    subLayers = [@./character.usda@]\n)\n"
+    found = [item for item in check(save(tmp_path, head, "shot.usda")) if item.severity == "error"]
+    assert [(item.id, item.pointer) for item in found] == [
+        ("usd.skel.joint-twice", "character.usda </Root/Skel>.joints")
+    ]
+
+
+def test_openusd_is_asked_when_the_user_wants_it(tmp_path: Path) -> None:
+    text = clean_usd().replace("def SkelRoot", "def Xform", 1)
+    path = save(tmp_path, text)
+    own, both = check(path), check(path, external=True)
+    foreign = [item for item in both if item not in own]
+    assert {item.id.partition(":")[0] for item in foreign} >= {"usdSkelValidators"}
+    assert any(item.severity == "error" and "SkelRoot" in item.message for item in foreign)
+
+
+def test_bare_opinions_of_ours_are_checked_over_what_they_are_for(tmp_path: Path) -> None:
+    save(tmp_path, clean_usd(), "character.usda")
+    text = (
+        "#usda 1.0\n(\n    customLayerData = {\n        dictionary rigtri = {\n"
+        '            string override = "layer"\n            asset source = @./character.usda@\n'
+        "        }\n    }\n)\n"
+        'over "Root"\n{\nover "Skel"\n{\nuniform token[] joints = ["a", "a", "a/b"]\n}\n}\n'
+    )
+    assert "usd.skel.joint-twice" in ids(check(save(tmp_path, text, "over.usda")))

@@ -1,0 +1,97 @@
+"""A changed JSON keeps the text of what has not changed."""
+
+from __future__ import annotations
+
+import copy
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.spelling import Spelling, parse
+from rigtri.formats.gltf.splice import splice
+
+ODD = """ {
+\t"asset" : {"version":"2.0", "x": 1.0},   "big":123456789012345678901234567890,
+  "nodes":[ {"name":"r\\u00f6t \\/", "scale":[1,1.0,1e0]} ,{ "rotation":[-0,-0.0,1E-8,1e-08] },
+ {} ,[]], "none":null, "empty" : { },"names":["a","a"]
+}\r\n """
+
+
+def spliced(text: str, change: Any) -> str:
+    old = parse(text)
+    draft = Draft(old)
+    change(draft)
+    result = splice(text, old, draft.gltf, Spelling.of(text))
+    assert json.loads(result) == draft.gltf
+    return result
+
+
+def test_what_nobody_touched_is_the_same_text() -> None:
+    assert spliced(ODD, lambda draft: None) == ODD
+
+
+def put(*path: Any, to: Any) -> Any:
+    def change(draft: Draft) -> None:
+        draft.own(*path[:-1])[path[-1]] = to
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "old", "new"),
+    [
+        (put("nodes", 0, "scale", to=[2, 2, 2]), "[1,1.0,1e0]", "[2,2,2]"),
+        (put("nodes", 1, "rotation", 3, to=0.5), "1e-08", "0.5"),
+        (put("asset", "x", to=5), "1.0}", "5}"),
+        (put("none", to={}), "null", "{}"),
+        (lambda draft: draft.own("nodes").append({"name": "new"}), ",[]]",
+         ',[],{\n\t\t\t"name" : "new"\n\t\t}]'),
+        (lambda draft: draft.own("nodes").pop(1), ' ,{ "rotation":[-0,-0.0,1E-8,1e-08] },\n {} ,[]]',
+         ' ,{},\n []]'),
+        (put("asset", "y", to=1), '"x": 1.0}', '"x": 1.0, "y" : 1}'),
+        (lambda draft: draft.own("asset").pop("version"), '{"version":"2.0", "x": 1.0}', '{ "x": 1.0}'),
+        (put("names", to=["a"]), '["a","a"]', '["a"]'),
+    ],
+)  # fmt: skip
+def test_only_what_changed_is_spelled_anew(change: Any, old: str, new: str) -> None:
+    assert ODD.count(old) == 1
+    result = spliced(ODD, change)
+    assert result == ODD.replace(old, new)
+
+
+def test_new_members_stand_like_those_before_them() -> None:
+    text = json.dumps({"a": {"b": [1, 2]}}, indent=2) + "\n"
+    wanted = json.dumps({"a": {"b": [1, 2], "c": {"d": [3]}}}, indent=2) + "\n"
+    assert spliced(text, put("a", "c", to={"d": [3]})) == wanted
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=3), inner, max_size=4),
+    max_leaves=20,
+)
+
+
+@given(
+    old=st.dictionaries(st.text(max_size=3), JSON, max_size=5),
+    more=st.dictionaries(st.text(max_size=3), JSON, max_size=3),
+    indent=st.sampled_from([None, 0, 1, 2, "\t"]),
+    pick=st.randoms(use_true_random=False),
+)
+def test_any_change_of_any_text_says_what_was_meant(old: Any, more: Any, indent: Any, pick: Any) -> None:
+    text = json.dumps(old, indent=indent)
+    read = parse(text)
+    new = read | more
+    for key in list(new):
+        change = pick.randrange(4)
+        if change == 0:
+            del new[key]
+        elif change == 1:
+            new[key] = copy.deepcopy(new[key])
+        elif change == 2 and isinstance(new[key], list):
+            new[key] = [*new[key][1:], *new[key], 5]
+    assert parse(splice(text, read, new, Spelling.of(text))) == new

@@ -1,0 +1,241 @@
+"""What no pose tells: `verify` sees each fault, `self_check` those that need no mesh."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+import gltf_files
+import numpy as np
+import pytest
+import usd_files
+from click.testing import CliRunner
+
+from rigtri.compare import self_check, verify
+from rigtri.formats import read
+from rigtri.ops.orient import orient_joints
+from rigtri.scenery import flat
+
+# glTF
+
+
+def stage_set() -> gltf_files.Builder:
+    """A skinned triangle with indices, normals, a material and a morph, a camera and a light."""
+    b = gltf_files.small()
+    primitive = b.gltf["meshes"][0]["primitives"][0]
+    primitive["indices"] = b.accessor([0, 1, 2], "u2")
+    primitive["attributes"]["NORMAL"] = b.accessor([[0, 0, 1]] * 3)
+    primitive["material"] = 0
+    primitive["targets"] = [{"POSITION": b.accessor(np.zeros((3, 3)))}]
+    b.gltf["meshes"][0]["extras"] = {"targetNames": ["smile"]}
+    b.gltf["materials"] = [{"name": "skin"}, {"name": "cloth"}]
+    b.gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]
+    b.gltf["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 4}]}}
+    b.gltf["extensionsUsed"] = ["KHR_lights_punctual"]
+    b.gltf["nodes"] += [
+        {"name": "eye", "camera": 0},
+        {"name": "lamp", "extensions": {"KHR_lights_punctual": {"light": 0}}},
+    ]
+    b.gltf["nodes"][3]["name"] = "body"
+    b.gltf["scenes"] = [{"nodes": [0, 3, 4, 5]}, {"nodes": [0]}]
+    return b
+
+
+def _lights(gltf: Any) -> Any:
+    return gltf["extensions"]["KHR_lights_punctual"]["lights"]
+
+
+def _primitive(gltf: Any) -> Any:
+    return gltf["meshes"][0]["primitives"][0]
+
+
+# Each fault and the words it is told with; those behind an asterisk only by verify.
+GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "out of its scene": (
+        lambda g: g["scenes"][0]["nodes"].remove(3),
+        "scenes of body is (), was ('the scene that is shown',)",
+    ),
+    "another scene shown": (lambda g: g.update(scene=1), "scenes of body is ('scene #0',)"),
+    "hidden": (
+        lambda g: g["nodes"][3].update(extensions={"KHR_node_visibility": {"visible": False}}),
+        "visibility of body is hidden, was none",
+    ),
+    "another lens": (
+        lambda g: g["cameras"][0]["perspective"].update(yfov=1.01),
+        "camera perspective yfov of eye is 1.01, was 1",
+    ),
+    "another light": (lambda g: _lights(g)[0].update(intensity=5), "light intensity of lamp is 5, was 4"),
+    "another colour of light": (
+        lambda g: _lights(g)[0].update(color=[1, 0, 0]),
+        "light color of lamp is [1, 0, 0], was none",
+    ),
+    "another material": (
+        lambda g: _primitive(g).update(material=1),
+        "material of primitive 0 of body is cloth, was skin",
+    ),
+    "no material": (lambda g: _primitive(g).pop("material"), "of body is none, was skin"),
+    "*no normals": (
+        lambda g: _primitive(g)["attributes"].pop("NORMAL"),
+        "0 normals instead of 3: the normals of mesh body/0",
+    ),
+    "*lines": (lambda g: _primitive(g).update(mode=3), "line strip instead of triangles: the faces"),
+}
+
+
+@pytest.mark.parametrize("name", GLTF_FAULTS)
+def test_a_fault_that_no_pose_tells_is_seen_in_gltf(name: str, tmp_path: Path) -> None:
+    fault, words = GLTF_FAULTS[name]
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    broken = stage_set()
+    fault(broken.gltf)
+    after = read(broken.glb(tmp_path / "after.glb"))
+    result = verify(before, after)
+    assert not result.passes()
+    assert any(words in text for text in result.different), result.different
+    assert words in result.describe(verbose=True)
+    assert self_check(before, after).passes() == name.startswith("*")
+
+
+@pytest.mark.parametrize(
+    ("rows", "kind", "key", "words"),
+    [
+        ([0, 2, 1], "u2", "indices", "2 of 3 corners of the faces"),
+        ([0, 1, 2, 0, 2, 1], "u2", "indices", "6 corners instead of 3 corners"),
+        ([[0, 0, 1], [0, 0, 1], [0, 0.6, 0.8]], "f4", "NORMAL", "the normals, by up to 0.6,"),
+    ],
+)
+def test_other_faces_and_normals_are_seen(rows: Any, kind: str, key: str, words: str, tmp_path: Path) -> None:
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    broken = stage_set()
+    primitive = _primitive(broken.gltf)
+    (primitive if key == "indices" else primitive["attributes"])[key] = broken.accessor(rows, kind)
+    result = verify(before, read(broken.glb(tmp_path / "after.glb")))
+    assert not result.passes()
+    assert result.different[0].startswith(words)
+
+
+def test_faces_and_normals_that_are_only_stored_otherwise_are_the_same(tmp_path: Path) -> None:
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    other = stage_set()
+    primitive = _primitive(other.gltf)
+    primitive["attributes"]["NORMAL"] = other.accessor([[0, 0, 127]] * 3, "i1", normalized=True)
+    del primitive["indices"]
+    other.gltf["cameras"][0]["perspective"]["znear"] = struct.unpack("<f", struct.pack("<f", 0.1))[0]
+    result = verify(before, read(other.glb(tmp_path / "after.glb")))
+    assert result.different == ()
+
+
+def test_names_of_morph_targets_do_not_show_and_are_told(tmp_path: Path) -> None:
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    other = stage_set()
+    other.gltf["meshes"][0]["extras"]["targetNames"] = ["frown"]
+    result = verify(before, read(other.glb(tmp_path / "after.glb")))
+    assert result.passes()
+    assert result.changed == ("morph target names of body is ['frown'], was ['smile']",)
+
+
+def test_a_camera_that_moved_to_a_node_of_its_own_keeps_its_lens(tmp_path: Path) -> None:
+    b = stage_set()
+    b.gltf["nodes"][1]["camera"] = 0
+    before = read(b.glb(tmp_path / "before.glb"))
+    rig = orient_joints(before.rig)
+    before.write(rig, tmp_path / "after.glb", tmp_path / "after.glb")
+    after = read(tmp_path / "after.glb")
+    assert any(name.startswith("joint 1_payload") for name in after.rig.names)
+    assert self_check(before, after).different == ()
+    assert verify(before, after).different == ()
+
+
+# USD
+
+SCENE = """
+def Camera "Eye"
+{
+    float focalLength = 50
+}
+def SphereLight "Lamp"
+{
+    float inputs:intensity = 3
+}
+def Material "Cloth"
+{
+}
+"""
+MESH = usd_files.MESH.replace(
+    "int[] faceVertexCounts",
+    'rel material:binding = </Root/Hide>\nuniform token purpose = "default"\ntoken visibility = "inherited"\n'
+    'normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1)] (interpolation = "vertex")\n'
+    'uniform token orientation = "rightHanded"\n'
+    "int[] faceVertexCounts",
+)
+HEAD = "metersPerUnit = 1\ntimeCodesPerSecond = 24\nstartTimeCode = 1\nendTimeCode = 5\n"
+USD_FAULTS = {
+    "invisible": ('visibility = "inherited"', 'visibility = "invisible"', "visibility of Skin is invisible"),
+    "a guide": ('purpose = "default"', 'purpose = "guide"', "purpose of Skin"),
+    "another material": ("</Root/Hide>", "</Root/Cloth>", "material of Skin"),
+    "another lens": ("focalLength = 50", "focalLength = 51", "camera focalLength of Eye is 51, was 50"),
+    "another light": ("intensity = 3", "intensity = 4", "light intensity of Lamp is 4, was 3"),
+    "other units": ("metersPerUnit = 1", "metersPerUnit = 0.01", "metersPerUnit is 0.01, was 1"),
+    "other speed": ("timeCodesPerSecond = 24", "timeCodesPerSecond = 30", "timeCodesPerSecond is 30, was 24"),
+    "another up": ('upAxis = "Y"', 'upAxis = "Z"', "up axis is Z, was Y"),
+    "*other faces": ("Indices = [0, 1, 2]", "Indices = [0, 2, 1]", "2 of 3 corners of the faces"),
+    "*other normals": ("normals = [(0, 0, 1)", "normals = [(0, 0, -1)", "the normals, by up to 2,"),
+    "inside out": ('"rightHanded"', '"leftHanded"', "orientation of Skin is leftHanded, was rightHanded"),
+}
+
+
+def stage_text() -> str:
+    return usd_files.scene(MESH, SCENE, usd_files.skeleton(), usd_files.animation(), head=HEAD)
+
+
+@pytest.mark.parametrize("name", USD_FAULTS)
+def test_a_fault_that_no_pose_tells_is_seen_in_usd(name: str, tmp_path: Path) -> None:
+    old, new, words = USD_FAULTS[name]
+    text = stage_text()
+    assert text.count(old) >= 1
+    before = read(usd_files.save(tmp_path, text, "before.usda"))
+    after = read(usd_files.save(tmp_path, text.replace(old, new, 1), "after.usda"))
+    assert verify(before, before).different == ()
+    result = verify(before, after)
+    assert not result.passes()
+    assert any(words in text for text in result.different), result.different
+    assert self_check(before, after).passes() == name.startswith("*")
+
+
+def test_what_a_prim_above_hides_is_hidden(tmp_path: Path) -> None:
+    text = stage_text()
+    before = read(usd_files.save(tmp_path, text, "before.usda"))
+    hidden = text.replace('def SkelRoot "Root"\n{', 'def SkelRoot "Root"\n{\ntoken visibility = "invisible"')
+    result = verify(before, read(usd_files.save(tmp_path, hidden, "after.usda")))
+    assert len([text for text in result.different if text.startswith("visibility")]) == 3
+
+
+def test_another_range_of_time_does_not_show_and_is_told(tmp_path: Path) -> None:
+    text = stage_text()
+    before = read(usd_files.save(tmp_path, text, "before.usda"))
+    longer = text.replace("endTimeCode = 5", "endTimeCode = 9")
+    result = verify(before, read(usd_files.save(tmp_path, longer, "after.usda")))
+    assert result.passes()
+    assert result.changed == ("end time code is 9, was 5",)
+
+
+def test_facts_of_two_formats_are_not_compared(samples: Path) -> None:
+    assert verify(read(samples / "biped.glb"), read(samples / "biped.usda")).different == ()
+
+
+def test_the_program_ends_with_6_and_says_what_is_different(app: click.Group, tmp_path: Path) -> None:
+    stage_set().glb(tmp_path / "before.glb")
+    broken = stage_set()
+    broken.gltf["scenes"][0]["nodes"].remove(3)
+    broken.glb(tmp_path / "after.glb")
+    run = CliRunner().invoke(app, ["verify", str(tmp_path / "before.glb"), str(tmp_path / "after.glb")])
+    assert run.exit_code == 6
+    assert "different   scenes of body" in run.stdout
+    assert "different: scenes of body" in run.stderr
+
+
+def test_what_is_nested_is_told_by_its_path() -> None:
+    assert dict(flat({"a": {"b": 1, "name": "x"}}, "camera")) == {"camera a b": 1}

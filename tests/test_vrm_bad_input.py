@@ -1,0 +1,69 @@
+"""Whatever stands in the VRM blocks of a file: an edit comes out, or an error of rigtri's."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from avatars import avatar, avatar_0
+from gltf_files import Builder, glb_bytes, small
+from test_gltf_bad_input import places
+
+from rigtri.compare import self_check
+from rigtri.errors import RigtriError
+from rigtri.formats.gltf.document import GltfDocument
+from rigtri.ops.orient import Options, orient_joints
+from rigtri.ops.presets import Style
+from rigtri.report import Report
+
+WRONG: list[object] = [None, True, -1, 1.5, 3.0, 1e300, "node", [], {}, [1, 2, 3], {"node": 0}, [[]], 10**20]
+
+
+def vrma() -> Builder:
+    builder = small(6)
+    builder.gltf["extensions"] = {
+        "VRMC_vrm_animation": {
+            "humanoid": {"humanBones": {"hips": {"node": 0}, "head": {"node": 1}}},
+            "expressions": {"preset": {"happy": {"node": 5}}, "custom": {"wink": {"node": 4}}},
+            "lookAt": {"node": 3, "offsetFromHeadBone": [0, 0.1, 0]},
+        }
+    }
+    return builder
+
+
+@pytest.mark.parametrize(
+    ("make", "style"),
+    [(lambda: avatar(1), Style()), (lambda: avatar_0(1), Style(world=True)), (vrma, Style())],
+    ids=["VRM 1.0", "VRM 0.x", "VRMA"],
+)
+def test_every_value_of_a_block_may_be_wrong(
+    make: Callable[[], Builder], style: Style, tmp_path: Path
+) -> None:
+    builder = make()
+    builder.gltf["buffers"] = [{"byteLength": len(builder.binary)}]
+    text, path, out = json.dumps(builder.gltf), tmp_path / "a.vrm", tmp_path / "b.vrm"
+    blocks = [("extensions",)] + [
+        ("nodes", k, "extensions") for k, n in enumerate(builder.gltf["nodes"]) if "extensions" in n
+    ]
+    trials = [at for at in places(builder.gltf) if any(at[: len(block)] == block for block in blocks)]
+    random, outcomes = np.random.default_rng(0), {"edited": 0, "refused": 0}
+    for at in (trials * 3)[:: 1 + len(trials) // 30]:
+        gltf = json.loads(text)
+        holder = gltf
+        for key in at[:-1]:
+            holder = holder[key]
+        holder[at[-1]] = WRONG[random.integers(len(WRONG))]
+        path.write_bytes(glb_bytes(gltf, bytes(builder.binary)))
+        try:
+            document = GltfDocument.read(path)
+            rig = orient_joints(document.rig, options=Options(style=style), report=Report())
+            document.write(rig, out, out)
+        except RigtriError:
+            outcomes["refused"] += 1
+        else:
+            assert self_check(document, GltfDocument.read(out)).passes(1e-6), at
+            outcomes["edited"] += 1
+    assert min(outcomes.values()) > 3, outcomes
