@@ -112,10 +112,13 @@ class Accessors:
         return layout.buffer >= 0 and not layout.sparse
 
     def rows(self, index: int, start: int, stop: int) -> Floats:
-        """Some rows of what `read` gives, of an accessor that `has_rows`; no others are touched."""
+        """Some rows of what `read` gives, of an accessor that `has_rows`; no others stay in memory."""
         layout = self.layout(index)
         first = layout.start + start * layout.stride
-        return self._converted(index, layout._replace(start=first, rows=min(stop, layout.rows) - start))
+        numbers = self._converted(index, layout._replace(start=first, rows=min(stop, layout.rows) - start))
+        # A page that is read brings up to 2 MB around it into memory.
+        self.buffers.forget()
+        return numbers
 
     def stated(self, index: int) -> Floats | None:
         """The lows and highs, (2, width), that the file states for an accessor; None where it does not."""

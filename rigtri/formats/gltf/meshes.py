@@ -147,7 +147,6 @@ class MeshReader:
                 near = near.min(axis=0, initial=np.inf, keepdims=True)
                 far = far.max(axis=0, initial=-np.inf, keepdims=True)
             low, high = np.minimum(low, near), np.maximum(high, far)
-            self._accessors.buffers.forget()
         box = np.stack([low, high])
         return box[:, 0] if box.shape[1] == 1 else box
 
@@ -173,8 +172,6 @@ class MeshReader:
             joints, weights = self._influences(primitive, [block])
             live = joints[weights > 0]
             moves[live[(live >= 0) & (live < len(moves))]] = True
-            if len(blocks) > 1:
-                self._accessors.buffers.forget()
             if moves.all():
                 return
 
