@@ -131,7 +131,12 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     default="snap",
     show_default=True,
     help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
-    "a node of its own above it (glTF), or stop.",
+    "a node of its own above it (USD: with --allow-rename), or stop.",
+)
+@click.option(
+    "--allow-rename",
+    is_flag=True,
+    help="USD: a split may rename joints, whose paths name all that is above them.",
 )
 @click.option(
     "--on-constraint",

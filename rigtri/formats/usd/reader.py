@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
-from rigtri.formats.usd import library, meshes, notes, prim_clip
+from rigtri.formats.usd import library, meshes, notes, prim_clip, tokens
 from rigtri.formats.usd.animations import Animation, clips, read_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, quiet
@@ -213,17 +213,25 @@ class _Reader:
         first = len(self.names)
         nodes = {token: first + number for number, token in enumerate(skeleton.tokens)}
         self.joint_nodes[skeleton.path] = nodes
+        known = dict(
+            zip(skeleton.tokens, tokens.unsplit(skeleton.tokens, self._holders(skeleton)), strict=True)
+        )
         for number, token in enumerate(skeleton.tokens):
             parent = int(skeleton.parents[number])
             self._add(
                 token.rpartition("/")[2],
                 owner if parent < 0 else first + parent,
                 skeleton.rest[number],
-                ("joint", skeleton.path, token),
+                ("joint", skeleton.path, known[token]),
                 f"{skeleton.path}:{token}" if counts[token] > 1 else token,
             )
             if skeleton.locked:
                 self.fixed[first + number] = skeleton.locked
+
+    def _holders(self, skeleton: Skeleton) -> set[str]:
+        """The tokens of joints that only hold the axes of the one below them."""
+        found = notes.read_joints(self.stage.GetPrimAtPath(skeleton.path))
+        return {token for token, note in found.items() if note.get("type") == "frame" and "joint" in note}
 
     def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
         for token, note in notes.read_joints(prim).items():
