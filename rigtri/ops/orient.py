@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.ops.constrained import settle, unsplittable
+from rigtri.errors import GeometryError
 from rigtri.ops.plan import Options, Plan
 from rigtri.ops.scale import allowed_turns, splits
 from rigtri.ops.telling import check, record, tell_fixed, tell_straight
@@ -34,7 +35,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     run changes nothing. Each joint's record goes to ``report.joints``.
 
     Raises NameNotFoundError, UsageError, GeometryError (a scale that forbids it
-    under the policy ``error``), FileError (no skeleton; nothing may turn).
+    under the policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; nothing may turn).
     Not handled: poses stored as differences to rest (additive clips).
     """
     options, report = options or Options(), report if report is not None else Report()
@@ -48,6 +49,12 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     parted = splits(rig, _at_frames(rig, turns), axis) if policy == "split" else {}
     for joint in unsplittable(rig).intersection(parted):
         del parted[joint]
+    styles = {joint: plan.style(joint) for joint in wanted}
+    axis = {joint: axis_of(style.aim)[0] for joint, style in styles.items()}
+    both = {joint: (axis[joint], axis_of(style.up)[0]) for joint, style in styles.items()}
+    parted = splits(rig, _at_frames(rig, turns), both, plan.scales) if policy == "split" else {}
+    if parted and rig.whole:
+        raise GeometryError(_refusal(rig, list(parted)))
     exact = turns.copy()
     exact[list(parted)] = IDENTITY
     in_place = "skip" if policy == "split" else policy
@@ -91,6 +98,9 @@ def _zeroed(rig: Rig, before: Rig) -> Rig:
     rotation = rig.rotation.copy()
     rotation[np.array(nodes)[nothing]] = IDENTITY
     return replace(rig, rotation=rotation)
+def _refusal(rig: Rig, joints: list[int]) -> str:
+    names = ", ".join(f"'{rig.title(joint)}'" for joint in joints)
+    return f"{names} cannot be split: {rig.whole}. Choose --on-nonuniform-scale snap or skip."
 
 
 def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:

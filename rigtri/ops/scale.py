@@ -53,12 +53,30 @@ def nearest_cardinal(turn: Floats) -> Floats:
     return np.asarray(turns[int(np.argmax(overlap))])
 
 
-def splits(rig: Rig, turn: Floats, aim_axis: Mapping[int, int]) -> dict[int, Floats]:
-    """The joints, with their turns (4,), that can take them only by a node of their own."""
-    scales = Scales.of(rig)
+def splits(rig: Rig, turn: Floats, axes: Mapping[int, tuple[int, int]], scales: Scales) -> dict[int, Floats]:
+    """The joints, with their turns (4,), that can take them only by a node of their own.
+
+    axes: per joint the indices of its aim and up axes. The turns are those of the joints'
+    rotations: where a scale mirrors, the third axis gives way, for the new node does not.
+    """
     uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
-    exact = {k: nearest_exact(turn[k], scales.rows[scales.owner == k], aim_axis.get(k, 0)) for k in uneven}
-    return {node: turn[node] for node in uneven if _apart(exact[node], turn[node]) > EXACT}
+    exact = {
+        k: nearest_exact(turn[k], scales.rows[scales.owner == k], axes.get(k, (0, 1))[0]) for k in uneven
+    }
+    return {
+        node: _unmirrored(turn[node], scales.sign[node], axes.get(node, (0, 1)))
+        for node in uneven
+        if _apart(exact[node], turn[node]) > EXACT
+    }
+
+
+def _unmirrored(turn: Floats, sign: Floats, axes: tuple[int, int]) -> Floats:
+    """The turn, (4,), of a rotation that brings aim and up where a turn brings those of the mirrored joint."""
+    if (sign > 0).all():
+        return turn
+    rows = to_axes(turn) * sign
+    rows[3 - sum(axes)] *= sign.prod()
+    return from_axes(rows)
 
 
 def allowed_turns(

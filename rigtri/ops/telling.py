@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -71,7 +71,7 @@ def check(plan: Plan, turns: Floats) -> None:
             )
 
 
-def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
+def record(plan: Plan, turns: Floats, parted: Mapping[int, Floats]) -> None:
     """One record per joint: what became of it, why, and how sure that is."""
     rig, moves = plan.tree.rig, turned(turns)
     mirrored = determinant(plan.ref.world) < 0
@@ -97,7 +97,8 @@ def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
         if joint in plan.follows:
             entry["follows"] = rig.title(plan.follows[joint])
         if moves[joint]:
-            entry |= {"degrees": round(degrees_of[joint], 6), "turn": turns[joint].tolist()}
+            turn = parted.get(joint, turns[joint])
+            entry |= {"degrees": round(degrees_of[joint], 6), "turn": turn.tolist()}
             if joint in errors:
                 entry["aim_error_degrees"] = round(errors[joint], 6)
         plan.report.joints.append(entry)
