@@ -347,4 +347,17 @@ def _summary(report: Report) -> str:
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1
-    return f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, {counts['kept']} kept"
+    words = f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, {counts['kept']} kept"
+    return "\n".join([words, *_splits(report)])
+
+
+def _splits(report: Report) -> list[str]:
+    """One line for each joint that was split: which, and for the sake of which scale."""
+    lines = []
+    for entry in (entry for entry in report.joints if entry.get("split")):
+        words, scale = "", entry.get("scale")
+        if scale is not None:
+            words = ": its scale is " + " ".join(f"{x:.6g}" for x in scale["value"])
+            words += f" in {scale['clip']} at {scale['time']:.6g}" if scale["clip"] else ""
+        lines.append(f"{entry['joint']} was split, a node above it holds its axes{words}")
+    return lines

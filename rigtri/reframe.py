@@ -76,7 +76,8 @@ def split(rig: Rig, node: int, turn: Floats) -> Rig:
 
     The new node ``<name>_orient`` takes the translation and rotation of ``node``, turned; the
     node keeps the opposite turn and its scale: ``S·R·T = (S·C⁻¹)·(C·R·T)``. Exact for any
-    scale, also one that is animated. The turn is that of the rotation R: S may mirror, C·R does not. Nothing below moves, no inverse bind changes.
+    scale, also one that is animated. The turn is that of the rotation R: S may mirror, C·R
+    does not. Nothing below moves, no inverse bind changes.
     """
     translation, rotation, scale = _parts(rig, node, Scales.of(rig).sign[node])
     above = rig.insert_above(node, f"{rig.names[node] or 'joint'}_orient")

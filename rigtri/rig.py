@@ -43,6 +43,11 @@ class Track:
     key: Hashable = None
 
 
+def key_values(track: Track) -> Floats:
+    """The values of a track at its keys, (k, c), without the tangents of splines."""
+    return track.values[:, 1] if track.interpolation == "CUBICSPLINE" else track.values
+
+
 @dataclass(frozen=True, eq=False)
 class Clip:
     """An animation. What no track drives keeps its rest value during the clip."""

@@ -238,11 +238,9 @@ def _without_holders(after: Rig, skin: int, m: Matching) -> Skin:
     """A skin without the rows of joints that a split has put into it."""
     whole, added = after.skins[skin], sorted(after.holders.difference(m.node.tolist()))
     keep = ~np.isin(whole.joints, added)
-    return (
-        whole
-        if keep.all()
-        else replace(whole, joints=whole.joints[keep], inverse_bind=whole.inverse_bind[keep])
-    )
+    if keep.all():
+        return whole
+    return replace(whole, joints=whole.joints[keep], inverse_bind=whole.inverse_bind[keep])
 
 
 def _with_bind_origin(points: Floats, bind: Floats, inverse_bind: Floats) -> Floats:

@@ -35,7 +35,7 @@ class Limb:
         for name, scale in (rest or {}).items():
             self.rest[NAMES.index(name)] = scale
         self.keys = {name: np.array(rows, dtype=float) for name, rows in (keys or {}).items()}
-        self.rotation = unit(random.normal(size=(5, 4)) + (0, 0, 0, 2))
+        self.rotation = unit(random.normal(size=(5, 4)) + np.array([0, 0, 0, 2]))
         # Key rotations stay near the rest, as motion does.
         self.turns = unit(self.rotation + 0.3 * random.normal(size=(5, 5, 4)))
         local = compose(PLACES, self.rotation, self.rest)
@@ -79,21 +79,7 @@ def gltf(path: Path, limb: Limb, *, mode: str = "LINEAR", extras: bool = False) 
         skins.append(_skin(b, limb, order))
         places = np.argsort(order)
         meshes.append({"primitives": [_primitive(b, limb, places[limb.joints])]})
-        meshes.append(
-            {
-                "primitives": [
-                    {
-                        "attributes": {
-                            "POSITION": b.accessor(
-                                limb.points[:3],
-                                min=limb.points[:3].min(0).tolist(),
-                                max=limb.points[:3].max(0).tolist(),
-                            )
-                        }
-                    }
-                ]
-            }
-        )
+        meshes.append(_rigid(b, limb.points[:3]))
         nodes += [
             {"name": "glove", "mesh": 1, "skin": 1},
             {"name": "ring", "mesh": 2, "translation": [0, 0.1, 0]},
@@ -124,6 +110,12 @@ def gltf(path: Path, limb: Limb, *, mode: str = "LINEAR", extras: bool = False) 
         "animations": [{"name": "Bend", "samplers": samplers, "channels": channels}],
     }
     return b.glb(path)
+
+
+def _rigid(b: Builder, points: Any) -> dict[str, Any]:
+    points = points.astype(np.float32)
+    bounds = {"min": points.min(0).tolist(), "max": points.max(0).tolist()}
+    return {"primitives": [{"attributes": {"POSITION": b.accessor(points, **bounds)}}]}
 
 
 def _skin(b: Builder, limb: Limb, order: list[int]) -> dict[str, Any]:
@@ -170,6 +162,7 @@ def usda(limb: Limb, *, own_order: bool = False, more: str = "") -> str:
     """The limb as the text of a USD file; its clip has a sample at each key, and no default."""
     joints = 4 - limb.joints if own_order else limb.joints
     order = f"uniform token[] skel:joints = {_words(TOKENS[::-1])}" if own_order else ""
+    shape = 'elementSize = 2; interpolation = "vertex"'
     samples = {
         "float3[] translations": lambda k: _tuples(PLACES),
         "quatf[] rotations": lambda k: _tuples(limb.turns[k][:, [3, 0, 1, 2]]),
@@ -209,8 +202,8 @@ int[] faceVertexIndices = [0, 1, 2]
 point3f[] points = {_tuples(limb.points)}
 rel skel:skeleton = </Root/Skel>
 {order}
-int[] primvars:skel:jointIndices = {joints.ravel().tolist()} (elementSize = 2; interpolation = "vertex")
-float[] primvars:skel:jointWeights = {limb.weights.ravel().tolist()} (elementSize = 2; interpolation = "vertex")
+int[] primvars:skel:jointIndices = {joints.ravel().tolist()} ({shape})
+float[] primvars:skel:jointWeights = {limb.weights.ravel().tolist()} ({shape})
 }}
 {more}
 }}

@@ -204,7 +204,20 @@ def mirrored_turns(
 def frames_json(report: Report) -> dict[str, Any]:
     """What ``--save-frames`` writes: the change of frame C of each turned joint, by name or path."""
     joints = {entry["address"]: entry["turn"] for entry in report.joints if "turn" in entry}
-    return {"rigtri": "frames", "v": 1, "joints": joints}
+    split = [entry["address"] for entry in report.joints if entry.get("split")]
+    return {"rigtri": "frames", "v": 1, "joints": joints} | ({"split": split} if split else {})
+
+
+def stored_splits(rig: Rig, turns: Mapping[int, Floats], frames: object) -> dict[int, Floats]:
+    """The turns that a ``--save-frames`` file gives to a node of its own above the joint.
+
+    Not where the joint has one already: then the turn is that node's. FileError for a list
+    that is none.
+    """
+    split = frames.get("split", []) if isinstance(frames, dict) else []
+    if not isinstance(split, list) or not all(isinstance(name, str) for name in split):
+        raise FileError("--frames: 'split' is no list of joints")
+    return {k: turn for k, turn in turns.items() if rig.address(k) in split and k not in rig.frame_of}
 
 
 def stored_turns(

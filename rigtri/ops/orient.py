@@ -12,6 +12,7 @@ import numpy as np
 
 from rigtri.ops.constrained import settle, unsplittable
 from rigtri.errors import GeometryError
+from rigtri.ops.frames import stored_splits
 from rigtri.ops.plan import Options, Plan
 from rigtri.ops.scale import allowed_turns, splits
 from rigtri.ops.telling import check, record, tell_fixed, tell_straight
@@ -34,8 +35,8 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     Joints below the noise of float32 storage are left bit-exact, so that a second
     run changes nothing. Each joint's record goes to ``report.joints``.
 
-    Raises NameNotFoundError, UsageError, GeometryError (a scale that forbids it
-    under the policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; nothing may turn).
+    Raises NameNotFoundError, UsageError, GeometryError (a scale that forbids it under the
+    policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; nothing may turn).
     Not handled: poses stored as differences to rest (additive clips).
     """
     options, report = options or Options(), report if report is not None else Report()
@@ -53,6 +54,8 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     axis = {joint: axis_of(style.aim)[0] for joint, style in styles.items()}
     both = {joint: (axis[joint], axis_of(style.up)[0]) for joint, style in styles.items()}
     parted = splits(rig, _at_frames(rig, turns), both, plan.scales) if policy == "split" else {}
+    if options.frames is not None and not options.inverse:
+        parted |= stored_splits(rig, wanted, options.frames)
     if parted and rig.whole:
         raise GeometryError(_refusal(rig, list(parted)))
     exact = turns.copy()
@@ -70,6 +73,8 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     check(plan, turns)
     record(plan, turns, parted)
     out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
+    record(plan, wanted, turns, parted)
+    out = _noted(reframe(rig, exact, scales=plan.scales), plan, turns)
     for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
         out = split(out, joint, parted[joint])
     return out

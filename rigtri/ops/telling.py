@@ -10,8 +10,9 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.matrices import determinant
 from rigtri.ops.plan import Plan
+from rigtri.ops.scale import EXACT, first_uneven
 from rigtri.ops.ups import degrees
-from rigtri.quaternions import to_axes, turn_angle
+from rigtri.quaternions import conjugate, multiply, to_axes, turn_angle
 from rigtri.reframe import turned
 from rigtri.triangle import DEGENERATE_SINE, axis_of
 from rigtri.trigonometry import Floats
@@ -71,8 +72,12 @@ def check(plan: Plan, turns: Floats) -> None:
             )
 
 
-def record(plan: Plan, turns: Floats, parted: Mapping[int, Floats]) -> None:
-    """One record per joint: what became of it, why, and how sure that is."""
+def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats]) -> None:
+    """One record per joint: what became of it, why, and how sure that is.
+
+    wanted: the turns that were asked for; turns: those that the scales allow, where ``parted``
+    joints take theirs by a node of their own.
+    """
     rig, moves = plan.tree.rig, turned(turns)
     mirrored = determinant(plan.ref.world) < 0
     degrees_of, errors = np.degrees(turn_angle(turns)).tolist(), _aim_errors(plan, turns)
@@ -96,6 +101,8 @@ def record(plan: Plan, turns: Floats, parted: Mapping[int, Floats]) -> None:
             entry["split"] = True
         if joint in plan.follows:
             entry["follows"] = rig.title(plan.follows[joint])
+        if joint in wanted and plan.scales.uneven[joint] and turned(wanted[joint]):
+            entry["scale"] = _decision(plan, joint, wanted[joint], turns[joint], joint in parted)
         if moves[joint]:
             turn = parted.get(joint, turns[joint])
             entry |= {"degrees": round(degrees_of[joint], 6), "turn": turn.tolist()}
@@ -109,6 +116,16 @@ def record(plan: Plan, turns: Floats, parted: Mapping[int, Floats]) -> None:
             f"{len(named)} joints are mirrored and stay so (left-handed axes): "
             f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
         )
+
+
+def _decision(plan: Plan, joint: int, wanted: Floats, got: Floats, parted: bool) -> dict[str, Any]:
+    """What became of a turn for the sake of a scale that is not uniform, and which scale that is."""
+    rig, policy = plan.tree.rig, str(plan.options.on_nonuniform_scale)
+    if parted or joint in rig.frame_of:
+        policy = "split"
+    elif float(turn_angle(multiply(conjugate(wanted), got))) <= EXACT:
+        policy = "in place"
+    return {"policy": policy} | first_uneven(rig, joint, plan.scales).as_json()
 
 
 def _aim_errors(plan: Plan, turns: Floats) -> dict[int, float]:

@@ -41,14 +41,9 @@ def influence_edits(source: Source, splits: Holders) -> list[Edit]:
         _check(prim or query.GetPrim())
         at = str((prim or query.GetPrim()).GetPath())
         if wanted.setdefault(at, new) != new:
-            raise FileError(
-                f"<{at}>.{ORDER} is for two skeletons, of which one is split. Bind each by itself."
-            )
-    types = Sdf.ValueTypeNames
-    return [
-        set_value(at, ORDER, types.TokenArray, Vt.TokenArray(order), uniform=True)
-        for at, order in wanted.items()
-    ]
+            raise FileError(f"<{at}>.{ORDER} is for two skeletons that are split differently.")
+    kind = Sdf.ValueTypeNames.TokenArray
+    return [set_value(at, ORDER, kind, Vt.TokenArray(order), uniform=True) for at, order in wanted.items()]
 
 
 def _author(prim: Any) -> Any:
@@ -102,9 +97,8 @@ def _bound(stage: Any, skeleton: str) -> dict[str, str]:
         cache.Populate(root, ALL_PRIMS)
         for binding in cache.ComputeSkelBindings(root, ALL_PRIMS):
             if str(binding.GetSkeleton().GetPath()) == skeleton:
-                found.update(
-                    {str(q.GetPrim().GetPath()): _places(q.GetPrim()) for q in binding.GetSkinningTargets()}
-                )
+                prims = [query.GetPrim() for query in binding.GetSkinningTargets()]
+                found.update({str(prim.GetPath()): _places(prim) for prim in prims})
     return found
 
 

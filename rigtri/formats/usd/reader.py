@@ -213,9 +213,8 @@ class _Reader:
         first = len(self.names)
         nodes = {token: first + number for number, token in enumerate(skeleton.tokens)}
         self.joint_nodes[skeleton.path] = nodes
-        known = dict(
-            zip(skeleton.tokens, tokens.unsplit(skeleton.tokens, self._holders(skeleton)), strict=True)
-        )
+        before = tokens.unsplit(skeleton.tokens, self._holders(skeleton))
+        known = dict(zip(skeleton.tokens, before, strict=True))
         for number, token in enumerate(skeleton.tokens):
             parent = int(skeleton.parents[number])
             self._add(

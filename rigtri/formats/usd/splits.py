@@ -111,15 +111,12 @@ def _wanted(source: Source, rig: Rig) -> dict[str, Split]:
 
 def _refusal(splits: Mapping[str, Split]) -> str:
     names = [token.rpartition("/")[2] for split in splits.values() for token in split.holders]
-    renamed = sum(
-        split_token(token, split.holders) != token
-        for split in splits.values()
-        for token in split.skeleton.tokens
-    )
+    renamed = sum(len(set(s.skeleton.tokens).difference(s.tokens)) for s in splits.values())
     shown = ", ".join(names[:4]) + (" …" if len(names) > 4 else "")
     return (
         f"--on-nonuniform-scale split: a USD joint is named by its path, so a joint above {shown} renames "
-        f"{renamed} joints. Allow it with --allow-rename, where no other file names them, or choose snap or skip."
+        f"{renamed} joints. Allow it with --allow-rename, where no other file names them; or choose snap "
+        "or skip."
     )
 
 
@@ -258,7 +255,7 @@ def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Fl
 def _aligned_clip(wide: Clip, clip: Clip, rig: Rig) -> Clip:
     if wide.key != clip.key:
         raise FileError(f"Clip '{clip.name}': clips of USD files keep their order.")
-    known = {(track.node, track.path): track for track in clip.tracks}
+    known: dict[tuple[int, str], Track] = {(track.node, track.path): track for track in clip.tracks}
     return replace(clip, tracks=tuple(_aligned_track(t, known, rig) for t in wide.tracks))
 
 
