@@ -99,7 +99,7 @@ def allowed_turns(
         names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k in refused[:6])
         raise GeometryError(
             f"{len(refused)} joints have a scale that is not uniform and cannot take their new axes "
-            f"exactly: {names}. Choose --on-nonuniform-scale snap or skip."
+            f"exactly: {names}. Choose --on-nonuniform-scale snap, split or skip."
         )
     for node in refused:
         if policy == "skip":
