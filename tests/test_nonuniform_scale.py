@@ -74,7 +74,9 @@ def frames(rig: Rig, world: Floats, joint: str) -> Floats:
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("case", CASES)
-def test_a_split_moves_nothing_and_a_second_run_changes_no_byte(case: str, suffix: str, tmp_path: Path) -> None:
+def test_a_split_moves_nothing_and_a_second_run_changes_no_byte(
+    case: str, suffix: str, tmp_path: Path
+) -> None:
     source, out, again = made(tmp_path, CASES[case], suffix), tmp_path / f"o{suffix}", tmp_path / f"a{suffix}"
     outcome = oriented(source, out)
     result = verify(read(source), read(out))
@@ -146,7 +148,9 @@ def test_a_joint_with_a_mesh_a_child_and_two_skins_is_split(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_the_report_says_which_scale_at_which_key_was_decided_how(suffix: str, tmp_path: Path, app: Any) -> None:
+def test_the_report_says_which_scale_at_which_key_was_decided_how(
+    suffix: str, tmp_path: Path, app: Any
+) -> None:
     source, report = made(tmp_path, CASES["animated"], suffix), tmp_path / "report.json"
     arguments = ["orient-joints", str(source), "-o", str(tmp_path / f"out{suffix}"), "--report", str(report)]
     arguments += ["--on-nonuniform-scale", "split", *(["--allow-rename"] if suffix == ".usda" else [])]
@@ -175,7 +179,11 @@ def test_vrm_1_takes_no_split_and_says_why(tmp_path: Path) -> None:
     with pytest.raises(GeometryError, match="'elbow' cannot be split: in VRM 1.0"):
         orient_joints(rig, options=Orient(on_nonuniform_scale="split"))
     assert orient_joints(rig, options=Orient(on_nonuniform_scale="snap")) is not rig
-    vrm = [path for path in asset_files(".vrm", ".glb") if "VRMC_vrm" in path.read_bytes()[:4_000_000].decode("latin-1")]
+    vrm = [
+        path
+        for path in asset_files(".vrm", ".glb")
+        if "VRMC_vrm" in path.read_bytes()[:4_000_000].decode("latin-1")
+    ]
     if not vrm:
         pytest.skip(NO_ASSETS)
     assert read(vrm[0]).rig.whole
@@ -188,7 +196,16 @@ def test_frames_of_a_split_make_the_same_file_of_its_source(suffix: str, tmp_pat
     source, out, same = made(tmp_path, limb, suffix), tmp_path / f"out{suffix}", tmp_path / f"same{suffix}"
     stored = tmp_path / "frames.json"
     allowed = ["--allow-rename"] if suffix == ".usda" else []
-    one = ["orient-joints", str(source), "-o", str(out), "--on-nonuniform-scale", "split", "--save-frames", str(stored)]
+    one = [
+        "orient-joints",
+        str(source),
+        "-o",
+        str(out),
+        "--on-nonuniform-scale",
+        "split",
+        "--save-frames",
+        str(stored),
+    ]
     other = ["orient-joints", str(source), "-o", str(same), "--frames", str(stored)]
     assert CliRunner().invoke(app, [*one, *allowed]).exit_code == 0
     validator("frames").validate(json.loads(stored.read_text()))
@@ -259,7 +276,9 @@ def test_stretched_thighs_and_blinking_eyes_keep_their_motion(
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("scale", [100.0, 0.01])
-def test_axes_and_locators_do_not_care_for_the_worlds_scale(scale: float, suffix: str, tmp_path: Path) -> None:
+def test_axes_and_locators_do_not_care_for_the_worlds_scale(
+    scale: float, suffix: str, tmp_path: Path
+) -> None:
     from rigtri.limbs import given
     from rigtri.ops.polevector import Options as Pole
     from rigtri.ops.polevector import add_polevector
@@ -275,7 +294,9 @@ def test_axes_and_locators_do_not_care_for_the_worlds_scale(scale: float, suffix
         out = orient_joints(add_polevector(rig, options=Pole(limbs=limb), report=report))
         world, pole = worlds(out), out.find("elbow_pole", "node")
         root, elbow = world[out.find("root"), 3, :3], world[out.find("elbow"), 3, :3]
-        found.append((frames(out, world, "elbow"), (world[pole, 3, :3] - elbow) / size, (elbow - root) / size))
+        found.append(
+            (frames(out, world, "elbow"), (world[pole, 3, :3] - elbow) / size, (elbow - root) / size)
+        )
         assert np.allclose(np.linalg.norm(world[pole, :3, :3], axis=-1), 1.0, atol=1e-6)
     for one, other in zip(*found, strict=True):
         assert np.allclose(one, other, atol=1e-5)
@@ -286,9 +307,13 @@ SCALED = ("gdquest_mannequiny", "raylib_robot", "CesiumMan")
 
 @pytest.mark.parametrize("policy", ["snap", "split", "skip"])
 @pytest.mark.parametrize(
-    "path", [p for p in asset_files() if p.name.startswith(SCALED)] or [None], ids=lambda p: p.name if p else "none"
+    "path",
+    [p for p in asset_files() if p.name.startswith(SCALED)] or [None],
+    ids=lambda p: p.name if p else "none",
 )
-def test_real_files_with_such_scales_pass_under_every_policy(path: Path | None, policy: str, tmp_path: Path) -> None:
+def test_real_files_with_such_scales_pass_under_every_policy(
+    path: Path | None, policy: str, tmp_path: Path
+) -> None:
     if path is None:
         pytest.skip(NO_ASSETS)
     out, again = tmp_path / path.name, tmp_path / f"again{path.suffix}"
