@@ -57,8 +57,11 @@ class Limb:
         return rows
 
 
-def gltf(path: Path, limb: Limb, *, mode: str = "LINEAR", extras: bool = False) -> Path:
-    """The limb as a GLB. extras: a second skin in another order, a mesh on a joint and a child of one."""
+def gltf(path: Path, limb: Limb, *, mode: str = "LINEAR", extras: bool = False, vrm: bool = False) -> Path:
+    """The limb as a GLB. extras: a second skin in another order, a mesh on a joint and a child of one.
+
+    vrm: call it a VRM 1.0 model, whose hips are the root.
+    """
     b = Builder()
     nodes: list[dict[str, Any]] = [
         {
@@ -109,6 +112,10 @@ def gltf(path: Path, limb: Limb, *, mode: str = "LINEAR", extras: bool = False) 
         "meshes": meshes,
         "animations": [{"name": "Bend", "samplers": samplers, "channels": channels}],
     }
+    if vrm:
+        humanoid = {"humanBones": {"hips": {"node": 0}}}
+        b.gltf["extensionsUsed"] = ["VRMC_vrm"]
+        b.gltf["extensions"] = {"VRMC_vrm": {"specVersion": "1.0", "humanoid": humanoid}}
     return b.glb(path)
 
 

@@ -70,7 +70,7 @@ def test_tokens_go_over_a_split_and_back() -> None:
 
 def test_a_split_is_refused_where_joints_may_not_be_renamed(tmp_path: Path) -> None:
     source = usd(tmp_path / "in.usda", LIMB)
-    with pytest.raises(UsageError, match="above elbow renames 3 joints.*--allow-rename"):
+    with pytest.raises(UsageError, match=r"above elbow renames 3 joints.*--allow-rename"):
         split(source, tmp_path / "out.usda", allow_rename=False)
     assert not (tmp_path / "out.usda").exists()
 
@@ -308,9 +308,8 @@ def test_a_clip_library_is_split_by_the_frames_of_its_skeleton(tmp_path: Path, a
     assert tokens(clips, "/Clips/Bend", "joints") == AFTER
     stages = [Usd.Stage.Open(str(path)) for path in (out, clips)]
     for name in ("translations", "rotations", "scales"):
-        one, other = (
-            s.GetPrimAtPath(p).GetAttribute(name) for s, p in zip(stages, ("/Root/Bend", "/Clips/Bend"))
-        )
+        pairs = zip(stages, ("/Root/Bend", "/Clips/Bend"), strict=True)
+        one, other = (stage.GetPrimAtPath(path).GetAttribute(name) for stage, path in pairs)
         for time in one.GetTimeSamples():
             rows = [np.array(attribute.Get(time), dtype=float) for attribute in (one, other)]
             assert np.allclose(*rows, atol=1e-6)

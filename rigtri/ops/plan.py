@@ -187,7 +187,7 @@ class Plan:
         return self.ref.rounding * self.ref.extent / max(bone, 1e-3 * self.ref.extent, 1e-30)
 
     def _plane_noise(self, joint: int) -> float:
-        """The same of the plane that tells its up direction, which the shortest bone beside it tells worst."""
+        """The same of the plane that tells its up direction: the shortest bone beside it tells it worst."""
         above = self.tree.above[joint]
         around = {joint, above, self.tree.above.get(above, -1), self.aims[joint].node}
         known = [k for k in around if k in self.aims and self.aims[k].length > 0]
