@@ -16,7 +16,6 @@ Source: docs/exactness.md; UsdSkel and glTF 2.0 §3.7.3 (skins), appendix C.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +24,7 @@ from rigtri.constraints import broken, turned_constraints
 from rigtri.matrices import compose, decompose, turn_after, turn_before
 from rigtri.quaternions import IDENTITY, conjugate, multiply, rotate, to_axes
 from rigtri.matrices import compose, decompose, determinant, turn_after, turn_before
+from rigtri.matrices import compose, decompose, determinant, from_frame, turn_after, turn_before
 from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, to_axes
 from rigtri.rig import Booleans, Integers, Rig, Track
 from rigtri.trigonometry import Floats
@@ -85,7 +85,9 @@ def split(rig: Rig, node: int, turn: Floats) -> Rig:
     translations, rotations, matrices = above.translation.copy(), above.rotation.copy(), above.matrix.copy()
     translations[node], rotations[node] = translation, multiply(rotation, turn)
     translations[old], rotations[old] = 0.0, conjugate(turn)
-    matrices[old] = compose(np.zeros(3), conjugate(turn), scale)
+    # What a matrix has beside rotation and scale stays with the node.
+    whole = rig.matrix[node] if rig.has_matrix[node] else compose(translation, rotation, scale)
+    matrices[old] = turn_after(from_frame(whole[:3, :3], np.zeros(3)), conjugate(multiply(rotation, turn)))
     clips = tuple(
         replace(clip, tracks=tuple(_lifted(t, old, turn) for t in clip.tracks)) for clip in above.clips
     )
@@ -101,7 +103,7 @@ def split(rig: Rig, node: int, turn: Floats) -> Rig:
 
 
 def _parts(rig: Rig, node: int, sign: Floats) -> tuple[Floats, Floats, Floats]:
-    """Translation, rotation and scale of a node at rest, a matrix mirrored as its keys are."""
+    """Translation, rotation and scale of a node at rest; ``sign``: which axes a matrix mirrors."""
     if not rig.has_matrix[node]:
         return rig.translation[node], rig.rotation[node], rig.scale[node]
     translation, rotation, scale = decompose(rig.matrix[node])
@@ -144,7 +146,7 @@ class Scales:
     @staticmethod
     def of(rig: Rig) -> Scales:
         tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "scale"]
-        sign = _signs(rig, tracks)
+        sign = _signs(rig)
         rest = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]) * sign, rig.scale)
         keys = [_scale_rows(t) for t in tracks]
         owner = np.repeat([t.node for t in tracks], [len(k) for k in keys]).astype(np.int64)
@@ -170,19 +172,12 @@ class Scales:
         return np.where(mixed[:, np.newaxis], half, IDENTITY)
 
 
-def _signs(rig: Rig, tracks: Sequence[Track]) -> Floats:
-    """The signs of each node's scale at rest, (n, 3), ±1.
-
-    Which axes of a matrix are mirrored is a matter of words; keys that mirror as many say it.
-    """
+def _signs(rig: Rig) -> Floats:
+    """The signs of each node's scale at rest, (n, 3), ±1; three alike where only a matrix tells."""
     sign = np.where(rig.scale < 0, -1.0, 1.0)
     mirrored = np.where(determinant(rig.matrix) < 0, -1.0, 1.0)[:, np.newaxis]
-    sign = np.where(rig.has_matrix[:, np.newaxis], mirrored, sign)
-    for track in reversed(tracks):
-        said = np.where(_scale_rows(track)[0] < 0, -1.0, 1.0)
-        if rig.has_matrix[track.node] and said.prod() == mirrored[track.node, 0]:
-            sign[track.node] = said
-    return sign
+    unsaid = rig.has_matrix[:, np.newaxis] & (sign.prod(axis=1, keepdims=True) != mirrored)
+    return np.where(unsaid, mirrored, sign)
 
 
 def _allowed(scales: Scales, turn: Floats) -> Booleans:

@@ -15,7 +15,7 @@ from second_opinions import usd_errors
 from usd_files import deviation, save
 
 from rigtri.compare import verify
-from rigtri.errors import FileError, RigtriError, UsageError
+from rigtri.errors import FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import Options, read
 from rigtri.formats.usd.tokens import split_token, unsplit
 from rigtri.limbs import given
@@ -313,3 +313,81 @@ def test_a_clip_library_is_split_by_the_frames_of_its_skeleton(tmp_path: Path, a
         for time in one.GetTimeSamples():
             rows = [np.array(attribute.Get(time), dtype=float) for attribute in (one, other)]
             assert np.allclose(*rows, atol=1e-6)
+
+
+def two_libraries(folder: Path) -> Path:
+    start, end = usda(LIMB).index("def SkelAnimation"), usda(LIMB).index("def Mesh")
+    walk = usda(LIMB)[start:end]
+    both = walk.replace('"Bend"', '"Walk"') + walk.replace('"Bend"', '"Run"')
+    return save(folder, f'#usda 1.0\ndef Scope "Clips" {{\n{both}}}\n', "library.usda")
+
+
+def test_frames_for_several_libraries_of_the_same_joints_say_which_and_how_to_name_one(
+    tmp_path: Path, app: Any
+) -> None:
+    stored, library, run = tmp_path / "f.json", two_libraries(tmp_path), CliRunner().invoke
+    turn = [0.6, 0.0, 0.0, 0.8]
+    stored.write_text(json.dumps({"rigtri": "frames", "v": 1, "joints": {"shoulder": turn}}))
+    both, one = tmp_path / "both.usda", tmp_path / "one.usda"
+    result = run(app, ["orient-joints", str(library), "-o", str(both), "--frames", str(stored)])
+    assert result.exit_code == 0, result.output
+    assert "'shoulder' is a joint of Walk, Run" in result.output
+    assert "--skin Walk" in result.output
+    assert "2 joints turned" in result.output
+    alone = run(
+        app, ["orient-joints", str(library), "-o", str(one), "--frames", str(stored), "--skin", "Run"]
+    )
+    assert alone.exit_code == 0, alone.output
+    assert "1 joints turned" in alone.output
+    before, after = (Usd.Stage.Open(str(path)) for path in (library, one))
+    for name, same in (("Walk", True), ("Run", False)):
+        rotations = [
+            s.GetPrimAtPath(f"/Clips/{name}").GetAttribute("rotations").Get(0) for s in (before, after)
+        ]
+        assert (rotations[0] == rotations[1]) is same
+
+
+def sheared(missing: str = "") -> str:
+    """The limb with an elbow whose rest matrix no translation, rotation and scale can say."""
+    limb = Limb()
+    limb.local[2, :3, :3] = np.array([[1, 0.3, 0], [0, 1, 0], [0, 0, 1]]) @ limb.local[2, :3, :3]
+    lines = usda(limb)
+    for name in ("translations", "rotations", "scales"):
+        if name == missing:
+            start = lines.index(f"{name}.timeSamples")
+            lines = lines[: start + len(name)] + " =" + lines[lines.index("0:", start) + 2 :]
+            end = lines.index(",\n", start)
+            lines = lines[:end] + lines[lines.index("}", end) + 1 :]
+    return lines
+
+
+@pytest.mark.parametrize("policy", ["snap", "split"])
+def test_a_joint_sheared_at_rest_turns_where_its_clip_says_all(policy: Any, tmp_path: Path) -> None:
+    def step(rig: Rig, report: Report) -> Rig:
+        return orient_joints(rig, options=Orient(on_nonuniform_scale=policy), report=report)
+
+    source, out, again = save(tmp_path, sheared()), tmp_path / "out.usda", tmp_path / "again.usda"
+    edit(source, out, step, options=Options(allow_rename=True))
+    assert verify(read(source), read(out)).deviation < 1e-7
+    edit(out, again, step, options=Options(allow_rename=True))
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_a_joint_sheared_at_rest_is_named_where_a_clip_leaves_some_of_it_to_rest(tmp_path: Path) -> None:
+    source = save(tmp_path, sheared("scales"))
+    with pytest.raises(GeometryError, match=r"'elbow' is sheared at rest.*no rotation.*--exclude 'elbow'"):
+        split(source, tmp_path / "out.usda")
+    assert not (tmp_path / "out.usda").exists()
+
+
+def test_a_pose_may_mix_the_scale_of_a_clip_with_the_rotation_of_a_mirrored_rest(tmp_path: Path) -> None:
+    """A default scale beside sampled rotations: rest and scale mirror about the same axis."""
+    text = usda(Limb(rest={"elbow": (-1, 1, 1)}))
+    ones = "half3[] scales = [(1, 1, 1), (1, 1, 1), (-1, 1, 1), (1, 1, 1), (1, 1, 1)]"
+    start = text.index("half3[] scales")
+    text = text[:start] + ones + text[text.index("}", start) + 1 :]
+    source, out, again = save(tmp_path, text), tmp_path / "out.usda", tmp_path / "again.usda"
+    split(source, out)
+    assert deviation(source, out) < 2e-6
+    split(out, again)
+    assert again.read_bytes() == out.read_bytes()

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.matrices import determinant
+from rigtri.matrices import SKEW, determinant, skew
 from rigtri.ops.plan import Plan
 from rigtri.ops.scale import EXACT, first_uneven
 from rigtri.ops.ups import degrees
 from rigtri.quaternions import conjugate, multiply, to_axes, turn_angle
 from rigtri.reframe import turned
+from rigtri.rig import Booleans, Rig
 from rigtri.triangle import DEGENERATE_SINE, axis_of
 from rigtri.trigonometry import Floats
 from rigtri.vectors import angle, length
@@ -57,6 +58,8 @@ def check(plan: Plan, turns: Floats) -> None:
         )
     aimed = {j: aim for j, aim in plan.aims.items() if not plan.style(j).world}
     short = [plan.tree.rig.title(j) for j, aim in aimed.items() if aim.how == "descendant"]
+    _check_sheared(rig, moves)
+    short = [plan.tree.rig.title(j) for j, aim in plan.aims.items() if aim.how == "descendant"]
     if short:
         names = ", ".join(short[:6]) + (" …" if len(short) > 6 else "")
         plan.report.warn(
@@ -70,6 +73,27 @@ def check(plan: Plan, turns: Floats) -> None:
                 "up-source-turns",
                 f"{source}: '{rig.title(node)}' turns too; a second run would see other axes",
             )
+
+
+def _check_sheared(rig: Rig, moves: Booleans) -> None:
+    """GeometryError where a clip drives some of the values of a turned joint that is sheared at rest.
+
+    The rest of its values would come from a matrix that translation, rotation and scale cannot say.
+    """
+    sheared = rig.has_matrix & moves & (skew(rig.matrix) > SKEW)
+    for clip in rig.clips if sheared.any() else ():
+        driven: dict[int, set[str]] = {}
+        for track in clip.tracks:
+            if sheared[track.node] and track.path != "weights":
+                driven.setdefault(track.node, set()).add(track.path)
+        for node, paths in driven.items():
+            missing = sorted({"translation", "rotation", "scale"} - paths)
+            if missing:
+                raise GeometryError(
+                    f"'{rig.title(node)}' is sheared at rest, and '{clip.name}' gives it no "
+                    f"{' and no '.join(missing)}, so how it stands then is undefined. Give it all three in "
+                    f"the animation, or leave it out with --exclude '{rig.title(node)}'."
+                )
 
 
 def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats]) -> None:

@@ -19,6 +19,7 @@ from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.formats.usd.xform_rig import rooted
 from rigtri.matrices import compose, decompose, identity, inverse
 from rigtri.pose import worlds
+from rigtri.quaternions import from_axes, to_axes
 from rigtri.report import Notice
 from rigtri.rig import Clip, Interpolation, Rig, Skin
 
@@ -88,7 +89,7 @@ class _Reader:
                 f"{self.labels[0] if self.labels else '/Root'}"
             )
         rig = self._rig()
-        rig = replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins()))
+        rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins())))
         if self.options.root is not None:
             rig = rooted(rig, self.stage, self.options.root, self._interpolation, self.warnings)
         return Source(
@@ -319,6 +320,23 @@ class _Reader:
             notes=dict(self.notes),
             up=up,
         )
+
+
+def _mirrored_as_keyed(rig: Rig) -> Rig:
+    """The rig with joints mirrored at rest about the axes about which their keys mirror them.
+
+    A matrix does not tell which; a pose may take the scale of a clip and the rotation of rest.
+    """
+    rotation, scale = rig.rotation.copy(), rig.scale.copy()
+    scales = [track for clip in rig.clips for track in clip.tracks if track.path == "scale"]
+    for track in reversed(scales):
+        node, keyed = track.node, np.where(track.values[0] < 0, -1.0, 1.0)
+        flip = np.where(rig.scale[node] < 0, -1.0, 1.0) * keyed
+        if rig.has_matrix[node] and flip.prod() > 0:
+            rotation[node], scale[node] = rig.rotation[node], rig.scale[node] * flip
+            if (flip < 0).any():
+                rotation[node] = from_axes(to_axes(rig.rotation[node]) * flip[:, np.newaxis])
+    return replace(rig, rotation=rotation, scale=scale)
 
 
 def _moment(xformable: Any) -> Any:
