@@ -21,9 +21,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rigtri.constraints import broken, turned_constraints
-from rigtri.matrices import compose, decompose, turn_after, turn_before
-from rigtri.quaternions import IDENTITY, conjugate, multiply, rotate, to_axes
-from rigtri.matrices import compose, decompose, determinant, turn_after, turn_before
 from rigtri.matrices import compose, decompose, determinant, from_frame, turn_after, turn_before
 from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, to_axes
 from rigtri.rig import Booleans, Integers, Rig, Track

@@ -21,26 +21,7 @@ from rigtri.formats.vrm0 import demand, read_vrm_0
 from rigtri.report import Notice
 
 EXTENDED = "VRMC_springBone_extended_collider"
-CONSTRAINT = "VRMC_node_constraint"
 SPLIT = "in VRM 1.0 every node has a uniform positive scale, which a split joint would not have"
-Pointer = tuple[str | int, ...]
-
-
-@dataclass
-class Bindings:
-    """humanoid: bone → node. fixed: node → reason. bound: node, vector and where it stands in the JSON."""
-
-    humanoid: dict[str, int] = field(default_factory=dict)
-    fixed: dict[int, str] = field(default_factory=dict)
-    bound: list[tuple[int, list[float], Pointer]] = field(default_factory=list)
-    facing: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    frozen: str = ""
-    whole: str = ""
-
-    def fix(self, node: int, reason: str) -> None:
-        """Freeze a node; the first reason stays. −1, the parent of a root, is nothing to freeze."""
-        if node >= 0:
-            self.fixed.setdefault(node, reason)
 
 
 def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:

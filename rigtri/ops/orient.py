@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.ops.constrained import settle, unsplittable
 from rigtri.errors import GeometryError
+from rigtri.ops.constrained import settle, unsplittable
 from rigtri.ops.frames import stored_splits
 from rigtri.ops.plan import Options, Plan
 from rigtri.ops.scale import allowed_turns, splits
@@ -46,16 +46,14 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     for joint, turn in wanted.items():
         turns[joint] = turn
     policy = options.on_nonuniform_scale
-    axis = {joint: axis_of(plan.style(joint).aim)[0] for joint in wanted}
-    parted = splits(rig, _at_frames(rig, turns), axis) if policy == "split" else {}
-    for joint in unsplittable(rig).intersection(parted):
-        del parted[joint]
     styles = {joint: plan.style(joint) for joint in wanted}
     axis = {joint: axis_of(style.aim)[0] for joint, style in styles.items()}
     both = {joint: (axis[joint], axis_of(style.up)[0]) for joint, style in styles.items()}
     parted = splits(rig, _at_frames(rig, turns), both, plan.scales) if policy == "split" else {}
     if options.frames is not None and not options.inverse:
         parted |= stored_splits(rig, wanted, options.frames)
+    for joint in unsplittable(rig).intersection(parted):
+        del parted[joint]
     if parted and rig.whole:
         raise GeometryError(_refusal(rig, list(parted)))
     exact = turns.copy()
@@ -71,10 +69,8 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     tell_fixed(plan)
     tell_straight(plan)
     check(plan, turns)
-    record(plan, turns, parted)
-    out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
     record(plan, wanted, turns, parted)
-    out = _noted(reframe(rig, exact, scales=plan.scales), plan, turns)
+    out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
     for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
         out = split(out, joint, parted[joint])
     return out
@@ -103,6 +99,8 @@ def _zeroed(rig: Rig, before: Rig) -> Rig:
     rotation = rig.rotation.copy()
     rotation[np.array(nodes)[nothing]] = IDENTITY
     return replace(rig, rotation=rotation)
+
+
 def _refusal(rig: Rig, joints: list[int]) -> str:
     names = ", ".join(f"'{rig.title(joint)}'" for joint in joints)
     return f"{names} cannot be split: {rig.whole}. Choose --on-nonuniform-scale snap or skip."

@@ -59,7 +59,6 @@ def check(plan: Plan, turns: Floats) -> None:
     aimed = {j: aim for j, aim in plan.aims.items() if not plan.style(j).world}
     short = [plan.tree.rig.title(j) for j, aim in aimed.items() if aim.how == "descendant"]
     _check_sheared(rig, moves)
-    short = [plan.tree.rig.title(j) for j, aim in plan.aims.items() if aim.how == "descendant"]
     if short:
         names = ", ".join(short[:6]) + (" …" if len(short) > 6 else "")
         plan.report.warn(
@@ -149,6 +148,8 @@ def _decision(plan: Plan, joint: int, wanted: Floats, got: Floats, parted: bool)
         policy = "split"
     elif float(turn_angle(multiply(conjugate(wanted), got))) <= EXACT:
         policy = "in place"
+    elif policy == "split":  # a constraint reads or writes its rotation
+        policy = "skip"
     return {"policy": policy} | first_uneven(rig, joint, plan.scales).as_json()
 
 
