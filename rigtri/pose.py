@@ -109,7 +109,8 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
     bind = inverse(skin.inverse_bind)
     if not place:
         return worlds(rig)
-    top = min(place)
+    # What holds a joint's axes is not where the skin begins: its place came with a split.
+    top = min(place.keys() - rig.holders, default=min(place))
     to_world = multiply(skin.inverse_bind[place[top]], worlds(rig)[top])
     bind = multiply(bind, to_world)
     world = np.empty((len(rig), 4, 4))
