@@ -29,6 +29,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 TOLERANCE = 1e-5
 # Warnings of one kind that are shown without -v.
 MOST_ALIKE = 4
+_USD_ONLY = ("override", "override_stage", "bake_xform", "allow_rename")
 
 
 def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
@@ -160,6 +161,7 @@ def read_options(values: dict[str, Any]) -> Options:
         override="stage" if values.get("override_stage") else override,
         unknown_node_ext=values.get("unknown_node_ext", "freeze"),
         bake_xform=values.get("bake_xform", False),
+        allow_rename=values.get("allow_rename", False),
     )
 
 
@@ -230,7 +232,7 @@ def _check_format(values: dict[str, Any]) -> None:
     foreign = (
         {"--resources": "resources", "--lenient": "lenient", "--unknown-node-ext": "unknown_node_ext"}
         if usd
-        else {"--override": "override", "--override-stage": "override_stage", "--bake-xform": "bake_xform"}
+        else {f"--{name.replace('_', '-')}": name for name in _USD_ONLY}
     )
     refuse_given(foreign, f"means nothing for {'USD' if usd else 'glTF'} files")
 

@@ -131,7 +131,12 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     default="snap",
     show_default=True,
     help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
-    "a node of its own above it (glTF), or stop.",
+    "a node of its own above it (USD: with --allow-rename), or stop.",
+)
+@click.option(
+    "--allow-rename",
+    is_flag=True,
+    help="USD: a split may rename joints, whose paths name all that is above them.",
 )
 @click.option(
     "--on-constraint",
@@ -342,4 +347,17 @@ def _summary(report: Report) -> str:
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1
-    return f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, {counts['kept']} kept"
+    words = f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, {counts['kept']} kept"
+    return "\n".join([words, *_splits(report)])
+
+
+def _splits(report: Report) -> list[str]:
+    """One line for each joint that was split: which, and for the sake of which scale."""
+    lines = []
+    for entry in (entry for entry in report.joints if entry.get("split")):
+        words, scale = "", entry.get("scale")
+        if scale is not None:
+            words = ": its scale is " + " ".join(f"{x:.6g}" for x in scale["value"])
+            words += f" in {scale['clip']} at {scale['time']:.6g}" if scale["clip"] else ""
+        lines.append(f"{entry['joint']} was split, a node above it holds its axes{words}")
+    return lines

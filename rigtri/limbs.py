@@ -145,7 +145,9 @@ def _from_words(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> Lim
 
 
 def _only_joint_below(rig: Rig, node: int) -> int | None:
-    joints = [child for child in rig.children[node] if rig.is_joint[child]]
+    children = rig.children[node]
+    below = [k for child in children for k in (rig.children[child] if child in rig.holders else (child,))]
+    joints = [child for child in below if rig.is_joint[child]]
     return joints[0] if len(joints) == 1 else None
 
 

@@ -165,9 +165,11 @@ def _by_name(before: Rig, after: Rig) -> Integers:
 def _paths(rig: Rig, known: dict[tuple[int, str], int]) -> list[int]:
     """A number for the path of each node, the same wherever ``known`` has met the path before."""
     paths: list[int] = []
+    below: list[int] = []  # what the paths of children begin with
     for node, parent in enumerate(rig.parents.tolist()):
-        step = paths[parent] if parent >= 0 else -1, rig.names[node] or rig.labels[node]
-        paths.append(known.setdefault(step, len(known)))
+        above = below[parent] if parent >= 0 else -1
+        paths.append(known.setdefault((above, rig.names[node] or rig.labels[node]), len(known)))
+        below.append(above if node in rig.holders else paths[-1])
     return paths
 
 

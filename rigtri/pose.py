@@ -107,7 +107,9 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
     """
     if not len(skin.joints):
         return worlds(rig)
-    top = int(np.argmin(skin.joints))
+    # What holds a joint's axes is not where the skin begins: its place came with a split.
+    joints = skin.joints.tolist()
+    top = joints.index(min(set(joints) - rig.holders, default=min(joints)))
     to_world = multiply(skin.inverse_bind[top], worlds(rig)[skin.joints[top]])
     world = rig.local.copy()
     world[skin.joints] = multiply(inverse(skin.inverse_bind), to_world)

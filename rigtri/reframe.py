@@ -22,8 +22,8 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.constraints import broken, turned_constraints
-from rigtri.matrices import compose, decompose, turn_after, turn_before
-from rigtri.quaternions import IDENTITY, conjugate, multiply, rotate, to_axes
+from rigtri.matrices import compose, decompose, determinant, from_frame, turn_after, turn_before
+from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, to_axes
 from rigtri.rig import Booleans, Integers, Rig, Track
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
@@ -74,15 +74,18 @@ def split(rig: Rig, node: int, turn: Floats) -> Rig:
 
     The new node ``<name>_orient`` takes the translation and rotation of ``node``, turned; the
     node keeps the opposite turn and its scale: ``S·R·T = (S·C⁻¹)·(C·R·T)``. Exact for any
-    scale, also one that is animated. Nothing below moves, no inverse bind changes.
+    scale, also one that is animated. The turn is that of the rotation R: S may mirror, C·R
+    does not. Nothing below moves, no inverse bind changes.
     """
-    translation, rotation, scale = _parts(rig, node)
+    translation, rotation, scale = _parts(rig, node, Scales.of(rig).sign[node])
     above = rig.insert_above(node, f"{rig.names[node] or 'joint'}_orient")
     old = node + 1
     translations, rotations, matrices = above.translation.copy(), above.rotation.copy(), above.matrix.copy()
     translations[node], rotations[node] = translation, multiply(rotation, turn)
     translations[old], rotations[old] = 0.0, conjugate(turn)
-    matrices[old] = compose(np.zeros(3), conjugate(turn), scale)
+    # What a matrix has beside rotation and scale stays with the node.
+    whole = rig.matrix[node] if rig.has_matrix[node] else compose(translation, rotation, scale)
+    matrices[old] = turn_after(from_frame(whole[:3, :3], np.zeros(3)), conjugate(multiply(rotation, turn)))
     clips = tuple(
         replace(clip, tracks=tuple(_lifted(t, old, turn) for t in clip.tracks)) for clip in above.clips
     )
@@ -97,10 +100,13 @@ def split(rig: Rig, node: int, turn: Floats) -> Rig:
     )
 
 
-def _parts(rig: Rig, node: int) -> tuple[Floats, Floats, Floats]:
+def _parts(rig: Rig, node: int, sign: Floats) -> tuple[Floats, Floats, Floats]:
+    """Translation, rotation and scale of a node at rest; ``sign``: which axes a matrix mirrors."""
     if not rig.has_matrix[node]:
         return rig.translation[node], rig.rotation[node], rig.scale[node]
-    return decompose(rig.matrix[node])
+    translation, rotation, scale = decompose(rig.matrix[node])
+    axes = to_axes(rotation) * np.where(scale * sign < 0, -1.0, 1.0)[:, np.newaxis]
+    return translation, from_axes(axes), np.abs(scale) * sign
 
 
 def _lifted(track: Track, old: int, turn: Floats) -> Track:
@@ -137,14 +143,13 @@ class Scales:
 
     @staticmethod
     def of(rig: Rig) -> Scales:
-        linear = rig.matrix[:, :3, :3]
-        rest = np.where(rig.has_matrix[:, np.newaxis], length(linear), rig.scale)
         tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "scale"]
+        sign = _signs(rig)
+        rest = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]) * sign, rig.scale)
         keys = [_scale_rows(t) for t in tracks]
         owner = np.repeat([t.node for t in tracks], [len(k) for k in keys]).astype(np.int64)
         rows = np.concatenate([rest, *keys])
         owner = np.concatenate([np.arange(len(rig)), owner])
-        sign = np.where(rest < 0, -1.0, 1.0)
         unsigned = rows * sign[owner]
         largest = np.zeros(len(rig))
         np.maximum.at(largest, owner, np.abs(unsigned).max(axis=1))
@@ -173,6 +178,14 @@ class Scales:
         half = np.concatenate([(self.sign * parity > 0).astype(float), np.zeros((len(parity), 1))], 1)
         mixed = where & (self.sign != self.sign[:, :1]).any(axis=1) & ~self.uneven
         return np.where(mixed[:, np.newaxis], half, IDENTITY)
+
+
+def _signs(rig: Rig) -> Floats:
+    """The signs of each node's scale at rest, (n, 3), ±1; three alike where only a matrix tells."""
+    sign = np.where(rig.scale < 0, -1.0, 1.0)
+    mirrored = np.where(determinant(rig.matrix) < 0, -1.0, 1.0)[:, np.newaxis]
+    unsaid = rig.has_matrix[:, np.newaxis] & (sign.prod(axis=1, keepdims=True) != mirrored)
+    return np.where(unsaid, mirrored, sign)
 
 
 def _allowed(scales: Scales, turn: Floats) -> Booleans:

@@ -7,7 +7,7 @@ nodes; matrices are row-vector matrices (`rigtri.matrices`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -44,6 +44,11 @@ class Track:
     times: Floats
     values: Floats
     key: Hashable = None
+
+
+def key_values(track: Track) -> Floats:
+    """The values of a track at its keys, (k, c), without the tangents of splines."""
+    return track.values[:, 1] if track.interpolation == "CUBICSPLINE" else track.values
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +171,7 @@ class Rig:
     joint of this file may have axes of its own, "" where they may; then ``parallel`` are the
     nodes that may stand, all of them, parallel to the world. aside: nodes of ``fixed`` whose
     transform is data and places nothing, so that they are no joints whoever names them.
+    whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node.
     facing: the direction the character looks in, where the format prescribes one.
     """
@@ -188,6 +194,7 @@ class Rig:
     parallel: frozenset[int] = frozenset()
     aside: frozenset[int] = frozenset()
     constraints: tuple[Constraint, ...] = ()
+    whole: str = ""
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     facing: tuple[float, float, float] | None = None
@@ -237,10 +244,11 @@ class Rig:
 
     @cached_property
     def is_joint(self) -> Booleans:
-        """Which nodes are joints of a skin, (n,)."""
+        """Which nodes are joints of a skin, (n,); one that only holds another's axes is not one more."""
         mask = np.zeros(len(self), dtype=bool)
         for skin in self.skins:
             mask[skin.joints] = True
+        mask[list(self.holders)] = False
         return mask
 
     def below(self, node: int) -> list[int]:
@@ -276,14 +284,21 @@ class Rig:
     def path(self, node: int) -> str:
         """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one.
 
-        The label alone for a node deeper than `DEEPEST_PATH`.
+        The label alone for a node deeper than `DEEPEST_PATH`. A node that holds the axes of a joint
+        is no step on the way to what is below it, so that paths stay what they were before the
+        joint was split.
         """
+        return self._path(node, self.holders)
+
+    def _path(self, node: int, without: Collection[int] = ()) -> str:
         if self.depth[node] > DEEPEST_PATH:
             return self.labels[node]
-        parts = []
-        while node >= 0:
-            parts.append(self.names[node] or self.labels[node])
-            node = int(self.parents[node])
+        parts = [self.names[node] or self.labels[node]]
+        above = int(self.parents[node])
+        while above >= 0:
+            if above not in without:
+                parts.append(self.names[above] or self.labels[above])
+            above = int(self.parents[above])
         return "/" + "/".join(reversed(parts))
 
     def address(self, node: int) -> str:
@@ -315,10 +330,9 @@ class Rig:
     def _by_address(self) -> dict[str, list[int]]:
         found: dict[str, list[int]] = {}
         for node, label in enumerate(self.labels):
-            found.setdefault(label, []).append(node)
-            path = self.path(node)
-            if path != label:
-                found.setdefault(path, []).append(node)
+            whole = {self._path(node): None} if self.holders else {}
+            for way in {label: None, self.path(node): None, **whole}:
+                found.setdefault(way, []).append(node)
         for bone, node in self.humanoid.items():
             found.setdefault(f"vrm:{bone}", []).append(node)
         return found
@@ -424,6 +438,11 @@ class Rig:
             if note.get("type") == "frame" and "joint" in note
             for child in self.children[node][:1]
         }
+
+    @cached_property
+    def holders(self) -> frozenset[int]:
+        """The nodes that hold the axes of a joint below them."""
+        return frozenset(self.frame_of.values())
 
     def insert_above(self, node: int, name: str) -> Rig:
         """This rig with a new node (key None) between a node and its parent, at ``node``'s place.

@@ -65,6 +65,7 @@ def skeleton(
             joints = rig.below(rig.humanoid["hips"])
         elif not joints and plain:
             joints = [node for node in range(len(rig)) if rig.payload[node] < 0]
+    joints = [joint for joint in joints if joint not in rig.holders]
     if not joints:
         raise FileError(
             "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "

@@ -7,7 +7,7 @@ in the other: rows at times. Verification only, so matrix products are BLAS's.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Protocol
 
@@ -213,9 +213,11 @@ def skin_corners(
 ) -> Iterator[Rows]:
     """The corners of what each joint moves, and the joint's own place in the bind pose."""
     for number, partner in enumerate(m.skin.tolist()):
-        if partner < 0 or len(after.skins[partner].joints) < len(before.skins[number].joints):
+        if partner < 0:
             continue
-        mine, theirs = before.skins[number], after.skins[partner]
+        mine, theirs = before.skins[number], _without_holders(after, partner, m)
+        if len(theirs.joints) < len(mine.joints):
+            continue
         count = len(mine.joints)
         joints = theirs.joints[:count]
         same = np.array_equal(mine.inverse_bind, theirs.inverse_bind[:count], equal_nan=True)
@@ -232,6 +234,15 @@ def skin_corners(
             with np.errstate(invalid="ignore"):
                 moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
             yield Rows((mine.joints[rows], joints[rows]), (moved[0], moved[1]), titles, [owner] * len(rows))
+
+
+def _without_holders(after: Rig, skin: int, m: Matching) -> Skin:
+    """A skin without the rows of joints that a split has put into it."""
+    whole, added = after.skins[skin], sorted(after.holders.difference(m.node.tolist()))
+    keep = ~np.isin(whole.joints, added)
+    if keep.all():
+        return whole
+    return replace(whole, joints=whole.joints[keep], inverse_bind=whole.inverse_bind[keep])
 
 
 def _with_bind_origin(points: Floats, bind: Floats, inverse_bind: Floats) -> Floats:

@@ -33,6 +33,7 @@ class Options:
     root: the node whose hierarchy is the rig where there is no skin (both).
     relink: point a moved .gltf at its old resources instead of copying them (glTF).
     override: write bare opinions over the source (USD): "", "layer" or "stage".
+    allow_rename: let joints of skeletons get other paths, which a split gives them (USD).
     bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
     from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
     to_stream: the output goes to a stream, and stands where the source stood (USD).
@@ -44,6 +45,7 @@ class Options:
     root: str | None = None
     relink: bool = False
     override: str = ""
+    allow_rename: bool = False
     bake_xform: bool = False
     from_stream: bool = False
     to_stream: bool = False

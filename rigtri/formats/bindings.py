@@ -27,6 +27,7 @@ class Follows:
 class Bindings:
     """humanoid: bone → node. fixed: node → reason. bound: node, vector and where it stands in the JSON.
 
+    whole: why no joint may be split, "" where they may.
     frozen: why joints may have no axes of their own, "" where they may; bones: the nodes, then,
     that have to be parallel to the world, or whose children have to. aside: nodes that hold
     data in place of a transform.
@@ -37,6 +38,7 @@ class Bindings:
     bound: list[tuple[int, list[float], Pointer]] = field(default_factory=list)
     facing: tuple[float, float, float] = (0.0, 0.0, 1.0)
     frozen: str = ""
+    whole: str = ""
     bones: set[int] = field(default_factory=set)
     aside: set[int] = field(default_factory=set)
     constraints: list[Follows] = field(default_factory=list)

@@ -21,6 +21,7 @@ from rigtri.formats.vrm0 import demand, read_vrm_0
 from rigtri.report import Notice
 
 EXTENDED = "VRMC_springBone_extended_collider"
+SPLIT = "in VRM 1.0 every node has a uniform positive scale, which a split joint would not have"
 
 
 def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
@@ -56,6 +57,7 @@ def _human_bones(extension: Value, count: int, found: Bindings) -> None:
 
 
 def _vrm_1(vrm: Value, above: Sequence[int], found: Bindings) -> None:
+    found.whole = SPLIT
     _human_bones(vrm, len(above), found)
     _look_at(vrm, "VRMC_vrm", found)
 

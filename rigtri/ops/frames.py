@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -204,7 +204,24 @@ def mirrored_turns(
 def frames_json(report: Report) -> dict[str, Any]:
     """What ``--save-frames`` writes: the change of frame C of each turned joint, by name or path."""
     joints = {entry["address"]: entry["turn"] for entry in report.joints if "turn" in entry}
-    return {"rigtri": "frames", "v": 1, "joints": joints}
+    split = [entry["address"] for entry in report.joints if entry.get("split")]
+    return {"rigtri": "frames", "v": 1, "joints": joints} | ({"split": split} if split else {})
+
+
+def stored_splits(rig: Rig, turns: Mapping[int, Floats], frames: object) -> dict[int, Floats]:
+    """The turns that a ``--save-frames`` file gives to a node of its own above the joint.
+
+    Not where the joint has one already: then the turn is that node's. FileError for a list
+    that is none.
+    """
+    split = frames.get("split", []) if isinstance(frames, dict) else []
+    if not isinstance(split, list) or not all(isinstance(name, str) for name in split):
+        raise FileError("--frames: 'split' is no list of joints")
+    return {
+        joint: turn
+        for joint, turn in turns.items()
+        if _stored_name(rig, joint, split) and joint not in rig.frame_of
+    }
 
 
 def stored_turns(
@@ -216,17 +233,47 @@ def stored_turns(
     stored = frames.get("joints")
     if not isinstance(stored, dict):
         raise FileError("--frames: 'joints' is missing")
-    turns, known = {}, set()
+    turns: dict[int, Floats] = {}
+    known: dict[str, list[int]] = {}
     for joint in joints:
-        name = rig.address(joint)
-        if name in stored:
-            known.add(name)
+        name = _stored_name(rig, joint, stored)
+        if name:
+            known.setdefault(name, []).append(joint)
             q = _checked(name, stored[name])
             turns[joint] = conjugate(q) if inverted else q
+    _tell_shared(rig, known, report)
     lost = [name for name in stored if name not in known]
     if lost:
         report.warn("frames-unmatched", f"{len(lost)} stored frames fit no joint: {', '.join(lost[:10])}")
     return turns
+
+
+def _stored_name(rig: Rig, joint: int, stored: Container[str]) -> str:
+    """What stored frames call a joint: its address, or a name that no other joint of its skins has."""
+    address, name = rig.address(joint), rig.names[joint]
+    if address in stored:
+        return address
+    if not name or name not in stored:
+        return ""
+    skins = [skin for skin in rig.skins if joint in skin.joints]
+    alone = all([rig.names[k] for k in skin.joints.tolist()].count(name) == 1 for skin in skins)
+    return name if skins and alone else ""
+
+
+def _tell_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -> None:
+    """A notice where one stored frame is for joints of several skeletons or animations."""
+    shared = {name: joints for name, joints in known.items() if len(joints) > 1}
+    if not shared:
+        return
+    (name, joints), more = next(iter(shared.items())), len(shared) - 1
+    skins = [skin.name for skin in rig.skins if set(joints).intersection(skin.joints.tolist())]
+    shown = ", ".join(skins[:6]) + (" …" if len(skins) > 6 else "")
+    report.warn(
+        "frames-shared",
+        f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {shown}: all of them get the "
+        "stored frames. To turn those of one, name it with --skin, e.g. --skin "
+        f"{skins[0]}.",
+    )
 
 
 def _checked(name: str, value: object) -> Floats:

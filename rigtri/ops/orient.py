@@ -10,7 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.errors import GeometryError
 from rigtri.ops.constrained import settle, unsplittable
+from rigtri.ops.frames import stored_splits
 from rigtri.ops.plan import Options, Plan
 from rigtri.ops.scale import allowed_turns, splits
 from rigtri.ops.telling import check, record, tell_fixed, tell_straight
@@ -33,8 +35,8 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     Joints below the noise of float32 storage are left bit-exact, so that a second
     run changes nothing. Each joint's record goes to ``report.joints``.
 
-    Raises NameNotFoundError, UsageError, GeometryError (a scale that forbids it
-    under the policy ``error``), FileError (no skeleton; nothing may turn).
+    Raises NameNotFoundError, UsageError, GeometryError (a scale that forbids it under the
+    policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; nothing may turn).
     Not handled: poses stored as differences to rest (additive clips).
     """
     options, report = options or Options(), report if report is not None else Report()
@@ -44,10 +46,16 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     for joint, turn in wanted.items():
         turns[joint] = turn
     policy = options.on_nonuniform_scale
-    axis = {joint: axis_of(plan.style(joint).aim)[0] for joint in wanted}
-    parted = splits(rig, _at_frames(rig, turns), axis) if policy == "split" else {}
+    styles = {joint: plan.style(joint) for joint in wanted}
+    axis = {joint: axis_of(style.aim)[0] for joint, style in styles.items()}
+    both = {joint: (axis[joint], axis_of(style.up)[0]) for joint, style in styles.items()}
+    parted = splits(rig, _at_frames(rig, turns), both, plan.scales) if policy == "split" else {}
+    if options.frames is not None and not options.inverse:
+        parted |= stored_splits(rig, wanted, options.frames)
     for joint in unsplittable(rig).intersection(parted):
         del parted[joint]
+    if parted and rig.whole:
+        raise GeometryError(_refusal(rig, list(parted)))
     exact = turns.copy()
     exact[list(parted)] = IDENTITY
     in_place = "skip" if policy == "split" else policy
@@ -61,7 +69,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     tell_fixed(plan)
     tell_straight(plan)
     check(plan, turns)
-    record(plan, turns, parted)
+    record(plan, wanted, turns, parted)
     out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
     for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
         out = split(out, joint, parted[joint])
@@ -91,6 +99,11 @@ def _zeroed(rig: Rig, before: Rig) -> Rig:
     rotation = rig.rotation.copy()
     rotation[np.array(nodes)[nothing]] = IDENTITY
     return replace(rig, rotation=rotation)
+
+
+def _refusal(rig: Rig, joints: list[int]) -> str:
+    names = ", ".join(f"'{rig.title(joint)}'" for joint in joints)
+    return f"{names} cannot be split: {rig.whole}. Choose --on-nonuniform-scale snap or skip."
 
 
 def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:

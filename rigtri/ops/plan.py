@@ -186,6 +186,13 @@ class Plan:
         bone = self.aims[joint].length if joint in self.aims else 0.0
         return self.ref.rounding * self.ref.extent / max(bone, 1e-3 * self.ref.extent, 1e-30)
 
+    def _plane_noise(self, joint: int) -> float:
+        """The same of the plane that tells its up direction: the shortest bone beside it tells it worst."""
+        above = self.tree.above[joint]
+        around = {joint, above, self.tree.above.get(above, -1), self.aims[joint].node}
+        known = [k for k in around if k in self.aims and self.aims[k].length > 0]
+        return max((self._position_noise(k) for k in known), default=0.0)
+
     def _oriented(self) -> dict[int, Floats]:
         hinges = Hinges(
             self.tree,
@@ -254,7 +261,7 @@ class Plan:
             least = self._least(joint)
             self.noise[joint] = least / sine - least
             if self.ups[joint].step >= 2:
-                of_plane = UNCHANGED_PLANE + self._position_noise(joint)
+                of_plane = UNCHANGED_PLANE + self._plane_noise(joint)
                 self.noise[joint] += of_plane / max(self.ups[joint].sine, DEGENERATE_SINE)
         aims = np.stack([self.aims[joint].direction for joint in joints])  # type: ignore[misc]
         seen = transform_directions(up, self.ref.inverse[joints])

@@ -8,7 +8,8 @@ node of its own above the joint (`split`), or an error.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
@@ -24,9 +25,9 @@ from rigtri.quaternions import (
     turn_angle,
     unit,
 )
-from rigtri.reframe import Scales, stays_diagonal, turned
+from rigtri.reframe import SAME_SCALE, Scales, stays_diagonal, turned
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.rig import Rig, key_values
 from rigtri.trigonometry import Floats, arc_tangent
 from rigtri.vectors import angle, cross, dot
 
@@ -53,12 +54,28 @@ def nearest_cardinal(turn: Floats) -> Floats:
     return np.asarray(turns[int(np.argmax(overlap))])
 
 
-def splits(rig: Rig, turn: Floats, aim_axis: Mapping[int, int]) -> dict[int, Floats]:
-    """The joints, with their turns (4,), that can take them only by a node of their own."""
-    scales = Scales.of(rig)
+def splits(rig: Rig, turn: Floats, axes: Mapping[int, tuple[int, int]], scales: Scales) -> dict[int, Floats]:
+    """The joints, with their turns (4,), that can take them only by a node of their own.
+
+    axes: per joint the indices of its aim and up axes. The turns are those of the joints'
+    rotations: where a scale mirrors, the third axis gives way, for the new node does not.
+    """
     uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
-    exact = {k: nearest_exact(turn[k], scales.of_node(k), aim_axis.get(k, 0)) for k in uneven}
-    return {node: turn[node] for node in uneven if _apart(exact[node], turn[node]) > EXACT}
+    exact = {k: nearest_exact(turn[k], scales.of_node(k), axes.get(k, (0, 1))[0]) for k in uneven}
+    return {
+        node: _unmirrored(turn[node], scales.sign[node], axes.get(node, (0, 1)))
+        for node in uneven
+        if _apart(exact[node], turn[node]) > EXACT
+    }
+
+
+def _unmirrored(turn: Floats, sign: Floats, axes: tuple[int, int]) -> Floats:
+    """The turn, (4,), of a joint's rotation that brings aim and up where one of its mirrored axes does."""
+    if (sign > 0).all():
+        return turn
+    rows = to_axes(turn) * sign
+    rows[3 - sum(axes)] *= sign.prod()
+    return from_axes(rows)
 
 
 def allowed_turns(
@@ -77,15 +94,15 @@ def allowed_turns(
         exact[node] = nearest_exact(turn[node], scales.of_node(node), aim_axis.get(node, 0))
     refused = [node for node in uneven if _apart(exact[node], turn[node]) > EXACT]
     if refused and policy == "error":
-        names = ", ".join(f"'{rig.title(node)}'" for node in refused[:6])
+        names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k in refused[:6])
         raise GeometryError(
             f"{len(refused)} joints have a scale that is not uniform and cannot take their new axes "
-            f"exactly: {names}. Choose --on-nonuniform-scale snap or skip."
+            f"exactly: {names}. Choose --on-nonuniform-scale snap, split or skip."
         )
     for node in refused:
         if policy == "skip":
             exact[node] = IDENTITY
-        _tell(rig, node, turn[node], exact[node], policy, aim_axis.get(node, 0), report)
+        _tell(rig, node, turn[node], exact[node], policy, aim_axis.get(node, 0), scales, report)
     return exact
 
 
@@ -130,15 +147,59 @@ def _freed(cardinal: Floats, axis: int, wanted: Floats, aim: int) -> Floats:
     return multiply(from_axis_angle(about, angle_), cardinal)
 
 
+@dataclass(frozen=True)
+class Uneven:
+    """A scale that is not uniform: at rest, or at the first key of a clip where it is not."""
+
+    value: tuple[float, float, float]
+    clip: str | None = None
+    time: float | None = None
+
+    def __str__(self) -> str:
+        words = " ".join(f"{x:.6g}" for x in self.value)
+        return words if self.clip is None else f"{words} in {self.clip} at {self.time:.6g}"
+
+    def as_json(self) -> dict[str, Any]:
+        return {"value": list(self.value), "clip": self.clip, "time": self.time}
+
+
+def first_uneven(rig: Rig, node: int, scales: Scales) -> Uneven:
+    """Where the scale of a node that has one is first seen not to be uniform."""
+    found = [Uneven(_three(scales.rows[node]))]
+    found += [
+        Uneven(_three(row), clip.name or f"#{k}", float(time))
+        for k, clip in enumerate(rig.clips)
+        for track in clip.tracks
+        if track.node == node and track.path == "scale"
+        for time, row in zip(track.times, key_values(track), strict=True)
+    ]
+    rows = np.array([uneven.value for uneven in found])
+    largest = np.abs(rows).max(axis=1)
+    spread = np.ptp(rows * scales.sign[node], axis=1) / np.where(largest == 0, 1.0, largest)
+    return found[int(np.argmax(spread > SAME_SCALE if (spread > SAME_SCALE).any() else spread))]
+
+
+def _three(row: Floats) -> tuple[float, float, float]:
+    x, y, z = row.tolist()
+    return x, y, z
+
+
 def _tell(
-    rig: Rig, node: int, wanted: Floats, got: Floats, policy: Policy, axis: int, report: Report
+    rig: Rig,
+    node: int,
+    wanted: Floats,
+    got: Floats,
+    policy: Policy,
+    axis: int,
+    scales: Scales,
+    report: Report,
 ) -> None:
     aim_error = np.degrees(angle(to_axes(wanted)[axis], to_axes(got)[axis]))
     whole = np.degrees(_apart(wanted, got))
     what = "snapped to the nearest axes" if policy == "snap" else "left as it was"
     report.warn(
         "nonuniform-scale",
-        f"'{rig.title(node)}' has a scale that is not uniform: {what}, its aim is {aim_error:.3f}° "
-        f"and its frame {whole:.3f}° off.",
+        f"'{rig.title(node)}' has a scale that is not uniform ({first_uneven(rig, node, scales)}): {what}, "
+        f"its aim is {aim_error:.3f}° and its frame {whole:.3f}° off.",
         joint=rig.title(node),
     )

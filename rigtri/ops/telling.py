@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.matrices import determinant
+from rigtri.matrices import SKEW, determinant, skew
 from rigtri.ops.plan import Plan
+from rigtri.ops.scale import EXACT, first_uneven
 from rigtri.ops.ups import degrees
-from rigtri.quaternions import to_axes, turn_angle
+from rigtri.quaternions import conjugate, multiply, to_axes, turn_angle
 from rigtri.reframe import turned
+from rigtri.rig import Booleans, Rig
 from rigtri.triangle import DEGENERATE_SINE, axis_of
 from rigtri.trigonometry import Floats
 from rigtri.vectors import angle, length
@@ -56,6 +58,7 @@ def check(plan: Plan, turns: Floats) -> None:
         )
     aimed = {j: aim for j, aim in plan.aims.items() if not plan.style(j).world}
     short = [plan.tree.rig.title(j) for j, aim in aimed.items() if aim.how == "descendant"]
+    _check_sheared(rig, moves)
     if short:
         names = ", ".join(short[:6]) + (" …" if len(short) > 6 else "")
         plan.report.warn(
@@ -71,8 +74,33 @@ def check(plan: Plan, turns: Floats) -> None:
             )
 
 
-def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
-    """One record per joint: what became of it, why, and how sure that is."""
+def _check_sheared(rig: Rig, moves: Booleans) -> None:
+    """GeometryError where a clip drives some of the values of a turned joint that is sheared at rest.
+
+    The rest of its values would come from a matrix that translation, rotation and scale cannot say.
+    """
+    sheared = rig.has_matrix & moves & (skew(rig.matrix) > SKEW)
+    for clip in rig.clips if sheared.any() else ():
+        driven: dict[int, set[str]] = {}
+        for track in clip.tracks:
+            if sheared[track.node] and track.path != "weights":
+                driven.setdefault(track.node, set()).add(track.path)
+        for node, paths in driven.items():
+            missing = sorted({"translation", "rotation", "scale"} - paths)
+            if missing:
+                raise GeometryError(
+                    f"'{rig.title(node)}' is sheared at rest, and '{clip.name}' gives it no "
+                    f"{' and no '.join(missing)}, so how it stands then is undefined. Give it all three in "
+                    f"the animation, or leave it out with --exclude '{rig.title(node)}'."
+                )
+
+
+def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats]) -> None:
+    """One record per joint: what became of it, why, and how sure that is.
+
+    wanted: the turns that were asked for; turns: those that the scales allow, where ``parted``
+    joints take theirs by a node of their own.
+    """
     rig, moves = plan.tree.rig, turned(turns)
     mirrored = determinant(plan.ref.world) < 0
     degrees_of, errors = np.degrees(turn_angle(turns)).tolist(), _aim_errors(plan, turns)
@@ -96,8 +124,11 @@ def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
             entry["split"] = True
         if joint in plan.follows:
             entry["follows"] = rig.title(plan.follows[joint])
+        if joint in wanted and plan.scales.uneven[joint] and turned(wanted[joint]):
+            entry["scale"] = _decision(plan, joint, wanted[joint], turns[joint], joint in parted)
         if moves[joint]:
-            entry |= {"degrees": round(degrees_of[joint], 6), "turn": turns[joint].tolist()}
+            turn = parted.get(joint, turns[joint])
+            entry |= {"degrees": round(degrees_of[joint], 6), "turn": turn.tolist()}
             if joint in errors:
                 entry["aim_error_degrees"] = round(errors[joint], 6)
         plan.report.joints.append(entry)
@@ -108,6 +139,18 @@ def record(plan: Plan, turns: Floats, parted: Container[int]) -> None:
             f"{len(named)} joints are mirrored and stay so (left-handed axes): "
             f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
         )
+
+
+def _decision(plan: Plan, joint: int, wanted: Floats, got: Floats, parted: bool) -> dict[str, Any]:
+    """What became of a turn for the sake of a scale that is not uniform, and which scale that is."""
+    rig, policy = plan.tree.rig, str(plan.options.on_nonuniform_scale)
+    if parted or joint in rig.frame_of:
+        policy = "split"
+    elif float(turn_angle(multiply(conjugate(wanted), got))) <= EXACT:
+        policy = "in place"
+    elif policy == "split":  # a constraint reads or writes its rotation
+        policy = "skip"
+    return {"policy": policy} | first_uneven(rig, joint, plan.scales).as_json()
 
 
 def _aim_errors(plan: Plan, turns: Floats) -> dict[int, float]:

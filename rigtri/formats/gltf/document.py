@@ -153,6 +153,7 @@ class GltfDocument:
                 Constraint(c.kind, tree.place[c.node], tree.place[c.source], np.array(c.axis), c.pointer)
                 for c in bindings.constraints
             ),
+            whole=bindings.whole,
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
             notes={
                 k: e["rigtri"]

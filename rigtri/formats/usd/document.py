@@ -13,7 +13,7 @@ from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
-from rigtri.formats.usd import layers, meshes, package, writer
+from rigtri.formats.usd import layers, meshes, package, splits, writer
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
@@ -79,8 +79,9 @@ class UsdDocument:
         notices: list[Notice] = []
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
-            edits = writer.edits(self._source, rig, bake=bake, warnings=notices)
-            self._write(edits, part, target)
+            source, rig, first = splits.widened(self._source, rig, self._options, notices)
+            edits = writer.edits(source, rig, bake=bake, warnings=notices)
+            self._write([*first, *edits], part, target)
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
 

@@ -12,13 +12,14 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
-from rigtri.formats.usd import library, meshes, notes, prim_clip
+from rigtri.formats.usd import library, meshes, notes, prim_clip, tokens
 from rigtri.formats.usd.animations import Animation, clips, read_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.formats.usd.xform_rig import rooted
 from rigtri.matrices import compose, decompose, identity, inverse
 from rigtri.pose import worlds
+from rigtri.quaternions import from_axes, to_axes
 from rigtri.report import Notice
 from rigtri.rig import Clip, Interpolation, Rig, Skin
 
@@ -88,7 +89,7 @@ class _Reader:
                 f"{self.labels[0] if self.labels else '/Root'}"
             )
         rig = self._rig()
-        rig = replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins()))
+        rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins())))
         if self.options.root is not None:
             rig = rooted(rig, self.stage, self.options.root, self._interpolation, self.warnings)
         return Source(
@@ -213,17 +214,24 @@ class _Reader:
         first = len(self.names)
         nodes = {token: first + number for number, token in enumerate(skeleton.tokens)}
         self.joint_nodes[skeleton.path] = nodes
+        before = tokens.unsplit(skeleton.tokens, self._holders(skeleton))
+        known = dict(zip(skeleton.tokens, before, strict=True))
         for number, token in enumerate(skeleton.tokens):
             parent = int(skeleton.parents[number])
             self._add(
                 token.rpartition("/")[2],
                 owner if parent < 0 else first + parent,
                 skeleton.rest[number],
-                ("joint", skeleton.path, token),
+                ("joint", skeleton.path, known[token]),
                 f"{skeleton.path}:{token}" if counts[token] > 1 else token,
             )
             if skeleton.locked:
                 self.fixed[first + number] = skeleton.locked
+
+    def _holders(self, skeleton: Skeleton) -> set[str]:
+        """The tokens of joints that only hold the axes of the one below them."""
+        found = notes.read_joints(self.stage.GetPrimAtPath(skeleton.path))
+        return {token for token, note in found.items() if note.get("type") == "frame" and "joint" in note}
 
     def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
         for token, note in notes.read_joints(prim).items():
@@ -312,6 +320,23 @@ class _Reader:
             notes=dict(self.notes),
             up=up,
         )
+
+
+def _mirrored_as_keyed(rig: Rig) -> Rig:
+    """The rig with joints mirrored at rest about the axes about which their keys mirror them.
+
+    A matrix does not tell which; a pose may take the scale of a clip and the rotation of rest.
+    """
+    rotation, scale = rig.rotation.copy(), rig.scale.copy()
+    scales = [track for clip in rig.clips for track in clip.tracks if track.path == "scale"]
+    for track in reversed(scales):
+        node, keyed = track.node, np.where(track.values[0] < 0, -1.0, 1.0)
+        flip = np.where(rig.scale[node] < 0, -1.0, 1.0) * keyed
+        if rig.has_matrix[node] and flip.prod() > 0:
+            rotation[node], scale[node] = rig.rotation[node], rig.scale[node] * flip
+            if (flip < 0).any():
+                rotation[node] = from_axes(to_axes(rig.rotation[node]) * flip[:, np.newaxis])
+    return replace(rig, rotation=rotation, scale=scale)
 
 
 def _moment(xformable: Any) -> Any:

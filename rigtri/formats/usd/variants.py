@@ -21,14 +21,14 @@ def why_split(stage: Any, skeleton: Skeleton) -> str:
     time, on a stage of those prims alone; what it refers to is composed as USD would.
     """
     watched = [path for path in (skeleton.path, skeleton.animation) if path]
-    if not any(_choices(stage, watched)):
+    if not any(choices(stage, watched)):
         return ""
     session = Sdf.Layer.CreateAnonymous(".usda")
     session.TransferContent(stage.GetSessionLayer())
     trial = Usd.Stage.OpenMasked(stage.GetRootLayer(), session, Usd.StagePopulationMask(watched))
     trial.SetEditTarget(session)
     before = _seen(trial, skeleton)
-    for path, name, variant, selected in list(_choices(stage, watched)):
+    for path, name, variant, selected in list(choices(stage, watched)):
         chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
         chosen.SetVariantSelection(variant)
         after = _seen(trial, skeleton)
@@ -44,7 +44,7 @@ def why_split(stage: Any, skeleton: Skeleton) -> str:
     return ""
 
 
-def _choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]:
+def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]:
     """The unselected variants at and above some prims: prim path, set, variant, the selected one."""
     for path in sorted({above for one in paths for above in Sdf.Path(one).GetPrefixes()}):
         sets = stage.GetPrimAtPath(path).GetVariantSets()

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Vt
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError
 from rigtri.formats.usd import locators, notes, xform
 from rigtri.formats.usd.animations import HELD, Animation, Property
 from rigtri.formats.usd.reader import Source
@@ -37,12 +37,6 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
     before = source.rig
     if rig is before:
         return []
-    if rig.frame_of:
-        names = ", ".join(rig.names[joint] for joint in rig.frame_of)
-        raise UsageError(
-            f"--on-nonuniform-scale split: a USD joint is named by its path, so a node above {names} "
-            "would rename every joint below. Choose snap or skip."
-        )
     if before.keys != rig.keys[: len(before)]:
         raise ValueError("nodes of a file keep their order, and new ones come last")
     moved = np.zeros(len(before), dtype=bool)
@@ -265,9 +259,11 @@ def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
     before = source.rig
     wanted: dict[str, dict[str, notes.Note]] = {}
     changed: set[str] = set()
-    for node, key in enumerate(before.keys):
-        if kind(key) == "joint":
-            _, path, token = parts(key)
+    for skin in before.skins:
+        if kind(skin.key) not in ("skeleton", "library"):
+            continue
+        path = parts(skin.key)[1]
+        for node, token in zip(skin.joints.tolist(), source.skeletons[path].tokens, strict=True):
             note = rig.notes.get(node, {})
             if dict(note) != dict(before.notes.get(node, {})):
                 changed.add(path)

@@ -1,0 +1,52 @@
+"""Joint tokens before and after a split: a joint's path names all that stands above it.
+
+A split puts a joint above another, ``A/B`` becomes ``A/B_orient/B``, and every
+token below takes the step in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+
+def split_token(token: str, holders: Mapping[str, str]) -> str:
+    """A token with a step above every joint that is split.
+
+    holders: the token of each split joint, and the name of what goes above it.
+
+    >>> split_token("A/B/C", {"A/B": "B_orient"}), split_token("A/BC", {"A/B": "B_orient"})
+    ('A/B_orient/B/C', 'A/BC')
+    """
+    steps: list[str] = []
+    passed = ""
+    for k, step in enumerate(token.split("/")):
+        passed = step if k == 0 else f"{passed}/{step}"
+        steps += [holders[passed], step] if passed in holders else [step]
+    return "/".join(steps)
+
+
+def holder_token(token: str, holders: Mapping[str, str]) -> str:
+    """The token of the joint that goes above a split one."""
+    return split_token(token, holders).rpartition("/")[0]
+
+
+def unsplit(tokens: Sequence[str], holders: Collection[str]) -> list[str]:
+    """Tokens without the steps that ``holders`` (tokens) are in them; a holder keeps its own name.
+
+    By these a joint is known again after a split. The tokens as they are where two would
+    be called the same.
+
+    >>> unsplit(["A", "A/B_orient", "A/B_orient/B"], {"A/B_orient"})
+    ['A', 'A/B_orient', 'A/B']
+    """
+    found = [_without(token, holders) for token in tokens] if holders else list(tokens)
+    return found if len(set(found)) == len(found) else list(tokens)
+
+
+def _without(token: str, holders: Collection[str]) -> str:
+    steps, passed, kept = token.split("/"), "", []
+    for k, step in enumerate(steps):
+        passed = step if k == 0 else f"{passed}/{step}"
+        if passed not in holders or k == len(steps) - 1:
+            kept.append(step)
+    return "/".join(kept)
