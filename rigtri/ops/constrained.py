@@ -152,7 +152,7 @@ def _common(
         if not axis_fits(constraint, turn):
             return IDENTITY, f"the {constraint.kind} axis would be no axis of its new frame"
     for node in bond.nodes:
-        rows = scales.rows[scales.owner == node] if scales.uneven[node] else None
+        rows = scales.of_node(node) if scales.uneven[node] else None
         if rows is not None and not stays_diagonal(to_axes(turn), rows):
             return IDENTITY, f"the scale of '{rig.title(node)}' is not uniform"
     return turn, ""
