@@ -7,11 +7,21 @@ layer that another edit has already changed.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from pxr import Sdf
 
-Edit = Callable[[Any], None]
+
+@dataclass(frozen=True, eq=False)
+class Edit:
+    """One change to a layer. prim: the path of the prim it is about, as the stage shows it."""
+
+    prim: Any
+    change: Callable[[Any], None]
+
+    def __call__(self, layer: Any) -> None:
+        self.change(layer)
 
 
 def parts(key: Hashable) -> tuple[Any, ...]:
@@ -60,7 +70,7 @@ def set_value(
         for time, sample in (samples or {}).items():
             layer.SetTimeSample(path, time, Sdf.ValueBlock() if sample is None else sample)
 
-    return edit
+    return Edit(path.GetPrimPath(), edit)
 
 
 def apply_schema(prim: Any, name: str) -> Edit:
@@ -79,4 +89,4 @@ def apply_schema(prim: Any, name: str) -> Edit:
             schemas.prependedItems = [*schemas.prependedItems, name]
         spec.SetInfo("apiSchemas", schemas)
 
-    return edit
+    return Edit(path, edit)

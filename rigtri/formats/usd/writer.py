@@ -240,7 +240,7 @@ def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[
         )
         for attribute in prim.GetAuthoredAttributes()
     ]
-    return str(path), [define, *copies]
+    return str(path), [Edit(path, define), *copies]
 
 
 def _bind(skeleton: str, animation: str) -> Edit:
@@ -251,7 +251,7 @@ def _bind(skeleton: str, animation: str) -> Edit:
         relation.targetPathList.ClearEditsAndMakeExplicit()
         relation.targetPathList.explicitItems = [animation]
 
-    return edit
+    return Edit(Sdf.Path(skeleton), edit)
 
 
 def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
@@ -283,4 +283,4 @@ def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> list[Edit]:
             if name in prim.properties:
                 del prim.properties[name]
 
-    return [remove]
+    return [Edit(Sdf.Path(path), remove)]
