@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -173,21 +172,6 @@ def test_one_animation_for_two_skeletons_turned_apart_becomes_two(tmp_path: Path
 def _pair() -> str:
     twin = MESH.replace('"Skin"', '"TwinSkin"').replace("/Root/Skel", "/Root/Twin")
     return scene(skeleton(), skeleton("Twin"), animation(), MESH, twin)
-
-
-def test_joints_inside_an_instance_are_fixed_and_say_why(tmp_path: Path) -> None:
-    asset = save(tmp_path, ASSET, "asset.usda")
-    shot = '#usda 1.0\ndef "Hero" (references = @./asset.usda@; instanceable = true)\n{\n}\n'
-    document = read(save(tmp_path, shot, "shot.usda"))
-    rig = document.rig
-    assert len(rig.fixed) == 3
-    (reason,) = set(rig.fixed.values())
-    assert "</Hero/Skel> lies inside an instance" in reason
-    assert f"</Root/Skel> of {asset}" in reason
-    free = replace(rig, fixed={})
-    with pytest.raises(FileError, match="lies inside an instance"):
-        write(document, turned(free), tmp_path / "out.usda")
-    assert asset.read_text() == ASSET
 
 
 def test_joints_inside_a_variant_are_fixed_and_name_layer_and_variant(tmp_path: Path) -> None:
@@ -386,29 +370,6 @@ def test_a_file_that_was_replaced_since_is_read_anew(tmp_path: Path) -> None:
     first = read(source)
     save(tmp_path, scene(skeleton("Other", source=""), MESH.replace("/Root/Skel", "/Root/Other")))
     assert read(source).rig.labels != first.rig.labels
-
-
-def test_an_animation_in_value_clips_is_fixed_and_says_so(tmp_path: Path) -> None:
-    rotations = "quatf[] rotations.timeSamples = {1: [(1, 0, 0, 0), (0, 1, 0, 0), (1, 0, 0, 0)]}"
-    clip = f'#usda 1.0\ndef SkelRoot "Root" {{\nover "Anim" {{\n{rotations}\n}}\n}}\n'
-    save(tmp_path, clip, "clip.usda")
-    save(
-        tmp_path,
-        clip.split("timeSamples")[0].replace("rotations.", "rotations") + "\n}\n}\n",
-        "manifest.usda",
-    )
-    head = """clips = { dictionary default = {
-        asset[] assetPaths = [@./clip.usda@]
-        asset manifestAssetPath = @./manifest.usda@
-        double2[] active = [(0, 0)]
-        string primPath = "/Root"
-    } }"""
-    text = scene(skeleton(), animation(rotations=""), MESH)
-    text = text.replace('def SkelRoot "Root"', f'def SkelRoot "Root" ({head})')
-    document = read(save(tmp_path, text))
-    assert {reason.partition(" comes")[2] for reason in document.rig.fixed.values()} == {
-        " from value clips; flatten them first"
-    }
 
 
 def test_an_index_that_no_joint_has_is_refused_where_it_weighs(tmp_path: Path) -> None:

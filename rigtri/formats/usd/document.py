@@ -13,7 +13,7 @@ from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
-from rigtri.formats.usd import layers, meshes, package, splits, writer
+from rigtri.formats.usd import instances, layers, meshes, package, splits, writer
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
@@ -77,7 +77,7 @@ class UsdDocument:
             bake = self._options.bake_xform
             source, rig, first = splits.widened(self._source, rig, self._options, notices)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
-            self._write([*first, *edits], part, target)
+            self._write([*first, *edits], part, target, notices)
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
 
@@ -120,11 +120,11 @@ class UsdDocument:
         path = os.path.relpath(self._source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
         return path if path.startswith("../") else f"./{path}"
 
-    def _write(self, edits: list[Edit], part: Path, target: Path) -> None:
+    def _write(self, edits: list[Edit], part: Path, target: Path, notices: list[Notice]) -> None:
         source, override = self._source, self._options.override
         if override and not self._is_override():
             layer = self._override(target) if override == "stage" else self._opinions(target)
-            _apply(edits, layer)
+            _apply(source.stage, edits, layer, notices)
             part.write_bytes(layers.to_bytes(layer, _encoding(target.suffix)))
             return
         packed = source.path.suffix.lower() == ".usdz"
@@ -134,7 +134,7 @@ class UsdDocument:
             return
         layer = layers.copy_of(self._layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
-        _apply(edits, layer)
+        _apply(source.stage, edits, layer, notices)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             shutil.copyfile(source.path, part)
@@ -220,10 +220,16 @@ def _over(layer: Any, below: Path) -> tuple[Any, list[Notice]]:
         return layers.over(layer, stage.GetRootLayer()), warnings
 
 
-def _apply(edits: list[Edit], layer: Any) -> None:
+def _apply(stage: Any, edits: list[Edit], layer: Any, notices: list[Notice]) -> None:
+    inside: list[Edit] = []
     with Sdf.ChangeBlock():
         for edit in edits:
-            edit(layer)
+            if instances.instance_of(stage, edit.prim) is None:
+                edit(layer)
+            else:
+                inside.append(edit)
+    if inside:
+        instances.apply(stage, inside, layer, notices)
 
 
 def _encoding(suffix: str) -> str:

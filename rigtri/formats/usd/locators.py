@@ -134,7 +134,7 @@ class _Additions:
                 [
                     _define(path, "Scope"),
                     *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
-                ]
+                ],
             )
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
         above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)

@@ -104,23 +104,14 @@ def _seen_from(folder: Path, name: str) -> str:
 def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:
     """Why opinions on a prim cannot be edited from the root layer; "" where they can.
 
-    An opinion of the root layer wins over sublayers, references and payloads,
-    is ignored inside instances, and would leak into every variant.
+    An opinion of the root layer wins over sublayers, references, payloads and value
+    clips, and would leak into every variant. Into instances it gets through `instances`.
     """
     path = prim.GetPath()
-    if prim.IsInstanceProxy() or prim.IsInPrototype():
-        # Opinions on instances are ignored inside them, so the strongest is the asset's own.
-        (spec, *_) = prim.GetPrimStack() or (None,)
-        where = f": <{spec.path}> of {spec.layer.identifier}" if spec else ""
-        return f"<{path}> lies inside an instance; edit the file that the instance refers to{where}"
     for name in attributes:
         attribute = prim.GetAttribute(name)
         if not attribute or not attribute.HasAuthoredValue():
             continue
-        times = attribute.GetTimeSamples()
-        source = attribute.GetResolveInfo(times[0] if times else DEFAULT).GetSource()
-        if source == Usd.ResolveInfoSourceValueClips:
-            return f"<{path}>.{name} comes from value clips; flatten them first"
         for strongest in attribute.GetPropertyStack(DEFAULT)[:1]:
             if strongest.path.ContainsPrimVariantSelection():
                 return (

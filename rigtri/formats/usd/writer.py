@@ -14,9 +14,11 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import locators, notes, xform
+from rigtri.formats.usd.alike import united
 from rigtri.formats.usd.animations import HELD, Animation, Property
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.rounding import put
+from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
 from rigtri.formats.usd.variants import why_split
@@ -39,6 +41,7 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
         return []
     if before.keys != rig.keys[: len(before)]:
         raise ValueError("nodes of a file keep their order, and new ones come last")
+    rig = united(before, rig, source.skeletons)
     moved = np.zeros(len(before), dtype=bool)
     moved |= (before.local != rig.local[: len(before)]).any(axis=(1, 2))
     return [
@@ -234,7 +237,7 @@ def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[
             attribute.GetName(),
             attribute.GetTypeName(),
             attribute.Get(),
-            samples={time: attribute.Get(time) for time in attribute.GetTimeSamples()},
+            samples=dict(time_samples(attribute)),
             uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
             custom=attribute.IsCustom(),
         )
