@@ -5,8 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pxr import Usd
 from usd_files import MESH, animation, save, scene, skeleton
+
+from rigtri.quaternions import IDENTITY
+from rigtri.reframe import reframe
+from rigtri.rig import Rig
 
 # The character; its skeleton is driven by whatever the instance is bound to.
 HERO = scene(skeleton(source=""), MESH)
@@ -52,6 +57,18 @@ def crowd(folder: Path, arc: str = "references", head: str = "") -> Path:
     ]
     text = shot(animation("Walk"), animation("Run", rotations=run), *heroes, head=head)
     return save(folder, text, "crowd.usda")
+
+
+TURNS = [[0.5, 0.5, 0.5, 0.5], [0, 0, 1, 0], [0.6, 0, 0, 0.8]]
+
+
+def alike(rig: Rig, only: str = "") -> Rig:
+    """The rig with the same turns for joints of the same path in all skeletons (or those below ``only``)."""
+    turn = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
+    for skin in rig.skins:
+        if str(skin.key[1]).startswith(only):
+            turn[skin.joints] = TURNS
+    return reframe(rig, turn)
 
 
 def prototypes(path: Path) -> int:

@@ -8,7 +8,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from crowds import ACTOR, contents, crowd, instance, prototypes, shot
+from crowds import ACTOR, TURNS, alike, contents, crowd, instance, prototypes, shot
 from pxr import Sdf, Usd, UsdSkel, UsdUtils
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
 
@@ -16,18 +16,6 @@ from rigtri.compare import self_check
 from rigtri.formats.usd import layers
 from rigtri.quaternions import IDENTITY
 from rigtri.reframe import reframe
-from rigtri.rig import Rig
-
-TURNS = [[0.5, 0.5, 0.5, 0.5], [0, 0, 1, 0], [0.6, 0, 0, 0.8]]
-
-
-def alike(rig: Rig, only: str = "") -> Rig:
-    """The rig with the same turns for joints of the same path in all skeletons (or those below ``only``)."""
-    turn = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
-    for skin in rig.skins:
-        if str(skin.key[1]).startswith(only):
-            turn[skin.joints] = TURNS
-    return reframe(rig, turn)
 
 
 @pytest.mark.parametrize("arc", ["references", "payload"])

@@ -174,66 +174,6 @@ def _pair() -> str:
     return scene(skeleton(), skeleton("Twin"), animation(), MESH, twin)
 
 
-def test_joints_inside_a_variant_are_fixed_and_name_layer_and_variant(tmp_path: Path) -> None:
-    inside = f'variantSet "body" = {{ "thin" {{\n{skeleton()}\n}}\n"wide" {{\n}}\n}}'
-    text = scene(inside, animation(), MESH).replace(
-        'def SkelRoot "Root"',
-        'def SkelRoot "Root" (variants = { string body = "thin" }; prepend variantSets = "body")',
-    )
-    document = read(save(tmp_path, text))
-    (reason,) = set(document.rig.fixed.values())
-    assert "inside the variant /Root{body=thin}Skel" in reason
-    assert "in.usda" in reason
-
-
-@pytest.mark.parametrize(
-    ("other", "what"),
-    [
-        ('over "Skel" {\nrel skel:animationSource = </Root/Run>\n}', "animationSource> (</Root/Run>)"),
-        ("", "Skel.skel:animationSource>"),
-        ('def Xform "Prop" {}\nover "Skel" {\nrel skel:animationSource = </Root/Anim>\n}', ""),
-    ],
-)
-@pytest.mark.parametrize("composed", [False, True])
-def test_another_animation_in_a_variant_that_is_not_selected_is_refused(
-    composed: bool, other: str, what: str, tmp_path: Path
-) -> None:
-    mine = 'over "Skel" {\nrel skel:animationSource = </Root/Anim>\n}'
-    arc = ""
-    if composed:
-        save(tmp_path, f'#usda 1.0\n(defaultPrim = "Root")\nover "Root"\n{{\n{other}\n}}\n', "b.usda")
-        arc, other = "(references = @./b.usda@)", ""
-    sets = f'variantSet "clip" = {{ "a" {{\n{mine}\n}}\n"b" {arc} {{\n{other}\n}}\n}}'
-    text = scene(skeleton(source=""), animation(), animation("Run"), MESH, sets).replace(
-        'def SkelRoot "Root"',
-        'def SkelRoot "Root" (variants = { string clip = "a" }; prepend variantSets = "clip")',
-    )
-    document = read(save(tmp_path, text))
-    if not what:
-        write(document, turned(document.rig), tmp_path / "out.usda")
-        return
-    with pytest.raises(FileError, match="Variant 'b' of the variant set 'clip' on </Root>") as caught:
-        write(document, turned(document.rig), tmp_path / "out.usda")
-    assert what in str(caught.value)
-
-
-def test_values_in_a_variant_that_is_not_selected_are_refused(tmp_path: Path) -> None:
-    save(tmp_path, ASSET, "asset.usda")
-    text = """#usda 1.0
-def "Root" (references = @./asset.usda@; variants = { string v = "a" }; prepend variantSets = "v")
-{
-    variantSet "v" = { "a" {} "b" {
-        over "Anim" {
-            float3[] translations = [(0, 2, 0), (0, 1, 0), (0, 2, 1)]
-        }
-    } }
-}
-"""
-    document = read(save(tmp_path, text))
-    with pytest.raises(FileError, match=r"</Root/Anim\.translations>"):
-        write(document, turned(document.rig), tmp_path / "out.usda")
-
-
 def test_an_over_outside_the_variant_can_be_edited(tmp_path: Path) -> None:
     text = scene(skeleton(), animation(), MESH, 'variantSet "v" = { "x" {\n}\n}').replace(
         'def SkelRoot "Root"',

@@ -13,7 +13,7 @@ from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
-from rigtri.formats.usd import instances, layers, meshes, package, splits, writer
+from rigtri.formats.usd import instances, layers, meshes, package, splits, variant_edits, writer
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
@@ -77,7 +77,8 @@ class UsdDocument:
             bake = self._options.bake_xform
             source, rig, first = splits.widened(self._source, rig, self._options, notices)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
-            self._write([*first, *edits], part, target, notices)
+            routed = variant_edits.routed(source, rig, edits)
+            self._write([*first, *routed], part, target, notices)
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
 

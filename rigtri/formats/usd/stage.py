@@ -101,6 +101,15 @@ def _seen_from(folder: Path, name: str) -> str:
         return name
 
 
+def why_instanced(prim: Any) -> str:
+    """Why joints cannot be renamed on a prim inside an instance; "" where it is none."""
+    if not (prim.IsInstanceProxy() or prim.IsInPrototype()):
+        return ""
+    (spec, *_) = prim.GetPrimStack() or (None,)
+    where = f": <{spec.path}> of {spec.layer.identifier}" if spec else ""
+    return f"<{prim.GetPath()}> lies inside an instance; edit the file that the instance refers to{where}"
+
+
 def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:
     """Why opinions on a prim cannot be edited from the root layer; "" where they can.
 

@@ -10,7 +10,10 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from pxr import Sdf
+
+from rigtri.trigonometry import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,26 @@ class Edit:
 
     def __call__(self, layer: Any) -> None:
         self.change(layer)
+
+
+@dataclass(frozen=True, eq=False)
+class Setting(Edit):
+    """An attribute that gets a value, samples, or both. at: the same for another prim."""
+
+    name: str
+    value: Any
+    samples: Mapping[float, Any]
+    at: Callable[[Any], Setting]
+
+    @property
+    def path(self) -> Any:
+        """The attribute's path, as the stage shows it."""
+        return self.prim.AppendProperty(self.name)
+
+    def arrays(self) -> dict[float | None, Floats]:
+        """Default (None) and samples as numbers; what is blocked has none."""
+        every = [(None, self.value), *self.samples.items()]
+        return {time: np.array(value, dtype=np.float64) for time, value in every if value is not None}
 
 
 def parts(key: Hashable) -> tuple[Any, ...]:
@@ -44,7 +67,7 @@ def set_value(
     uniform: bool = False,
     custom: bool = False,
     alone: bool = False,
-) -> Edit:
+) -> Setting:
     """Set an attribute's default (None leaves it) and time samples (None is a blocked one).
 
     The layer gets an ``over`` where it has no opinion on the prim. alone: take
@@ -70,7 +93,12 @@ def set_value(
         for time, sample in (samples or {}).items():
             layer.SetTimeSample(path, time, Sdf.ValueBlock() if sample is None else sample)
 
-    return Edit(path.GetPrimPath(), edit)
+    def at(other: Any) -> Setting:
+        return set_value(
+            other, name, type_name, value, samples=samples, uniform=uniform, custom=custom, alone=alone
+        )
+
+    return Setting(path.GetPrimPath(), edit, name, value, samples or {}, at)
 
 
 def apply_schema(prim: Any, name: str) -> Edit:

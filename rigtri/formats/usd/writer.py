@@ -6,7 +6,7 @@ Everything else keeps its bits, and every value is known before the first edit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from rigtri.formats.usd.rounding import put
 from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
-from rigtri.formats.usd.variants import why_split
 from rigtri.matrices import inverse
 from rigtri.report import Notice
 from rigtri.rig import Clip, Rig
@@ -81,8 +80,6 @@ def _skin_edits(source: Source, rig: Rig, moved: np.ndarray) -> list[Edit]:
             bind[turned] = inverse(new.inverse_bind[turned])
             found.append(_set_matrices(skeleton, prim, "bindTransforms", bind))
         carried = moved[old.joints]
-        if (turned.any() or carried.any()) and (why := why_split(source.stage, skeleton)):
-            raise FileError(f"{why}.")
         if carried.any() and skeleton.has_rest:
             rest = np.where(carried[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
             found.append(_set_matrices(skeleton, prim, "restTransforms", rest))
@@ -195,7 +192,8 @@ def _array_edits(source: Source, animation: Animation, path: str, columns: Colum
 
     A stronger sample hides all weaker ones, so none may be left out.
     """
-    prim, found = source.stage.GetPrimAtPath(animation.path), []
+    found: list[Edit] = []
+    prim = source.stage.GetPrimAtPath(animation.path)
     for name, item in animation.properties.items():
         mine = {slot: values for slot, values in columns.items() if slot[1] == name}
         if not mine:
@@ -275,7 +273,7 @@ def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
     return [edit for path in sorted(changed) for edit in _set_joint_notes(path, wanted.get(path, {}))]
 
 
-def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> list[Edit]:
+def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> Sequence[Edit]:
     if wanted:
         attributes = notes.joint_attributes(wanted)
         return [set_value(path, n, t, v, uniform=True, custom=True) for n, (t, v) in attributes.items()]
