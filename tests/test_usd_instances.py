@@ -13,7 +13,10 @@ from pxr import Sdf, Usd, UsdSkel, UsdUtils
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
 
 from rigtri.compare import self_check
+from rigtri.errors import FileError
 from rigtri.formats.usd import layers
+from rigtri.formats.usd.confirm import Expected
+from rigtri.formats.usd.values import set_value
 from rigtri.quaternions import IDENTITY
 from rigtri.reframe import reframe
 
@@ -187,3 +190,37 @@ def test_instances_that_stand_differently_are_turned_alike_to_the_bit(
         assert deviation(source, out) < 1e-6
         assert prototypes(out) == 1
         assert "Walk_2" not in out.read_text()
+
+
+def test_value_clips_inside_the_instances_are_overridden_by_the_class(tmp_path: Path) -> None:
+    rotations = "quatf[] rotations.timeSamples = {1: [(1, 0, 0, 0), (0, 1, 0, 0), (1, 0, 0, 0)]}"
+    inside = f'#usda 1.0\nover "Root"\n{{\nover "Anim"\n{{\n{rotations}\n}}\n}}\n'
+    save(tmp_path, inside, "parts/clip.usda")
+    save(tmp_path, inside.replace(rotations, "quatf[] rotations"), "parts/all.usda")
+    clips = """clips = { dictionary default = {
+        asset[] assetPaths = [@./clip.usda@]
+        asset manifestAssetPath = @./all.usda@
+        double2[] active = [(0, 0)]
+        string primPath = "/Root"
+    } }"""
+    hero = scene(skeleton(), animation(rotations=""), MESH)
+    save(tmp_path, hero.replace('def SkelRoot "Root"', f'def SkelRoot "Root" ({clips})'), "parts/hero.usda")
+    source = save(tmp_path, shot(instance("One"), instance("Two", x=3)), "crowd.usda")
+    document = read(source)
+    assert document.rig.clips[0].name == "Anim"
+    out = write(document, alike(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == 1
+
+
+def test_a_value_that_another_opinion_hides_is_an_error_with_layer_and_path(tmp_path: Path) -> None:
+    source = save(tmp_path, ACTOR)
+    stage = Usd.Stage.Open(str(source))
+    value = stage.GetPrimAtPath("/Root/Skel").GetAttribute("restTransforms").Get()
+    settings = [
+        set_value("/Root/Skel", "restTransforms", Sdf.ValueTypeNames.Matrix4dArray, matrices, uniform=True)
+        for matrices in (value, value[:1] * 3)
+    ]
+    Expected().check(stage, settings[:1])
+    with pytest.raises(FileError, match=r"</Root/Skel.restTransforms> cannot .*in.usda is stronger"):
+        Expected().check(stage, settings)

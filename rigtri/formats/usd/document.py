@@ -14,6 +14,7 @@ from pxr import Sdf, Usd
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
 from rigtri.formats.usd import instances, layers, meshes, package, splits, variant_edits, writer
+from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
@@ -77,33 +78,46 @@ class UsdDocument:
             bake = self._options.bake_xform
             source, rig, first = splits.widened(self._source, rig, self._options, notices)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
-            routed = variant_edits.routed(source, rig, edits)
+            expected = Expected()
+            routed = variant_edits.routed(source, rig, edits, expected)
             self._write([*first, *routed], part, target, notices)
+            if any(edit not in routed for edit in edits) or self._in_instances(edits):
+                expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
 
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""
-        bare = self._options.override == "layer" and not self._is_override()
-        if not bare and (not self._streamed or part.suffix.lower() == ".usdz"):
+        if not self._bare and (not self._streamed or part.suffix.lower() == ".usdz"):
             return UsdDocument.read(part, self._options)
         with quiet(f"{part}: USD cannot read it"):
-            # What a stream got stands where the source stood; a twin with absolute paths does, too.
-            layer = layers.fresh(part)
-            if self._streamed:
-                layer = layers.copy_of(layer)
-                layers.rename_assets(layer, layers.anchored(self._source.path.parent))
-            if bare:
-                stage = layers.over(layer, self._source.layer)
-            elif (below := _source_of(layer, part)) is not None:
-                stage, _ = _over(layer, below)
-            else:
-                stage = Usd.Stage.Open(layer)
+            stage, layer = self._composed(part)
         return UsdDocument(read_source(part, self._options, stage), self._options, layer)
+
+    def _composed(self, part: Path) -> tuple[Any, Any]:
+        """The stage of what was written, and the layer in it that an edit would edit."""
+        layer = layers.fresh(part)
+        if self._streamed and part.suffix.lower() != ".usdz":
+            # What a stream got stands where the source stood; a twin with absolute paths does, too.
+            layer = layers.copy_of(layer)
+            layers.rename_assets(layer, layers.anchored(self._source.path.parent))
+        if self._bare:
+            return layers.over(layer, self._source.layer), layer
+        if (below := _source_of(layer, part)) is not None:
+            return _over(layer, below)[0], layer
+        return Usd.Stage.Open(layer), layer
+
+    @property
+    def _bare(self) -> bool:
+        return self._options.override == "layer" and not self._is_override()
 
     @property
     def _streamed(self) -> bool:
         return self._options.from_stream or self._options.to_stream
+
+    def _in_instances(self, edits: Sequence[Edit]) -> bool:
+        stage = self._source.stage
+        return any(instances.instance_of(stage, edit.prim) is not None for edit in edits)
 
     def _is_override(self) -> bool:
         return "override" in dict(self._layer.customLayerData.get(MARK, {}))

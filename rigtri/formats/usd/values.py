@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 from pxr import Sdf
 
-from rigtri.trigonometry import Floats
-
 
 @dataclass(frozen=True, eq=False)
 class Edit:
@@ -41,10 +39,14 @@ class Setting(Edit):
         """The attribute's path, as the stage shows it."""
         return self.prim.AppendProperty(self.name)
 
-    def arrays(self) -> dict[float | None, Floats]:
-        """Default (None) and samples as numbers; what is blocked has none."""
-        every = [(None, self.value), *self.samples.items()]
-        return {time: np.array(value, dtype=np.float64) for time, value in every if value is not None}
+    def arrays(self) -> dict[Any, np.ndarray]:
+        """Default (None) and samples as arrays."""
+        return arrays({None: self.value} | dict(self.samples))
+
+
+def arrays(values: Mapping[Any, Any]) -> dict[Any, np.ndarray]:
+    """Values by time as arrays; what is blocked has none."""
+    return {time: np.array(value) for time, value in values.items() if value is not None}
 
 
 def parts(key: Hashable) -> tuple[Any, ...]:

@@ -18,6 +18,7 @@ from pxr import Sdf
 from rigtri.errors import FileError
 from rigtri.formats import Options
 from rigtri.formats.usd import instances, writer
+from rigtri.formats.usd.confirm import Expected, agree
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, Setting, kind, parts
@@ -27,14 +28,10 @@ from rigtri.quaternions import IDENTITY, from_axes
 from rigtri.reframe import reframe, scale_allows
 from rigtri.report import Notice
 from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
-
-# Values that two variants want for one opinion are the same if they differ by float32 rounding.
-_SAME = 1e-6
 
 
-def routed(source: Source, rig: Rig, edits: Sequence[Edit]) -> list[Edit]:
-    """Edits for all variants, from those for the selected ones.
+def routed(source: Source, rig: Rig, edits: Sequence[Edit], expected: Expected) -> list[Edit]:
+    """Edits for all variants, from those for the selected ones; ``expected`` hears what they lead to.
 
     FileError, naming layer and path, where a variant cannot be edited from the root layer.
     """
@@ -50,7 +47,7 @@ def routed(source: Source, rig: Rig, edits: Sequence[Edit]) -> list[Edit]:
     others = [edit for edit in edits if not (isinstance(edit, Setting) and edit.name in VALUES)]
     for trial in trials:
         _refuse_new_bindings(trial, others)
-        _route(_Turns(source, rig, trial.skeleton), trial, settings)
+        _route(_Turns(source, rig, trial.skeleton), trial, settings, expected)
     return [*settings.values(), *others]
 
 
@@ -104,14 +101,16 @@ def _refuse_new_bindings(trial: Trial, others: Sequence[Edit]) -> None:
         )
 
 
-def _route(turns: _Turns, trial: Trial, result: dict[Any, Setting]) -> None:
+def _route(turns: _Turns, trial: Trial, result: dict[Any, Setting], expected: Expected) -> None:
     """Put what each state of a skeleton needs into ``result``, by the path that it is written to."""
     base = trial.states[0]
     for attribute in [path for path in result if trial.depends.get(path)]:
         if attribute in base.shown:
             _put(result.pop(attribute), base, trial, result)
     for state in trial.states[1:]:
-        for edit in turns.settings(trial, state):
+        wanted = turns.settings(trial, state)
+        expected.add(trial, state, wanted)
+        for edit in wanted:
             _put(edit, state, trial, result)
 
 
@@ -121,7 +120,7 @@ def _put(edit: Setting, state: State, trial: Trial, result: dict[Any, Setting]) 
     known = result.get(path.AppendProperty(edit.name))
     if known is None:
         result[path.AppendProperty(edit.name)] = replace(edit.at(path), prim=edit.prim)
-    elif not _agree(known, edit):
+    elif not agree(known, edit.arrays()):
         raise FileError(
             f"In {state.title}, <{edit.path}> ({trial.place_of(state, edit.prim)}) would need other values "
             "than elsewhere. Give each variant a file of its own."
@@ -150,18 +149,3 @@ def _inside(prim: Any, sets: set[Any], state: State, trial: Trial) -> Any:
                         "variant a file of its own."
                     )
     return path
-
-
-def _agree(one: Setting, other: Setting) -> bool:
-    mine, theirs = one.arrays(), other.arrays()
-    rotations = one.name == "rotations"
-    return mine.keys() == theirs.keys() and all(_close(mine[t], theirs[t], rotations) for t in mine)
-
-
-def _close(one: Floats, other: Floats, rotations: bool) -> bool:
-    if one.shape != other.shape:
-        return False
-    if rotations:  # q and −q are one rotation
-        other = np.where((one * other).sum(axis=-1, keepdims=True) < 0, -other, other)
-    size = float(np.abs(one).max(initial=1.0))
-    return bool(np.abs(one - other).max(initial=0.0) <= _SAME * size)

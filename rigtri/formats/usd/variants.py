@@ -57,7 +57,7 @@ class Trial:
     moves it in any of them, the sets that decide where its values come from.
     """
 
-    def __init__(self, stage: Any, skeleton: Skeleton) -> None:
+    def __init__(self, stage: Any, skeleton: Skeleton, *, explore: bool = True) -> None:
         self.source, self.skeleton = stage, skeleton
         self.states: list[State] = []
         self.depends: dict[Any, set[VariantSet]] = {}
@@ -65,7 +65,8 @@ class Trial:
         watched = [path for path in (skeleton.path, skeleton.animation) if path]
         if any(_sets(stage.GetPrimAtPath(path)) for path in _prefixes(watched) if stage.GetPrimAtPath(path)):
             self.stage = _bare_stage(stage, watched)
-            self._find_dependencies(self._explore())
+            if explore:
+                self._find_dependencies(self._explore())
 
     def choose(self, chosen: Mapping[VariantSet, str]) -> None:
         """Show a state on the stage."""
