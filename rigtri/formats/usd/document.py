@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
-from rigtri.formats.usd import instances, layers, meshes, package, splits, variant_edits, writer
+from rigtri.formats.usd import external, instances, layers, meshes, package, splits, variant_edits, writer
 from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
@@ -39,7 +40,7 @@ class UsdDocument:
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
         options = options or Options()
-        stage, layer, warnings = opened(path)
+        stage, layer, warnings = opened(path, allow_external=options.allow_external_paths)
         return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
@@ -89,7 +90,7 @@ class UsdDocument:
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""
         if not self._bare and (not self._streamed or part.suffix.lower() == ".usdz"):
-            return UsdDocument.read(part, self._options)
+            return UsdDocument.read(part, self._trusting)
         with quiet(f"{part}: USD cannot read it"):
             stage, layer = self._composed(part)
         return UsdDocument(read_source(part, self._options, stage), self._options, layer)
@@ -104,8 +105,13 @@ class UsdDocument:
         if self._bare:
             return layers.over(layer, self._source.layer), layer
         if (below := _source_of(layer, part)) is not None:
-            return _over(layer, below)[0], layer
+            return _over(layer, below, part, True)[0], layer
         return Usd.Stage.Open(layer), layer
+
+    @property
+    def _trusting(self) -> Options:
+        """Where the output lies in another folder, the source's files are outside it, but were allowed."""
+        return replace(self._options, allow_external_paths=True)
 
     @property
     def _bare(self) -> bool:
@@ -201,12 +207,12 @@ class UsdDocument:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
 
 
-def opened(path: Path) -> tuple[Any, Any, list[Notice]]:
+def opened(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]:
     """The stage of a file (bare opinions of ours over what they are for), its layer, and notices."""
-    stage, warnings = open_stage(path)
+    stage, warnings = open_stage(path, allow_external=allow_external)
     layer = stage.GetRootLayer()
     if (below := _source_of(layer, path)) is not None:
-        stage, warnings = _over(layer, below)
+        stage, warnings = _over(layer, below, path, allow_external)
     return stage, layer, warnings
 
 
@@ -228,9 +234,10 @@ def _source_of(layer: Any, path: Path) -> Path | None:
     return source
 
 
-def _over(layer: Any, below: Path) -> tuple[Any, list[Notice]]:
-    """The stage of bare opinions over the file they are for, and what was noticed about that."""
-    stage, warnings = open_stage(below)
+def _over(layer: Any, below: Path, path: Path, allow_external: bool) -> tuple[Any, list[Notice]]:
+    """The stage of bare opinions in ``path`` over the file they are for, and what was noticed about that."""
+    external.check_file(below, path, allow_external=allow_external)
+    stage, warnings = open_stage(below, allow_external=allow_external)
     with quiet(f"{below}: USD cannot read it"):
         return layers.over(layer, stage.GetRootLayer()), warnings
 
