@@ -10,6 +10,7 @@ from crowds import contents
 from pxr import Sdf, Usd
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, turned, write
 
+from rigtri.errors import FileError
 from rigtri.formats.usd import layers
 from rigtri.formats.usd.samples import time_samples
 
@@ -173,3 +174,49 @@ def test_a_default_beside_the_clips_hides_them_as_before(tmp_path: Path) -> None
     out = write(document, turned(document.rig), tmp_path / "out.usda")
     assert deviation(source, out) < 2e-6
     assert far(source, out, np.arange(-1, 11, 0.371)) < 1e-5
+
+
+def test_clips_that_no_samples_can_say_are_refused_with_layer_and_path(tmp_path: Path) -> None:
+    """Where a clip lacks the attribute, USD may interpolate across it, and shows no samples there."""
+    three = EXPLICIT.replace("002.usda@]", "002.usda@, @./clips/part.003.usda@]")
+    three += "bool interpolateMissingClipValues = true\ndouble2[] active = [(0, 0), (3, 1), (6, 2)]\n"
+    three += "double2[] times = [(0, 0), (3, 3), (3, 0), (6, 3), (6, 0), (10, 4)]"
+    source = clipped(tmp_path, [LONG[0], "", LONG[1]], three)
+    reason = r"</Root/Anim.rotations>: the value clips \(of .*part.001.usda\) .* between 3 and 6"
+    with pytest.raises(FileError, match=reason):
+        read(source)
+
+
+def test_opinions_of_relocated_inherited_and_specialized_prims_are_overridden(tmp_path: Path) -> None:
+    save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    text = """#usda 1.0
+(
+    relocates = { </World/Moved/Anim> : </World/Moved/Walk> }
+)
+class "Hero" (references = @./hero.usda@</Root>)
+{
+}
+def Xform "World"
+{
+    def "Moved" (references = @./hero.usda@</Root>)
+    {
+        over "Skel"
+        {
+            rel skel:animationSource = </World/Moved/Walk>
+        }
+    }
+    def "Heir" (inherits = </Hero>)
+    {
+    }
+    def "Special" (specializes = </Hero>)
+    {
+    }
+}
+"""
+    source = save(tmp_path, text, "shot.usda")
+    document = read(source)
+    assert len(document.rig.skins) == 3
+    assert len(document.rig.clips) == 6
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert not document.warnings
