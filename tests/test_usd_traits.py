@@ -24,62 +24,52 @@ from usd_files import (
 
 from rigtri.compare import self_check, verify
 
-# As in files: a joint whose frame is mirrored (x negated), at rest, bound and posed.
-MIRRORED = {
-    "bind": SKELETON["bind"].replace(
-        at(0, 2, 0), "((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
-    ),
-    "rest": SKELETON["rest"].replace(
-        at(0, 2, 0), "((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
-    ),
-}
-SKIPPED = {
-    key: value.replace('"a/b", "a/b/c"', '"a/x/y/b", "a/x/y/b/z/c"')
-    .replace('"a/b", "a",', '"a/x/y/b", "a",')
-    .replace('"a/b/c"]', '"a/x/y/b/z/c"]')
-    for key, value in {"skeleton": SKELETON["joints"], "animation": ANIMATION["joints"]}.items()
-}
+FLIPPED = "((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+MIRRORED = {name: SKELETON[name].replace(at(0, 2, 0), FLIPPED) for name in ("bind", "rest")}
+
+
+def deep(joints: str) -> str:
+    """Joint paths that leave out the prims between."""
+    return joints.replace('"a/b/c"', '"a/x/y/b/z/c"').replace('"a/b"', '"a/x/y/b"')
+
+
 FEWER = {
     "joints": 'uniform token[] joints = ["a/b"]',
     "translations": "float3[] translations = [(0, 2, 0)]",
     "rotations": "quatf[] rotations.timeSamples = { 1: [(1, 0, 0, 0)], 5: [(0.8, 0, 0.6, 0)] }",
     "scales": "half3[] scales = [(1, 1, 1)]",
 }
+ODD = [f'"x{k}"' for k in range(106)]
 MORE = {
-    "joints": 'uniform token[] joints = ["a", "a/b", "a/b/c", '
-    + ", ".join(f'"x{k}"' for k in range(106))
-    + "]",
+    "joints": f'uniform token[] joints = ["a", "a/b", "a/b/c", {", ".join(ODD)}]',
     "translations": f"float3[] translations = [(0, 0, 0), (0, 2, 0), (0, 2, 1){', (7, 8, 9)' * 106}]",
-    "rotations": f"quatf[] rotations = [(0.8, 0.6, 0, 0), (0.6, 0, 0.8, 0), (1, 0, 0, 0){', (0, 1, 0, 0)' * 106}]",
+    "rotations": "quatf[] rotations = [(0.8, 0.6, 0, 0), (0.6, 0, 0.8, 0), (1, 0, 0, 0)"
+    f"{', (0, 1, 0, 0)' * 106}]",
     "scales": f"half3[] scales = [(1, 1, 1), (1, 1, 1), (1, 1, 1){', (1, 2, 3)' * 106}]",
 }
-# 0.30005 is no half: what is stored is 0.3 rounded to 11 bits, which must come back bit by bit.
+# 0.30005 is no half: what is stored is rounded to 11 bits, which must come back bit by bit.
 HALVES = "half3[] scales = [(0.30005, 0.30005, 0.30005), (1, 1, 1), (1.7, 1.7, 1.7)]"
-SCALED = "half3[] scales.timeSamples = { 1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], 5: [(2, 2, 2), (1, 1, 1), (0.5, 0.5, 0.5)] }"
-TILTED = MESH.replace(
-    "rel skel:skeleton",
-    "matrix4d primvars:skel:geomBindTransform = ((0, 2, 0, 0), (-2, 0, 0, 0), (0, 0, 2, 0), (1, 0, 3, 1))\nrel skel:skeleton",
-)
+SCALED = "half3[] scales.timeSamples = { 1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], "
+SCALED += "5: [(2, 2, 2), (1, 1, 1), (0.5, 0.5, 0.5)] }"
+TILT = "((0, 2, 0, 0), (-2, 0, 0, 0), (0, 0, 2, 0), (1, 0, 3, 1))"
+BOUND = "rel skel:skeleton"
+TILTED = MESH.replace(BOUND, f"matrix4d primvars:skel:geomBindTransform = {TILT}\n{BOUND}")
+DUAL = MESH.replace(BOUND, f'uniform token primvars:skel:skinningMethod = "dualQuaternion"\n{BOUND}')
 MOVING = """double3 xformOp:translate.timeSamples = { 1: (0, 0, 0), 5: (9, 1, 0) }
 float xformOp:rotateY.timeSamples = { 1: 0, 5: 80 }
 uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateY"]"""
-DUAL = MESH.replace(
-    "rel skel:skeleton", 'uniform token primvars:skel:skinningMethod = "dualQuaternion"\nrel skel:skeleton'
-)
 ON_ROOT = "rel skel:animationSource = </Root/Anim>"
 
 TRAITS = {
     "joint paths that skip levels": scene(
-        skeleton(joints=SKIPPED["skeleton"]), animation(joints=SKIPPED["animation"]), MESH
+        skeleton(joints=deep(SKELETON["joints"])), animation(joints=deep(ANIMATION["joints"])), MESH
     ),
-    "SkelAnimations with fewer joints than the skeleton (1 of 3)": scene(
-        skeleton(), animation(**FEWER), MESH
-    ),
+    "SkelAnimations with fewer joints (1 of 3)": scene(skeleton(), animation(**FEWER), MESH),
     "or more (109 for 26)": scene(skeleton(), animation(**MORE), MESH),
     "both a default and time samples": scene(
         skeleton(), animation(more="quatf[] rotations = [(0.6, 0, 0.8, 0), (0, 1, 0, 0), (1, 0, 0, 0)]"), MESH
     ),
-    "mirrored joints with negative determinant": scene(skeleton(**MIRRORED), MESH),
+    "mirrored joints with negative determinant": scene(skeleton(source="", **MIRRORED), MESH),
     "half-precision scales": scene(skeleton(), animation(scales=HALVES), MESH),
     "scale that exists only in time samples": scene(skeleton(), animation(scales=SCALED), MESH),
     "animationSource on Skeleton": scene(skeleton(), animation(), MESH),
@@ -127,10 +117,9 @@ def test_rewriting_only_the_samples_would_break_the_default_pose(tmp_path: Path)
     source = save(tmp_path, TRAITS["both a default and time samples"])
     document = read(source)
     out = write(document, turned(document.rig), tmp_path / "out.usda")
-    lines = iter(source.read_text().splitlines())
-    old = next(line for line in lines if line.strip().startswith("quatf[] rotations = "))
-    new = next(
-        line for line in out.read_text().splitlines() if line.strip().startswith("quatf[] rotations = ")
+    old, new = (
+        next(line for line in path.read_text().splitlines() if "quatf[] rotations = " in line)
+        for path in (source, out)
     )
     broken = save(tmp_path, out.read_text().replace(new, old), "broken.usda")
     assert deviation(source, out) < 1e-6
