@@ -187,3 +187,13 @@ def test_packages_of_usd_utils_are_read(folders: tuple[Path, Path]) -> None:
     folder, asset = folders
     assert UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(asset)), str(folder / "hero.usdz"))
     assert read(folder / "hero.usdz").rig.skins
+
+
+def test_what_usd_cannot_read_is_no_reason_to_refuse_the_rest(folders: tuple[Path, Path]) -> None:
+    folder, _ = folders
+    save(folder, "no layer", "prop.abc")
+    save(folder, "#usda 1.0\ndef {", "broken.usda")
+    odd = 'def "A" (references = @./prop.abc@)\n{\n}\ndef "B" (references = @./broken.usda@)\n{\n}\n'
+    source = save(folder, ASSET + odd, "shot.usda")
+    document = read(source)
+    assert document.rig.skins

@@ -237,3 +237,14 @@ def test_a_second_run_over_variants_writes_the_same_bytes(tmp_path: Path) -> Non
     assert outs[0] == outs[1]
     layer = layers.fresh(tmp_path / "one.usda")
     assert layer.GetPrimAtPath("/Root").variantSelections["clip"] == "a"
+
+
+@pytest.mark.parametrize("name", ["animation", "skeleton", "binding"])
+def test_an_output_is_edited_again_in_every_variant(name: str, tmp_path: Path) -> None:
+    source = save(tmp_path, choosing(SCENES[name], clip="a"))
+    first = edited(source, tmp_path)
+    again = read(first)
+    assert write(again, again.rig, tmp_path / "same.usda").read_bytes() == first.read_bytes()
+    second = write(again, turned(again.rig, seed=2), tmp_path / "second.usda")
+    for variant in "ab":
+        assert apart(source, second, {"clip": variant}) < 1e-5

@@ -82,7 +82,7 @@ class UsdDocument:
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)
             self._write([*first, *routed], part, target, notices)
-            if any(edit not in routed for edit in edits) or self._in_instances(edits):
+            if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()

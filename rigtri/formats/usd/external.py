@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pxr import Ar, Sdf
+from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
 
@@ -39,9 +39,17 @@ def check(path: Path, *, allow_external: bool) -> list[Any]:
             if not identifier or not composed or identifier in known:
                 continue
             known.add(identifier)
-            if (found := Sdf.Layer.FindOrOpen(identifier)) is not None:
+            if (found := _opened(identifier)) is not None:
                 layers.append(found)
     return layers
+
+
+def _opened(identifier: str) -> Any:
+    """A layer; None for one that USD cannot read, which is told when the stage is composed."""
+    try:
+        return Sdf.Layer.FindOrOpen(identifier)
+    except Tf.ErrorException:
+        return None
 
 
 def check_used(stage: Any, path: Path, *, allow_external: bool) -> None:

@@ -168,8 +168,8 @@ def why_split(stage: Any, skeleton: Skeleton) -> str:
     path = min(depends)
     prim, name = min(depends[path])
     return (
-        f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in one "
-        "would not fit the others. Give each variant a file of its own, or choose snap or skip"
+        f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in "
+        "one would not fit the others. Give each variant a file of its own, or choose snap or skip"
     )
 
 
