@@ -70,7 +70,8 @@ def _close(one: np.ndarray, other: np.ndarray, rotations: bool) -> bool:
     if one.shape != other.shape or one.dtype.kind != "f":
         return np.array_equal(one, other)
     one, other = one.astype(np.float64), other.astype(np.float64)
+    off = np.abs(one - other)
     if rotations:
-        other = np.where((one * other).sum(axis=-1, keepdims=True) < 0, -other, other)
+        off = np.minimum(off.max(axis=-1), np.abs(one + other).max(axis=-1))
     size = float(np.abs(one).max(initial=1.0))
-    return bool(np.abs(one - other).max(initial=0.0) <= _SAME * size)
+    return bool(off.max(initial=0.0) <= _SAME * size)
