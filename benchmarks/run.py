@@ -20,6 +20,8 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
+from size import growth, large_files
+
 ROOT = Path(__file__).resolve().parent.parent
 SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
 PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
@@ -196,32 +198,45 @@ def character(source: Path, folder: Path, runs: int) -> list[str]:
     return lines
 
 
+def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
+    """Ordinary characters, beside the peers, and what a run imports."""
+    start = median_of(runs, process(*PROGRAM, "--help"))
+    lines = [f"`rigtri --help`: {start:.3f} s.", ""]
+    lines += character(ROOT / "samples" / "biped.glb", folder, runs)
+    usd = [ROOT / "samples" / "biped.usdz"]
+    if assets:
+        lines += character(next(assets.rglob("*CesiumMan*.glb")), folder, runs)
+        usd += list(assets.rglob("*CesiumMan*.usdz"))
+    lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
+    lines += [f"| {path.name} | {median_of(runs, cold(path, folder)):.3f} |" for path in usd]
+    loaded = imports(ROOT / "samples" / "biped.glb", folder)
+    lines += ["", f"A glTF run imports pxr: {'pxr' in loaded}. "]
+    loaded = imports(ROOT / "samples" / "biped.usda", folder)
+    lines[-1] += f"A USD run imports the glTF format: {'rigtri.formats.gltf.document' in loaded}."
+    return [*lines, ""]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--assets", type=Path, help="a folder with real files")
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--write", type=Path, help="write the table to this file too")
+    parser.add_argument("--only", choices=["small", "large"], help="leave the other half out")
+    parser.add_argument("--scratch", type=Path, help="a folder with 10 GB to spare, for the large files")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
+    # An installed program has its modules compiled.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    with tempfile.TemporaryDirectory(dir=options.scratch) as name:
         folder = Path(name)
-        lines = ["# Results", "", f"{date.today()}, {platform.platform()}, {os.cpu_count()} cores, "]
-        lines[-1] += f"Python {platform.python_version()}. Medians of {options.runs} runs."
-        lines.append("")
-        start = median_of(options.runs, process(*PROGRAM, "--help"))
-        lines += [f"`rigtri --help`: {start:.3f} s.", ""]
-        lines += character(ROOT / "samples" / "biped.glb", folder, options.runs)
-        usd = [ROOT / "samples" / "biped.usdz"]
-        if options.assets:
-            lines += character(next(options.assets.rglob("*CesiumMan*.glb")), folder, options.runs)
-            usd += list(options.assets.rglob("*CesiumMan*.usdz"))
-        lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
-        lines += [f"| {path.name} | {median_of(options.runs, cold(path, folder)):.3f} |" for path in usd]
-        loaded = imports(ROOT / "samples" / "biped.glb", folder)
-        lines += ["", f"A glTF run imports pxr: {'pxr' in loaded}. "]
-        loaded = imports(ROOT / "samples" / "biped.usda", folder)
-        lines[-1] += f"A USD run imports the glTF format: {'rigtri.formats.gltf.document' in loaded}."
-        if options.assets:
-            lines += ["", "## Deviation of each real file", ""]
+        machine = f"{platform.platform()}, {os.cpu_count()} cores, Python {platform.python_version()}"
+        runs = f"Medians of {options.runs} runs, of large files the best of them."
+        lines = ["# Results", "", f"{date.today()}, {machine}. {runs}", ""]
+        if options.only != "large":
+            lines += small(folder, options.assets, options.runs)
+        if options.only != "small":
+            lines += [*large_files(folder, options.runs), *growth(folder)]
+        if options.assets and options.only != "large":
+            lines += ["## Deviation of each real file", ""]
             lines += ["Share of the bounding-box diagonal; raw: with rotations as stored, not unit.", ""]
             lines += ["| file | deviation | raw | |", "|---|---|---|---|"]
             lines += [f"| {' | '.join(row)} |" for row in deviations(options.assets, folder)]

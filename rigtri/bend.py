@@ -158,16 +158,15 @@ def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
 
     What a limb needs to be posed, up to its common ancestor: a fraction of the whole.
     """
-    lines = []
+    top = nodes[0]
+    while top >= 0 and not all(rig.is_below(node, top) for node in nodes):
+        top = int(rig.parents[top])
+    lines = {top} if top >= 0 else set()
     for node in nodes:
-        line = []
-        while node >= 0:
-            line.append(node)
+        while node >= 0 and node not in lines:
+            lines.add(node)
             node = int(rig.parents[node])
-        lines.append(line)
-    shared = set(lines[0]).intersection(*lines[1:])
-    top = max(shared, default=-1)
-    small, place = rig.part([n for line in lines for n in line if n not in shared or n == top])
+    small, place = rig.part(list(lines))
     return small, [place[node] for node in nodes]
 
 

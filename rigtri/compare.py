@@ -11,7 +11,7 @@ is kept apart, because no change of axes can avoid it (docs/exactness.md).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -47,6 +47,9 @@ UNIT = 1e-6
 WORTH_SAYING = 1e-4
 # Numbers in one block of matrices: with its temporaries it stays in the cache.
 _BLOCK = 1 << 16
+# A deep rig is evaluated level by level, so that each step should have some matrices to multiply:
+# this many numbers of a level, in a block of at most so many.
+_LEVEL, _DEEP_BLOCK = 1 << 11, 1 << 19
 # Points moved in one matrix product.
 _CHUNK = 4096
 
@@ -57,6 +60,7 @@ class Source(Protocol):
     @property
     def rig(self) -> Rig: ...
     def meshes(self) -> Sequence[Mesh]: ...
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]: ...
     def scenery(self) -> Scenery: ...
 
 
@@ -83,7 +87,8 @@ class Comparison:
     normalise them (equal to ``deviation`` where all are unit). per_mesh, per_clip:
     deviation by title. poses: how many were looked at; 0 where both are the same to
     the bit. lost, added, changed: `rigtri.matching.Matching`. different: what looks
-    different whatever the pose (`rigtri.scenery`).
+    different whatever the pose (`rigtri.scenery`). boxed: meshes of which only some points
+    were looked at, and the box that the file states for all.
     """
 
     deviation: float
@@ -99,6 +104,7 @@ class Comparison:
     changed: tuple[str, ...]
     different: tuple[str, ...]
     poses: int
+    boxed: tuple[str, ...] = ()
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
@@ -121,6 +127,7 @@ class Comparison:
             "changed": list(self.changed),
             "different": list(self.different),
             "poses": self.poses,
+            "boxed": list(self.boxed),
         }
 
     def summary(self) -> str:
@@ -133,6 +140,8 @@ class Comparison:
                 f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
                 f"by {self.denormalisation:.2g}"
             )
+        if self.boxed:
+            line += f"; {len(self.boxed)} large meshes by their boxes"
         for word, found in (("lost", self.lost), ("different", self.different)):
             if found:
                 line += f"; {word}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
@@ -162,20 +171,21 @@ class Comparison:
         return f"in {self.poses} poses" if self.poses else "for nothing can have moved"
 
 
-def self_check(before: Source, after: Source) -> Comparison:
+def self_check(before: Source, after: Source, *, closely: bool = False) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
     An upper bound: skin matrices move the corners of the box of the points that
     each joint moves. Nodes whose rest, tracks, ancestors and inverse binds are
     the same to the bit are not evaluated. Meshes that cannot be read are bounded
-    by the box of their skin's joints.
+    by the box of their skin's joints. closely: look at every point also of very large
+    meshes, where else the box that the file states for all stands for what any joint moves.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=True)
     matching = match(mine, theirs, by_key=True)
     added = theirs.holders.difference(matching.node.tolist())
     if any(added.intersection(skin.joints.tolist()) for skin in theirs.skins):
         return verify(before, after)  # a split has counted the joints anew: look at the points themselves
-    meshes = _readable(before)
+    meshes = _fitting(before, lambda: before.outlines(closely=closely))
     diagonal = _diagonal(mine, meshes)
     moving = moving_nodes(mine, theirs, matching)
     watched: list[Watched] = [
@@ -186,7 +196,10 @@ def self_check(before: Source, after: Source) -> Comparison:
     ]
     different, changed = compare_scenery(mine, before.scenery(), after.scenery(), matching)
     matching = replace(matching, changed=(*matching.changed, *changed))
-    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal, different)
+    kept = [w for w in watched if len(w.titles)]
+    compared = _compare(mine, theirs, matching, kept, diagonal, different)
+    boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
+    return replace(compared, boxed=() if closely else boxed)
 
 
 def verify(before: Source, after: Source) -> Comparison:
@@ -199,7 +212,7 @@ def verify(before: Source, after: Source) -> Comparison:
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
     matching = match(mine, theirs, by_key=False)
-    meshes, others = _readable(before), _readable(after)
+    meshes, others = _fitting(before, before.meshes), _fitting(after, after.meshes)
     diagonal = _diagonal(mine, meshes)
     everything = np.ones(len(mine), dtype=bool)
     pairs, lost = _mesh_pairs(mine, matching, meshes, others)
@@ -293,7 +306,7 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
     (before, after), tally.watched = _needed(before, after, tally.watched)
     still = [pose.worlds(rig, pose.rest(rig, normalised=normalised))[np.newaxis] for rig in (before, after)]
     tally.add(Moment(still[0], still[1], (None, None), np.zeros(1)), "")
-    size = max(1, _BLOCK // (16 * max(len(before), len(after), 1)))
+    size = max(map(_times_at_once, (before, after)))
     for k in np.flatnonzero(m.clip >= 0).tolist():
         clips = before.clips[k], after.clips[m.clip[k]]
         motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
@@ -304,6 +317,13 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
                 pose.worlds(motion.rig, motion.locals_at(some, normalised=normalised)) for motion in motions
             ]
             tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name or f"#{k}")
+
+
+def _times_at_once(rig: Rig) -> int:
+    """How many times of a clip go into one block."""
+    numbers, levels = 16 * max(len(rig), 1), max(len(rig.levels), 1)
+    wanted = min(_DEEP_BLOCK, _LEVEL * levels)
+    return max(1, max(_BLOCK, wanted) // numbers)
 
 
 def _needed(before: Rig, after: Rig, watched: Sequence[Watched]) -> tuple[tuple[Rig, Rig], list[Watched]]:
@@ -338,10 +358,10 @@ def denormalisation(rig: Rig) -> float:
     return float(off[np.isfinite(off)].max(initial=0.0))
 
 
-def _readable(source: Source) -> list[Mesh]:
+def _fitting(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
     """The meshes that can be evaluated; none where they cannot be read."""
     try:
-        meshes = source.meshes()
+        meshes = read()
     except FileError:
         return []
     return [mesh for mesh in meshes if _fits(mesh, source.rig)]

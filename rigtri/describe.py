@@ -27,6 +27,8 @@ SAME_SCALE = 1e-4
 ZERO_LENGTH = 1e-6
 _DEGREES = 180.0 / np.pi
 _LETTERS = "xyz"
+# Deeper nodes say how deep they are instead of being indented: else a chain of n joints has n² dots.
+_DEEPEST = 60
 
 
 def describe(rig: Rig, *, report: Report | None = None) -> str:
@@ -151,7 +153,8 @@ def _tree(seen: _Seen) -> Iterator[list[str]]:
         stack += [(child, depth + 1) for child in reversed(rig.children[node])]
         name = rig.names[node] or "-"
         title = name if seen.counts[node] else f"[{name}]"
-        words = [f"{'. ' * depth}{title}", rig.labels[node]]
+        more = f"+{depth - _DEEPEST} " if depth > _DEEPEST else ""
+        words = [f"{'. ' * min(depth, _DEEPEST)}{more}{title}", rig.labels[node]]
         if seen.counts[node]:
             words += [_axes_words(seen.axes[node]), *_bone_words(seen, node)]
         yield [*words, ", ".join(_flags(seen, node))]

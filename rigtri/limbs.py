@@ -46,7 +46,7 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     triple = (rig.find(start), rig.find(middle), rig.find(end))
     if len(set(triple)) < 3:
         raise UsageError(f"a limb has three different joints, not '{start}', '{middle}', '{end}'")
-    if _below(rig, triple[0], triple[1]) or _below(rig, triple[1], triple[2]):
+    if rig.is_below(triple[0], triple[1]) or rig.is_below(triple[1], triple[2]):
         raise UsageError(f"the limb '{start}', '{middle}', '{end}' is upside down; name it from root to end")
     known = {limb.triple: limb for limb in recognise(rig)}
     if triple in known:
@@ -131,10 +131,10 @@ def _from_words(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> Lim
             if of == kind:
                 roles[place].append(node)
     for middle in roles["middle"]:
-        starts = [node for node in roles["start"] if node != middle and _below(rig, middle, node)]
+        starts = [node for node in roles["start"] if node != middle and rig.is_below(middle, node)]
         ends = [node for node in roles["end"] if node != middle]
-        under = [node for node in ends if _below(rig, node, middle)]
-        ends = under or [node for node in ends if not _below(rig, middle, node)]
+        under = [node for node in ends if rig.is_below(node, middle)]
+        ends = under or [node for node in ends if not rig.is_below(middle, node)]
         # A hand or foot of another name is still the one joint that follows.
         ends = ends or [only for only in [_only_joint_below(rig, middle)] if only is not None]
         if starts and ends:
@@ -156,11 +156,9 @@ def _from_numbers(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> L
     mine = [node for node, name in names.items() if part(name) == kind]
     if not which or sum(number(names[node]) is not None for node in mine) < 2:
         return None
-    chain = [node for node in mine if all(_below(rig, node, above) for above in mine if above < node)]
+    chain = mine[:1]
+    for node in mine[1:]:  # once one is not below the one before, none is below all of them
+        if not rig.is_below(node, chain[-1]):
+            break
+        chain.append(node)
     return Limb(chain[0], chain[1], chain[2], kind, which, "names") if len(chain) >= 3 else None
-
-
-def _below(rig: Rig, node: int, ancestor: int) -> bool:
-    while node >= 0 and node != ancestor:
-        node = int(rig.parents[node])
-    return node == ancestor

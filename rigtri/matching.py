@@ -151,8 +151,8 @@ def _names_agree(before: Rig, after: Rig, node: Integers) -> bool:
 
 def _by_name(before: Rig, after: Rig) -> Integers:
     """Partners by path, then by name where both rigs have it equally often (in order)."""
-    paths = [before.path(k) for k in range(len(before))], [after.path(k) for k in range(len(after))]
-    node = _equally_often(*paths)
+    known: dict[tuple[int, str], int] = {}
+    node = _equally_often(_paths(before, known), _paths(after, known))
     taken = set(node[node >= 0].tolist())
     loose = [k for k in range(len(before)) if node[k] < 0 and before.names[k]]
     free = [k for k in range(len(after)) if k not in taken]
@@ -162,7 +162,18 @@ def _by_name(before: Rig, after: Rig) -> Integers:
     return node
 
 
-def _equally_often(before: Sequence[str], after: Sequence[str]) -> Integers:
+def _paths(rig: Rig, known: dict[tuple[int, str], int]) -> list[int]:
+    """A number for the path of each node, the same wherever ``known`` has met the path before."""
+    paths: list[int] = []
+    below: list[int] = []  # what the paths of children begin with
+    for node, parent in enumerate(rig.parents.tolist()):
+        above = below[parent] if parent >= 0 else -1
+        paths.append(known.setdefault((above, rig.names[node] or rig.labels[node]), len(known)))
+        below.append(above if node in rig.holders else paths[-1])
+    return paths
+
+
+def _equally_often(before: Sequence[Hashable], after: Sequence[Hashable]) -> Integers:
     """Partners of words that both lists have equally often: the first is the first."""
     ours, theirs = _places(before), _places(after)
     found = np.full(len(before), -1, dtype=np.int64)
@@ -188,8 +199,8 @@ def _in_order(before: Sequence[str], after: Sequence[str]) -> Integers:
     return found
 
 
-def _places(words: Sequence[str]) -> dict[str, list[int]]:
-    places: dict[str, list[int]] = {}
+def _places(words: Sequence[Hashable]) -> dict[Hashable, list[int]]:
+    places: dict[Hashable, list[int]] = {}
     for k, word in enumerate(words):
         places.setdefault(word, []).append(k)
     return places
@@ -204,11 +215,12 @@ def _shown(before: Rig, after: Rig, node: Integers) -> Integers:
     """
     shown = np.full(len(before), -1, dtype=np.int64)
     known = set(node.tolist())
+    shows = _places(after.payload.tolist())
     for k in np.flatnonzero(before.payload >= 0).tolist():
         partner = int(node[before.payload[k]])
         if partner < 0:
             continue
-        showing = np.flatnonzero(after.payload == partner).tolist()
+        showing = shows.get(partner, [])
         children = [c for c in after.children[partner] if c not in known and after.payload[c] == c]
         named = [c for c in children if after.names[c].startswith(f"{before.names[k] or 'node'}_payload")]
         candidates = showing or named or children
@@ -240,7 +252,8 @@ def _compare_skins(before: Rig, after: Rig, node: Integers, skin: Integers, news
         for joint in before.skins[k].joints.tolist():
             if node[joint] >= 0 and int(node[joint]) not in now:
                 news.lost.append(f"joint {before.title(joint)} of skin {title}")
-    news.added += [f"skin {s.name or f'#{k}'}" for k, s in enumerate(after.skins) if k not in skin.tolist()]
+    known = set(skin.tolist())
+    news.added += [f"skin {s.name or f'#{k}'}" for k, s in enumerate(after.skins) if k not in known]
 
 
 def _compare_clips(
@@ -264,7 +277,8 @@ def _compare_clips(
             else:
                 _compare_track(track, now, of, news)
         news.added += [f"{title}: {t.path} of {after.title(t.node)}" for t in theirs.values()]
-    news.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in clip.tolist()]
+    known = set(clip.tolist())
+    news.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in known]
 
 
 def _compare_track(track: Track, now: Track, of: str, news: _News) -> None:

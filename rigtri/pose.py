@@ -105,20 +105,20 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
 
     A scale that a file hides in all inverse binds alike (dequantisation) cancels.
     """
-    place = {joint: k for k, joint in enumerate(skin.joints.tolist())}
-    bind = inverse(skin.inverse_bind)
-    if not place:
+    if not len(skin.joints):
         return worlds(rig)
     # What holds a joint's axes is not where the skin begins: its place came with a split.
-    top = min(place.keys() - rig.holders, default=min(place))
-    to_world = multiply(skin.inverse_bind[place[top]], worlds(rig)[top])
-    bind = multiply(bind, to_world)
-    world = np.empty((len(rig), 4, 4))
-    for node, parent in enumerate(rig.parents.tolist()):
-        if node in place:
-            world[node] = bind[place[node]]
-        else:
-            world[node] = multiply(rig.local[node], world[parent]) if parent >= 0 else rig.local[node]
+    joints = skin.joints.tolist()
+    top = joints.index(min(set(joints) - rig.holders, default=min(joints)))
+    to_world = multiply(skin.inverse_bind[top], worlds(rig)[skin.joints[top]])
+    world = rig.local.copy()
+    world[skin.joints] = multiply(inverse(skin.inverse_bind), to_world)
+    outside = np.ones(len(rig), dtype=bool)
+    outside[skin.joints] = False
+    for level in rig.levels[1:]:
+        follow = level[outside[level]]
+        if len(follow):
+            world[follow] = multiply(rig.local[follow], world[rig.parents[follow]])
     return world
 
 

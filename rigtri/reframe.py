@@ -17,6 +17,7 @@ Source: docs/exactness.md; UsdSkel and glTF 2.0 §3.7.3 (skins), appendix C.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -156,7 +157,17 @@ class Scales:
         np.maximum.at(apart, owner, np.abs(unsigned - np.roll(unsigned, -1, axis=1)))
         return Scales(rows, owner, sign, apart / np.where(largest == 0, 1.0, largest)[:, np.newaxis])
 
-    @property
+    @cached_property
+    def _by_owner(self) -> tuple[Integers, Integers]:
+        order = np.argsort(self.owner, kind="stable")
+        return order, np.searchsorted(self.owner[order], np.arange(len(self.sign) + 1))
+
+    def of_node(self, node: int) -> Floats:
+        """All scales of one node, (k, 3)."""
+        order, starts = self._by_owner
+        return self.rows[order[starts[node] : starts[node + 1]]]
+
+    @cached_property
     def uneven(self) -> Booleans:
         """Which nodes, (n,), have a scale that is not uniform, beyond the noise of exporters.
 
@@ -189,8 +200,7 @@ def _signs(rig: Rig) -> Floats:
 def _allowed(scales: Scales, turn: Floats) -> Booleans:
     allowed = np.ones(len(turn), dtype=bool)
     for node in np.flatnonzero(turned(turn) & scales.uneven).tolist():
-        rows = scales.rows[scales.owner == node]
-        allowed[node] = stays_diagonal(to_axes(turn[node]), rows)
+        allowed[node] = stays_diagonal(to_axes(turn[node]), scales.of_node(node))
     return allowed
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,9 +28,17 @@ class Report:
     joints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
+    _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:
         """Note something that the user should know; the same words only once."""
-        warning = Notice(code, text, joint, geometry)
-        if warning not in self.warnings:
-            self.warnings.append(warning)
+        self.hear([Notice(code, text, joint, geometry)])
+
+    def hear(self, notices: Iterable[Notice]) -> None:
+        """Take up notices that are not here yet."""
+        if len(self._known) != len(self.warnings):
+            self._known = set(self.warnings)
+        for notice in notices:
+            if notice not in self._known:
+                self._known.add(notice)
+                self.warnings.append(notice)

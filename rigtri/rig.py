@@ -24,6 +24,9 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Path = Literal["translation", "rotation", "scale", "weights"]
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
+# A node with more nodes above it has its label for a path: the paths of a chain of n nodes
+# would need n² characters.
+DEEPEST_PATH = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +133,9 @@ class Mesh:
     matrix that takes points into the space of the skin's bind pose. morphs:
     (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``.
     ``surface`` reads faces and normals, None where they cannot be read; asked only when needed.
+    box: where ``points`` are only some of many, the lows and highs of all of them wherever
+    morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
+    of the skin moves, (2, m, 3).
     """
 
     name: str
@@ -143,6 +149,7 @@ class Mesh:
     morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
     dual_quaternion: bool = False
     surface: Callable[[], Surface | None] | None = None
+    box: Floats | None = None
 
     @cached_property
     def surface_now(self) -> Surface | None:
@@ -213,12 +220,18 @@ class Rig:
     @cached_property
     def levels(self) -> tuple[Integers, ...]:
         """Node indices by depth, roots first: each level's parents lie in the level before."""
-        depth = np.zeros(len(self), dtype=np.int64)
-        for node, parent in enumerate(self.parents.tolist()):
-            depth[node] = depth[parent] + 1 if parent >= 0 else 0
+        depth = np.array(self.depth, dtype=np.int64)
         order = np.argsort(depth, kind="stable")
         cuts = np.flatnonzero(np.diff(depth[order])) + 1
         return tuple(np.split(order, cuts)) if len(self) else ()
+
+    @cached_property
+    def depth(self) -> list[int]:
+        """How many nodes are above each node."""
+        depth: list[int] = []
+        for parent in self.parents.tolist():
+            depth.append(depth[parent] + 1 if parent >= 0 else 0)
+        return depth
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
@@ -240,25 +253,46 @@ class Rig:
 
     def below(self, node: int) -> list[int]:
         """A node and everything under it, parents first."""
-        inside = {node}
-        inside.update(k for k in range(node + 1, len(self)) if self._joins(k, inside))
+        inside = [node]
+        for k in inside:  # it grows as it is walked
+            inside += self.children[k]
         return sorted(inside)
 
-    def _joins(self, node: int, inside: set[int]) -> bool:
-        if int(self.parents[node]) in inside:
-            inside.add(node)
-            return True
-        return False
+    def is_below(self, node: int, other: int) -> bool:
+        """Whether ``node`` is ``other`` or anywhere under it."""
+        first, count = self._walk
+        return first[other] <= first[node] < first[other] + count[other]
+
+    @cached_property
+    def _walk(self) -> tuple[list[int], list[int]]:
+        """Where each node comes in a walk branch by branch, and how many nodes its branch has."""
+        parents = self.parents.tolist()
+        count = [1] * len(self)
+        for node in range(len(self) - 1, -1, -1):
+            if parents[node] >= 0:
+                count[parents[node]] += count[node]
+        first, free, after = [0] * len(self), [0] * len(self), 0
+        for node, parent in enumerate(parents):
+            first[node] = free[parent] if parent >= 0 else after
+            free[node] = first[node] + 1
+            if parent >= 0:
+                free[parent] += count[node]
+            else:
+                after += count[node]
+        return first, count
 
     def path(self, node: int) -> str:
         """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one.
 
-        A node that holds the axes of a joint is no step on the way to what is below it, so
-        that paths stay what they were before the joint was split.
+        The label alone for a node deeper than `DEEPEST_PATH`. A node that holds the axes of a joint
+        is no step on the way to what is below it, so that paths stay what they were before the
+        joint was split.
         """
         return self._path(node, self.holders)
 
     def _path(self, node: int, without: Collection[int] = ()) -> str:
+        if self.depth[node] > DEEPEST_PATH:
+            return self.labels[node]
         parts = [self.names[node] or self.labels[node]]
         above = int(self.parents[node])
         while above >= 0:
@@ -358,9 +392,9 @@ class Rig:
         clips = tuple(
             replace(
                 clip,
-                tracks=tuple(replace(t, node=place[t.node]) for t in clip.tracks if t.node in place),
+                tracks=tuple(replace(t, node=place[node]) for node in keep for t in by_node.get(node, ())),
             )
-            for clip in self.clips
+            for clip, by_node in zip(self.clips, self._tracks_of, strict=True)
         )
         small = Rig(
             names=tuple(self.names[node] for node in keep),
@@ -376,6 +410,17 @@ class Rig:
             clips=clips,
         )
         return small, place
+
+    @cached_property
+    def _tracks_of(self) -> list[dict[int, list[Track]]]:
+        """The tracks of each clip by the node that they drive."""
+        found: list[dict[int, list[Track]]] = []
+        for clip in self.clips:
+            by_node: dict[int, list[Track]] = {}
+            for track in clip.tracks:
+                by_node.setdefault(track.node, []).append(track)
+            found.append(by_node)
+        return found
 
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -37,10 +37,13 @@ class Skeleton:
     def roots(self) -> tuple[int, ...]:
         return tuple(j for j in self.joints if self.above[j] < 0)
 
-    def root_of(self, joint: int) -> int:
-        while self.above[joint] >= 0:
-            joint = self.above[joint]
-        return joint
+    @cached_property
+    def root_of(self) -> dict[int, int]:
+        """The topmost joint above each joint, or itself."""
+        roots: dict[int, int] = {}
+        for joint in self.joints:
+            roots[joint] = roots[self.above[joint]] if self.above[joint] >= 0 else joint
+        return roots
 
 
 def skeleton(
@@ -72,13 +75,13 @@ def skeleton(
     inside = set(joints)
     above: dict[int, int] = {}
     below: dict[int, list[int]] = {joint: [] for joint in joints}
+    nearest: list[int] = []
+    for parent in rig.parents.tolist():
+        nearest.append(parent if parent < 0 or parent in inside else nearest[parent])
     for joint in joints:
-        parent = int(rig.parents[joint])
-        while parent >= 0 and parent not in inside:
-            parent = int(rig.parents[parent])
-        above[joint] = parent
-        if parent >= 0:
-            below[parent].append(joint)
+        above[joint] = nearest[joint]
+        if nearest[joint] >= 0:
+            below[nearest[joint]].append(joint)
     return Skeleton(rig, tuple(joints), above, {j: tuple(k) for j, k in below.items()}, _carries(rig, joints))
 
 
@@ -107,6 +110,8 @@ class Reference:
     kind: dict[int, str]
     extent: float
     rounding: float
+    # Which joint continues the chain after a joint, as `rigtri.ops.aims.chain_child` has found it.
+    chained: dict[int, int | None] = field(default_factory=dict)
 
     @cached_property
     def inverse(self) -> Floats:
@@ -130,17 +135,15 @@ def reference(tree: Skeleton, pose: str | None) -> Reference:
     world, kind = at_rest.copy(), dict.fromkeys(tree.joints, "nodes")
     bind = at_rest.copy()
     rounding = 0.0
-    for root in tree.roots:
-        skin = _main_skin(tree, root)
-        if skin is None:
-            continue
-        posed = bind_worlds(rig, skin)
+    same: dict[int, bool] = {}
+    for root, (skin, held, posed) in _main_skins(tree).items():
+        if id(skin) not in same:
+            same[id(skin)] = _same_pose(rig, skin, posed)
         inside = rig.below(root)
         bind[inside] = posed[inside]
         if pose != "nodes":
-            held = set(skin.joints.tolist())
-            kind.update({j: "bind" for j in tree.joints if j in held and tree.root_of(j) == root})
-            if not _same_pose(rig, skin, posed):
+            kind.update(dict.fromkeys(held, "bind"))
+            if not same[id(skin)]:
                 world[inside] = posed[inside]
                 rounding = 2.4e-7  # two float32 roundings of a position in the inverse binds
     if pose == "bind" and "bind" not in kind.values():
@@ -208,15 +211,23 @@ def _clip_pose(rig: Rig, pose: str) -> Floats:
     return worlds(rig, locals_at(rig, clip, at)[0])
 
 
-def _main_skin(tree: Skeleton, root: int) -> Skin | None:
-    """The skin that holds most joints of a tree, its inverse binds usable; the first of equals."""
-    inside = {j for j in tree.joints if tree.root_of(j) == root}
-    best, most, at_rest = None, 0, worlds(tree.rig)
-    for skin in tree.rig.skins:
-        held = sorted(inside.intersection(skin.joints.tolist()))
-        if len(held) > most and skin.stored and _is_pose(bind_worlds(tree.rig, skin)[held], at_rest[held]):
-            best, most = skin, len(held)
-    return best
+def _main_skins(tree: Skeleton) -> dict[int, tuple[Skin, list[int], Floats]]:
+    """For each root joint the skin that holds most joints of its tree, those joints, and its bind pose.
+
+    Its inverse binds must be usable; the first of equals. Roots without such a skin are left out.
+    """
+    best: dict[int, tuple[Skin, list[int], Floats]] = {}
+    for skin in (skin for skin in tree.rig.skins if skin.stored):
+        held: dict[int, list[int]] = {}
+        for joint in sorted(skin.joints.tolist()):
+            if joint in tree.above:
+                held.setdefault(tree.root_of[joint], []).append(joint)
+        more = [root for root in held if root not in best or len(held[root]) > len(best[root][1])]
+        posed = bind_worlds(tree.rig, skin) if more else worlds(tree.rig)
+        for root in more:
+            if _is_pose(posed[held[root]], worlds(tree.rig)[held[root]]):
+                best[root] = skin, held[root], posed
+    return {root: best[root] for root in tree.roots if root in best}
 
 
 def _is_pose(bind: Floats, at_rest: Floats) -> bool:

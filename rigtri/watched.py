@@ -25,8 +25,9 @@ from rigtri.vectors import length
 OWN = ("poleVector", "group")
 # Where no points can be read: how thick a body is at least, as a share of its longest side.
 THICKNESS = 0.1
-# Points moved in one matrix product.
-_CHUNK = 4096
+# Points moved in one matrix product; of a skin with more joints than that, only so many:
+# a product has room for each point and each joint of its points.
+_CHUNK, _CROWDED, _SMALL_CHUNK = 4096, 256, 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,8 +195,9 @@ def _chunks(points: Floats, joints: Integers, weights: Floats) -> Iterator[tuple
     """Points in chunks with their joints and weight·(p, 1) by joint, (v, joints·4)."""
     heaviest = np.argmax(np.abs(weights), axis=1)
     order = np.argsort(joints[np.arange(len(points)), heaviest], kind="stable")
-    for start in range(0, len(points), _CHUNK):
-        mine = order[start : start + _CHUNK]
+    size = _CHUNK if joints.max(initial=0) < _CROWDED else _SMALL_CHUNK
+    for start in range(0, len(points), size):
+        mine = order[start : start + size]
         used = weights[mine] != 0
         columns, inside = np.unique(np.where(used, joints[mine], 0), return_inverse=True)
         inside = inside.reshape(used.shape)
@@ -271,16 +273,18 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
     for mesh in meshes:
         groups.setdefault(mesh.bind.tobytes(), []).append(mesh)
     for group in groups.values():
-        boxes = [_boxes(mesh, len(skin.joints)) for mesh in group]
-        low = np.minimum.reduce([box[0] for box in boxes])
-        high = np.maximum.reduce([box[1] for box in boxes])
+        found = [boxes(mesh, len(skin.joints)) for mesh in group]
+        low = np.minimum.reduce([box[0] for box in found])
+        high = np.maximum.reduce([box[1] for box in found])
         yield group[0].bind, low, high
 
 
-def _boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
+def boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
     """The boxes of the points that each of ``count`` joints moves, lows and highs, (count, 3)."""
+    if mesh.box is not None:
+        return np.broadcast_to(mesh.box[0], (count, 3)), np.broadcast_to(mesh.box[1], (count, 3))
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    near, far = _extent(mesh)
+    near, far = extent(mesh)
     live = (mesh.weights != 0) & np.isfinite(near).all(axis=1).reshape(-1, 1)
     joints = mesh.joints[live]
     order = np.argsort(joints.astype(np.uint16) if count <= 1 << 16 else joints, kind="stable")
@@ -293,8 +297,13 @@ def _boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
     return low, high
 
 
-def _extent(mesh: Mesh) -> tuple[Floats, Floats]:
-    """How far morphs can carry each point, (v, 3) twice: every target from 0 to 1, all at once."""
+def extent(mesh: Mesh) -> tuple[Floats, Floats]:
+    """How far morphs can carry each point, (v, 3) twice: every target from 0 to 1, all at once.
+
+    The corners of its box where a mesh has one.
+    """
+    if mesh.box is not None:
+        return mesh.box[:1], mesh.box[1:]
     if not mesh.morphs.size:
         return mesh.points, mesh.points
     lows = np.minimum(mesh.morph_weights, 0.0) if len(mesh.morph_weights) else np.zeros(len(mesh.morphs))
@@ -318,7 +327,7 @@ def rigid_corners(before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Bool
     for mesh in meshes:
         if (mesh.skin is not None and mesh.joints.shape[1]) or not _to_watch(mesh.node, m, moving):
             continue
-        near, far = _extent(mesh)
+        near, far = extent(mesh)
         fit = np.isfinite(near).all(axis=1) & np.isfinite(far).all(axis=1)
         if fit.any():
             low, high = near[fit].min(axis=0), far[fit].max(axis=0)

@@ -34,6 +34,9 @@ class Held:
     def meshes(self) -> Sequence[Mesh]:
         return self.drawn
 
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        return self.drawn
+
     def scenery(self) -> Scenery:
         return self.shows
 

@@ -212,6 +212,9 @@ class Edited:
     def meshes(self) -> Any:
         return self.document.meshes()
 
+    def outlines(self, *, closely: bool = False) -> Any:
+        return self.document.outlines(closely=closely)
+
     def scenery(self) -> Any:
         return self.document.scenery()
 

@@ -75,6 +75,12 @@ class Document(Protocol):
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn, for measuring; read when asked for."""
 
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        """The same for bounding what joints move: of a very large mesh some points and boxes will do.
+
+        closely: boxes of what each joint moves, from all points, instead of those the file states.
+        """
+
     def scenery(self) -> Scenery:
         """What the file shows that no pose tells, for comparing."""
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -46,13 +47,13 @@ class Aim:
 
 @dataclass(frozen=True, eq=False)
 class Rules:
-    """The user's word on aims: branch and end rules, children named, targets named, limbs."""
+    """The user's word on aims: branch and end rules, children named, targets named, `limb_children`."""
 
     branch: Branch = "chain"
     branch_to: tuple[int, ...] = ()
     end: End = "tip"
     aim_at: Mapping[int, int] | None = None
-    limbs: Sequence[Limb] = ()
+    limb_child: Mapping[int, int] = field(default_factory=dict)
 
 
 def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
@@ -63,6 +64,12 @@ def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
     the other side continues (the neck between two clavicles); else the only one within
     30°; of several such, the only one with weighted joints below it.
     """
+    if joint not in ref.chained:
+        ref.chained[joint] = _continuing(tree, ref, joint)
+    return ref.chained[joint]
+
+
+def _continuing(tree: Skeleton, ref: Reference, joint: int) -> int | None:
     candidates = _candidates(tree, ref, joint)
     if len(candidates) == 1:
         child = candidates[0]
@@ -81,7 +88,7 @@ def aim_of(tree: Skeleton, ref: Reference, joint: int, rules: Rules) -> Aim:
     """Where ``joint`` aims in the pose of ``ref``."""
     if rules.aim_at and joint in rules.aim_at:
         return _at(ref, joint, rules.aim_at[joint], "named") or Aim("keep")
-    limb_node = _limb_child(tree, rules.limbs, joint)
+    limb_node = rules.limb_child.get(joint)
     if limb_node is not None:
         aim = _at(ref, joint, limb_node, "child" if limb_node in tree.below[joint] else "limb")
         if aim is not None:
@@ -103,8 +110,11 @@ def _candidates(tree: Skeleton, ref: Reference, joint: int) -> list[int]:
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
     below = [k for k in tree.below[joint] if k not in eyes]
     weighted = [k for k in below if tree.carries[k]]
-    far = [k for k in weighted or below if _distance(ref, joint, k) > ZERO_LENGTH * ref.extent]
-    return far or (weighted or below)[:1]
+    some = weighted or below
+    if not some:
+        return []
+    apart = length(ref.world[some, 3, :3] - ref.position(joint)) > ZERO_LENGTH * ref.extent
+    return [k for k, far in zip(some, apart.tolist(), strict=True) if far] or some[:1]
 
 
 def limb_path(tree: Skeleton, limb: Limb) -> list[int]:
@@ -128,13 +138,14 @@ def _unpaired(rig: Rig, nodes: list[int]) -> list[int]:
     return [node for node in nodes if rig.names[node] not in paired] if paired else []
 
 
-def _limb_child(tree: Skeleton, limbs: Sequence[Limb], joint: int) -> int | None:
-    """The next joint of the limb that ``joint`` is in."""
+def limb_children(tree: Skeleton, limbs: Sequence[Limb]) -> dict[int, int]:
+    """For each joint within a limb the next one of it; the first limb that has it says."""
+    after: dict[int, int] = {}
     for limb in limbs:
         path = limb_path(tree, limb)
-        if joint in path[:-1]:
-            return path[path.index(joint) + 1]
-    return None
+        for joint, child in pairwise(path):
+            after.setdefault(joint, child)
+    return after
 
 
 def _branching(tree: Skeleton, ref: Reference, joint: int, candidates: list[int], branch: Branch) -> Aim:
@@ -184,11 +195,11 @@ def _ending(tree: Skeleton, ref: Reference, joint: int, end: End) -> Aim:
 
 def _tip(tree: Skeleton, joint: int) -> int | None:
     """The bare leaf node that ends a joint: not a joint, nothing on it, nothing below it."""
-    rig, inside = tree.rig, set(tree.joints)
+    rig = tree.rig
     bare = [
         k
         for k in rig.children[joint]
-        if k not in inside and not rig.children[k] and rig.payload[k] < 0 and k not in rig.notes
+        if k not in tree.above and not rig.children[k] and rig.payload[k] < 0 and k not in rig.notes
     ]
     named = [k for k in bare if rig.names[k].lower().endswith(("_end", ".end", "_tip", "end"))]
     one = named if len(named) == 1 else bare

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.errors import FileError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import transform_directions
-from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of
+from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of, limb_children
 from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, turn_onto
 from rigtri.ops.presets import Style
 from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
@@ -113,7 +113,7 @@ class Plan:
             tuple(rig.find(name) for name in options.branch_to),
             options.end,
             {rig.find(a): rig.find(b, "node") for a, b in options.aim_at},
-            limbs,
+            limb_children(tree, limbs),
         )
         aims = {joint: aim_of(tree, ref, joint, rules) for joint in turning}
         return Plan(tree, ref, options, report, turning, kept, aims, limbs, styles)
@@ -204,9 +204,9 @@ class Plan:
         )
         hinges.collect()
         turns: dict[int, Floats] = {}
-        late = [joint for joint in self.turning if self.style(joint).up_from == "child"]
+        late = {joint: None for joint in self.turning if self.style(joint).up_from == "child"}
         # An end joint that copies its parent comes after it, whichever way the others are taken.
-        copies = [joint for joint in self.turning if self.aims[joint].how == "parent"]
+        copies = {joint: None for joint in self.turning if self.aims[joint].how == "parent"}
         first = [joint for joint in self.turning if joint not in late and joint not in copies]
         order = (*first, *reversed([j for j in late if j not in copies]), *copies)
         if any(self.style(joint).up_from in ("parent", "child") for joint in first):
@@ -272,8 +272,7 @@ class Plan:
         turn = self.quiet(joint, turns.get(joint, IDENTITY))
         uneven = self.scales.uneven[joint] and joint not in self.tree.rig.frame_of
         if uneven and joint in turns and self.options.on_nonuniform_scale == "snap":
-            rows = self.scales.rows[self.scales.owner == joint]
-            turn = nearest_exact(turn, rows, axis_of(self.style(joint).aim)[0])
+            turn = nearest_exact(turn, self.scales.of_node(joint), axis_of(self.style(joint).aim)[0])
         axes = to_axes(turn)
         return normalise(transform_directions(axes, self.ref.world[joint]))
 

@@ -61,9 +61,7 @@ def splits(rig: Rig, turn: Floats, axes: Mapping[int, tuple[int, int]], scales: 
     rotations: where a scale mirrors, the third axis gives way, for the new node does not.
     """
     uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
-    exact = {
-        k: nearest_exact(turn[k], scales.rows[scales.owner == k], axes.get(k, (0, 1))[0]) for k in uneven
-    }
+    exact = {k: nearest_exact(turn[k], scales.of_node(k), axes.get(k, (0, 1))[0]) for k in uneven}
     return {
         node: _unmirrored(turn[node], scales.sign[node], axes.get(node, (0, 1)))
         for node in uneven
@@ -93,7 +91,7 @@ def allowed_turns(
         return turn
     exact = turn.copy()
     for node in uneven:
-        exact[node] = nearest_exact(turn[node], scales.rows[scales.owner == node], aim_axis.get(node, 0))
+        exact[node] = nearest_exact(turn[node], scales.of_node(node), aim_axis.get(node, 0))
     refused = [node for node in uneven if _apart(exact[node], turn[node]) > EXACT]
     if refused and policy == "error":
         names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k in refused[:6])

@@ -48,6 +48,7 @@ def select(
     """
     rig = tree.rig
     _check_named(rig, selection)
+    stays = _Stays(tree, ref)
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
     named = _named(tree, selection)
@@ -62,7 +63,7 @@ def select(
             kept[joint] = "not in the skin"
         elif joint in rig.fixed:
             kept[joint] = rig.fixed[joint]
-        elif not selection.named and not all_named and (reason := _stays(tree, ref, joint)):
+        elif not selection.named and not all_named and (reason := stays.why(joint)):
             kept[joint] = reason
         else:
             turning.append(joint)
@@ -100,18 +101,32 @@ def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
     raise NameNotFoundError("skin", name, [skin.name for skin in rig.skins])
 
 
-def _stays(tree: Skeleton, ref: Reference, joint: int) -> str:
-    """Why a joint that nobody named keeps its axes, or "" when it turns."""
-    rig = tree.rig
-    if tree.above[joint] < 0:
-        return ROOT
-    if not tree.carries[joint]:
-        return "no weight on or below it"
-    if any(rig.humanoid.get(eye) == joint for eye in _EYES):
-        return EYE
-    if any(c.kind == "roll" and c.node == joint for c in rig.constraints):
-        return "a roll constraint drives it"
-    siblings = [k for k in tree.below[tree.above[joint]] if k != joint and tree.carries[k]]
-    if not tree.below[joint] and siblings and chain_child(tree, ref, tree.above[joint]) != joint:
-        return "lone end joint beside siblings"
-    return ""
+class _Stays:
+    """Why joints that nobody named keep their axes."""
+
+    def __init__(self, tree: Skeleton, ref: Reference) -> None:
+        self._tree, self._ref = tree, ref
+        self._eyes = {tree.rig.humanoid[eye] for eye in _EYES if eye in tree.rig.humanoid}
+        self._driven = {c.node for c in tree.rig.constraints if c.kind == "roll"}
+        self._carrying: dict[int, int] = {}
+
+    def why(self, joint: int) -> str:
+        """The reason, or "" where the joint turns."""
+        tree, above = self._tree, self._tree.above[joint]
+        if above < 0:
+            return ROOT
+        if not tree.carries[joint]:
+            return "no weight on or below it"
+        if joint in self._eyes:
+            return EYE
+        if joint in self._driven:
+            return "a roll constraint drives it"
+        if not tree.below[joint] and self._siblings(above) and chain_child(tree, self._ref, above) != joint:
+            return "lone end joint beside siblings"
+        return ""
+
+    def _siblings(self, above: int) -> bool:
+        """Whether a joint that carries something, below ``above``, has others beside it that do."""
+        if above not in self._carrying:
+            self._carrying[above] = sum(bool(self._tree.carries[k]) for k in self._tree.below[above])
+        return self._carrying[above] > 1

@@ -67,8 +67,12 @@ class Hinges:
         chains = self._chains(taken)
         for chain in chains:
             self._of_chain(chain)
+        known: dict[str, list[int]] = {}
+        for joint, up in self.found.items():
+            if up.step <= 3:
+                known.setdefault(self.tree.rig.names[joint], []).append(joint)
         for chain in chains:
-            self._from_twin(chain)
+            self._from_twin(chain, known)
 
     def _members(self, limb: Limb) -> list[int]:
         """The limb, the clavicle above it, and for a leg the foot and toes below it."""
@@ -111,13 +115,14 @@ class Hinges:
         for joint in self.aims:
             if joint in done:
                 continue
-            chain = [joint]
-            while (node := self.aims[chain[-1]].node) is not None and node in self.aims:
+            chain = {joint: None}
+            last = joint
+            while (node := self.aims[last].node) is not None and node in self.aims:
                 if node in done or node in chain:
                     break
-                chain.append(node)
+                chain[node], last = None, node
             done.update(chain)
-            chains.append(chain)
+            chains.append(list(chain))
         return chains
 
     def _points(self, chain: Sequence[int]) -> list[int]:
@@ -174,20 +179,19 @@ class Hinges:
                 return _up(found)
         return None
 
-    def _from_twin(self, chain: list[int]) -> None:
+    def _from_twin(self, chain: list[int], known: Mapping[str, list[int]]) -> None:
+        """The other side's hinge for joints without one. known: joints that have their own, by name."""
         rig = self.tree.rig
         for joint in chain:
             other = rig.names[joint] and twin(rig.names[joint])
             if joint in self.found or not other or other == rig.names[joint]:
                 continue
-            for there in (k for k in self.found if rig.names[k] == other):
-                if self.found[there].step <= 3:
-                    apart = np.abs(self.ref.position(joint) - self.ref.position(there))
-                    mirror = np.where(np.arange(3) == int(np.argmax(apart)), 1.0, -1.0)
-                    # A normal is mirrored as a turn is: across the plane and backwards.
-                    normal = self.found[there].vector * mirror
-                    self.found[joint] = Up(normal, 4, "other side", self.found[there].sine)
-                    break
+            for there in known.get(other, [])[:1]:
+                apart = np.abs(self.ref.position(joint) - self.ref.position(there))
+                mirror = np.where(np.arange(3) == int(np.argmax(apart)), 1.0, -1.0)
+                # A normal is mirrored as a turn is: across the plane and backwards.
+                normal = self.found[there].vector * mirror
+                self.found[joint] = Up(normal, 4, "other side", self.found[there].sine)
 
     def normal(
         self,

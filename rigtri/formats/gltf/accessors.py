@@ -104,6 +104,32 @@ class Accessors:
         layout = self.layout(index)
         if layout.plain:
             return self._read_plain(layout)
+        return self._converted(index, layout)
+
+    def has_rows(self, index: int) -> bool:
+        """Whether `rows` can read some rows alone: they are neither compressed nor sparse."""
+        layout = self.layout(index)
+        return layout.buffer >= 0 and not layout.sparse
+
+    def rows(self, index: int, start: int, stop: int) -> Floats:
+        """Some rows of what `read` gives, of an accessor that `has_rows`; no others stay in memory."""
+        layout = self.layout(index)
+        first = layout.start + start * layout.stride
+        numbers = self._converted(index, layout._replace(start=first, rows=min(stop, layout.rows) - start))
+        # A page that is read brings up to 2 MB around it into memory.
+        self.buffers.forget()
+        return numbers
+
+    def stated(self, index: int) -> Floats | None:
+        """The lows and highs, (2, width), that the file states for an accessor; None where it does not."""
+        layout, raw = self.layout(index), self._items[index]
+        if "min" not in raw or "max" not in raw:
+            return None
+        accessor = self.value(index)
+        bounds = np.array([accessor.need(key).numbers(layout.width) for key in ("min", "max")])
+        return _whole(bounds, layout)
+
+    def _converted(self, index: int, layout: Layout) -> Floats:
         accessor = self.value(index)
         if layout.view < 0 and layout.rows * layout.width > MOST_ZEROS:
             accessor.fail(f"claims {layout.rows} elements without bytes for them")
@@ -112,10 +138,7 @@ class Accessors:
             numbers = self._replaced(numbers, accessor.need("sparse"), layout)
         # Some NaN are signalling ones, of which nobody wants to hear.
         with np.errstate(invalid="ignore"):
-            decoded = numbers.astype(np.float64)
-        if layout.normalized and layout.component in FULL:
-            decoded = np.maximum(decoded / FULL[layout.component], -1.0)
-        return decoded
+            return _whole(numbers.astype(np.float64), layout)
 
     def _read_plain(self, layout: Layout) -> Floats:
         # One float32 view of a buffer serves all its accessors: slicing it is cheap.
@@ -169,7 +192,7 @@ class Accessors:
         # Where the same bytes are also there uncompressed, those are read.
         if "extensions" in view.raw and self.buffers.place(buffer) == "none" and compression_of(view):
             return -1, 0, length, stride
-        whole = len(self.buffers.content(buffer))
+        whole = self.buffers.length(buffer)
         if start + length > whole:
             view.fail(f"ends at {start + length}, outside buffer {buffer} of {whole} bytes")
         return buffer, start, length, stride
@@ -217,3 +240,10 @@ class Accessors:
         view = value.natural("bufferView")
         placed = Layout(layout.component, layout.width, layout.rows, False, False, view)
         return self._elements(self._within(value, placed, value.natural("byteOffset", 0)))
+
+
+def _whole(numbers: Floats, layout: Layout) -> Floats:
+    """Normalised integers as the numbers they stand for; all others as they are."""
+    if layout.normalized and layout.component in FULL:
+        return np.asarray(np.maximum(numbers / FULL[layout.component], -1.0))
+    return numbers

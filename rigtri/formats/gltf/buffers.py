@@ -8,7 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
-from rigtri.formats.gltf.container import Container, load
+from rigtri.formats.gltf.container import Container
+from rigtri.formats.gltf.mapped import Mapped, load
 from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own
 from rigtri.formats.gltf.values import Value
 
@@ -28,6 +29,7 @@ class Buffers:
         self._container = container
         self._allow_external = allow_external
         self._content: dict[int, memoryview] = {}
+        self._lengths: dict[int, int] = {}
         self._undeployed: set[int] = set()
         for index, item in enumerate(self._items):
             if self.place(index) in ("file", "own") and is_file(self.uri(index)):
@@ -62,6 +64,23 @@ class Buffers:
         if index not in self._content:
             self._content[index] = self._fetch(index)
         return self._content[index]
+
+    def length(self, index: int) -> int:
+        """The ``byteLength`` of a buffer, all of which is there. FileError where it is not."""
+        if index not in self._lengths:
+            item = self._items[index]
+            length = item.need("byteLength").count()
+            file = self.place(index) in ("file", "own")
+            if (self._path(index).stat().st_size if file else len(self.content(index))) < length:
+                self.content(index)
+            self._lengths[index] = length
+        return self._lengths[index]
+
+    def forget(self) -> None:
+        """Let go of the pages of mapped files: who reads all of a large buffer does so part by part."""
+        for content in (self._container.source, *self._content.values()):
+            if isinstance(content.obj, Mapped):
+                content.obj.forget()
 
     def _fetch(self, index: int) -> memoryview:
         item, place = self._items[index], self.place(index)

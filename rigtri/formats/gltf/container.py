@@ -5,7 +5,6 @@ Source: glTF 2.0 §4 (GLB file format).
 
 from __future__ import annotations
 
-import mmap
 import re
 import struct
 from collections.abc import Iterable
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
+from rigtri.formats.gltf.mapped import load
 from rigtri.formats.gltf.spelling import Spelling, encode, parse
 from rigtri.formats.gltf.splice import splice
 from rigtri.report import Notice
@@ -23,8 +23,6 @@ HEADER = struct.Struct("<4sII")
 CHUNK = struct.Struct("<II")
 JSON_CHUNK = 0x4E4F534A
 BIN_CHUNK = 0x004E4942
-# Smaller files are read: a mapped file dies with the process that truncates it.
-MAP_FROM = 64 * 1024 * 1024
 
 Piece = bytes | bytearray | memoryview
 
@@ -101,18 +99,6 @@ def _packed(layout: struct.Struct, path: Path, *values: Any) -> bytes:
         raise FileError(
             f"{path}: the result would be larger than the 4 GiB a GLB can hold; convert it to .gltf first"
         ) from None
-
-
-def load(path: Path) -> memoryview:
-    """The bytes of a file, mapped instead of read where it is large. FileError where there is none."""
-    try:
-        with path.open("rb") as file:
-            if path.stat().st_size < MAP_FROM:
-                return memoryview(file.read())
-            return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise FileError(f"{path}: cannot be read: {reason}") from None
 
 
 def open_container(path: Path, *, lenient: bool = False) -> Container:

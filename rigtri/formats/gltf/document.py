@@ -82,6 +82,12 @@ class GltfDocument:
             self._meshes = self._reader.read(self._rig.skins)
         return self._meshes
 
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        """The same; where a file has very many points, some of them and boxes for its largest meshes."""
+        if not self._reader.crowd:
+            return self.meshes()
+        return self._reader.read(self._rig.skins, "closely" if closely else "stated")
+
     def scenery(self) -> Scenery:
         """Scenes, lenses, lights and materials of the nodes that show something."""
         return read_scenery(self.container.gltf, self.tree)

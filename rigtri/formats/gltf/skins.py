@@ -68,16 +68,19 @@ def _joints(gltf: Value, skin: Value, tree: Tree, notices: list[Notice]) -> list
     pivot = skin.get("skeleton")
     if pivot is not None:
         root = pivot.index(count, "node")
-        if not all(_under(tree, joint, root) for joint in joints):
+        if not _all_under(tree, joints, root):
             text = f"The skeleton of a skin, {title(nodes, root)}, is not above all its joints; it is kept"
             notices.append(Notice("skeleton-not-above", text))
     return joints
 
 
-def _under(tree: Tree, node: int, root: int) -> bool:
-    while node >= 0 and node != root:
-        node = tree.above[node]
-    return node == root
+def _all_under(tree: Tree, joints: list[int], root: int) -> bool:
+    """Whether all joints are ``root`` or below it."""
+    under = {root}
+    for node in tree.order:  # parents first
+        if tree.above[node] in under:
+            under.add(node)
+    return under.issuperset(joints)
 
 
 def _inverse_bind(

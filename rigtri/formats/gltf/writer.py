@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import mmap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
 from rigtri.errors import FileError
 from rigtri.formats import Companion
 from rigtri.formats.gltf.clip_writer import ClipWriter
 from rigtri.formats.gltf.container import Piece
 from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.mapped import pour
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.resources import accompany, relink
 from rigtri.formats.gltf.storage import Storage
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 # Large enough that thousands of small changed ranges cost few system calls.
 BUFFERING = 1 << 20
-CHUNK = 1 << 24
 
 
 def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
@@ -55,22 +54,10 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
     return companions
 
 
-def _pour(file: BinaryIO, piece: Piece) -> None:
-    """Write a piece; of a mapped file only a chunk at a time stays in memory."""
-    if len(piece) <= CHUNK or not isinstance(piece, memoryview):
-        file.write(piece)
-        return
-    mapped = piece.obj
-    for start in range(0, len(piece), CHUNK):
-        file.write(piece[start : start + CHUNK])
-        if isinstance(mapped, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
-            mapped.madvise(mmap.MADV_DONTNEED)
-
-
 def _write(part: Path, pieces: Iterable[Piece]) -> None:
     try:
         with part.open("wb", buffering=BUFFERING) as file:
             for piece in pieces:
-                _pour(file, piece)
+                pour(file, piece)
     except OSError as error:
         raise FileError(f"{part}: cannot be written: {error.strerror or error}") from None

@@ -61,6 +61,10 @@ class UsdDocument:
         with quiet(f"{source.path}: USD cannot read its meshes"):
             return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
 
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        """The same: USD keeps what is drawn in memory anyway."""
+        return self.meshes()
+
     def scenery(self) -> Scenery:
         """Units and range of the stage; visibility, lenses, lights and materials of what it shows."""
         shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.payload >= 0).tolist()}

@@ -1,0 +1,174 @@
+"""Large files and many joints: time, peak memory and growth, beside `cp` and the peers."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from large import Character, write_glb, write_gltf, write_usd
+
+RIGTRI = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
+PYGLTFLIB = "import pygltflib, sys; pygltflib.GLTF2().load(sys.argv[1]).save(sys.argv[2])"
+# A peer that takes longer is stopped and listed as such.
+LONGEST = 60.0
+# Runs a program from a process that is small itself, whose size the program would inherit.
+LAUNCHER = """
+import os, sys, time
+quiet = [(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
+start = time.perf_counter()
+_, status, usage = os.wait4(os.posix_spawnp(sys.argv[1], sys.argv[1:], os.environ, file_actions=quiet), 0)
+print(time.perf_counter() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a run took: seconds by the clock, seconds of computing, peak memory in MB."""
+
+    seconds: float
+    computing: float
+    memory: float
+
+
+def cost(*command: str | Path, longest: float | None = None) -> Cost | None:
+    """Run a program once; None where it takes longer than ``longest`` seconds."""
+    launcher = [sys.executable, "-S", "-c", LAUNCHER, *map(str, command)]
+    try:
+        done = subprocess.run(launcher, capture_output=True, text=True, check=False, timeout=longest)
+    except subprocess.TimeoutExpired:
+        return None
+    if done.returncode:
+        raise SystemExit(f"{command}: {done.stderr[-500:]}")
+    seconds, computing, memory = map(float, done.stdout.split())
+    return Cost(seconds, computing, memory / (1 << 20 if sys.platform == "darwin" else 1 << 10))
+
+
+def orient(source: Path, target: Path) -> Cost:
+    """`rigtri orient-joints` as a new process, verified."""
+    found = cost(*RIGTRI, "orient-joints", source, "-o", target, "--overwrite", "-q")
+    assert found is not None
+    return found
+
+
+def copied(*sources: Path, to: Path) -> Cost:
+    """`cp` and the sync of what it wrote, holes filled."""
+    to.mkdir(exist_ok=True)
+    command = 'to=$1; shift; cp --sparse=never "$@" "$to" && sync -d "$to"/*'
+    found = cost("sh", "-c", command, "sh", to, *sources)
+    shutil.rmtree(to)
+    assert found is not None
+    return found
+
+
+def best(runs: int, *actions: Callable[[], Cost]) -> list[Cost]:
+    """The quickest of some runs of each action, taken in turns, so that all meet the same machine."""
+    rounds = [[action() for action in actions] for _ in range(runs)]
+    return [min(some, key=lambda one: one.seconds) for some in zip(*rounds, strict=True)]
+
+
+def peers(source: Path, target: Path) -> dict[str, Cost | None]:
+    """What others take to read a file and write it again."""
+    found: dict[str, Cost | None] = {}
+    transform = os.environ.get("GLTF_TRANSFORM") or shutil.which("gltf-transform")
+    if transform:
+        found["glTF-Transform: copy"] = cost(transform, "copy", source, target, longest=LONGEST)
+    if importlib.util.find_spec("pygltflib"):
+        name = "pygltflib: read, write"
+        found[name] = cost(sys.executable, "-c", PYGLTFLIB, source, target, longest=LONGEST)
+    target.unlink(missing_ok=True)
+    return found
+
+
+def rows(costs: dict[str, Cost | None], base: Cost) -> list[str]:
+    lines = ["| what, as a new process | seconds | ratio | peak memory, MB |", "|---|---|---|---|"]
+    for name, found in costs.items():
+        if found is None:
+            lines.append(f"| {name} | over {LONGEST:.0f} | over {LONGEST / base.seconds:.0f} | - |")
+        else:
+            ratio = found.seconds / base.seconds
+            lines.append(f"| {name} | {found.seconds:.2f} | {ratio:.2f} | {found.memory:.0f} |")
+    return [*lines, ""]
+
+
+def large_files(folder: Path, runs: int) -> list[str]:
+    """500 MB of points and images, as a .glb and as a .gltf with its data beside it; and 4 GB."""
+    half = Character(joints=60, clips=4, keys=30, points=5_000_000, filler=200_000_000)
+    glb = write_glb(folder / "half.glb", half)
+    copies, target = folder / "copies", folder / "out.glb"
+
+    def oriented(source: Path, to: Path) -> Cost:
+        to.parent.mkdir(exist_ok=True)
+        for old in to.parent.glob(f"{to.stem}.*") if to.parent != source.parent else [to]:
+            old.unlink(missing_ok=True)
+        return orient(source, to)
+
+    base, mine = best(runs, lambda: copied(glb, to=copies), lambda: oriented(glb, target))
+    costs = {"cp + fsync": base, "rigtri orient-joints, verified": mine}
+    lines = [f"## A .glb of {glb.stat().st_size / 1e6:.0f} MB, 5 million points", ""]
+    lines += rows(costs | peers(glb, target), base)
+    glb.unlink()
+    gltf = write_gltf(folder / "half.gltf", half)
+    both, elsewhere = [gltf, gltf.with_suffix(".bin")], folder / "elsewhere" / "half.gltf"
+    base, mine = best(runs, lambda: copied(*both, to=copies), lambda: oriented(gltf, elsewhere))
+    lines += ["## The same as a .gltf with a .bin, to another folder", ""]
+    lines += rows({"cp + fsync": base, "rigtri orient-joints, verified": mine}, base)
+    shutil.rmtree(elsewhere.parent)
+    for path in both:
+        path.unlink()
+    most = write_glb(folder / "most.glb", Character(joints=60, filler=(1 << 32) - (1 << 20), holes=True))
+    base, mine = copied(most, to=copies), oriented(most, target)
+    lines += [f"## A .glb of {most.stat().st_size / 1e6:.0f} MB, which is as large as they get (once)", ""]
+    lines += rows({"cp + fsync": base, "rigtri orient-joints, verified": mine}, base)
+    for path in (most, target):
+        path.unlink()
+    return lines
+
+
+def growth(folder: Path) -> list[str]:
+    """What twice and four times as much costs, and what the peers take for the most."""
+    kinds: list[tuple[str, str, int, Callable[[int], Character]]] = [
+        ("joints in a chain", ".glb", 2500, lambda n: Character(joints=n, shape="chain")),
+        ("joints below one", ".glb", 2500, lambda n: Character(joints=n, shape="wide")),
+        ("joints in limbs of ten", ".glb", 2500, lambda n: Character(joints=n)),
+        ("accessors that nothing uses", ".glb", 5000, lambda n: Character(extras=n)),
+        ("clips of 200 joints", ".glb", 10, lambda n: Character(joints=200, clips=n)),
+        ("joints below one", ".usdc", 2500, lambda n: Character(joints=n, shape="wide")),
+        ("joints in limbs of ten", ".usdc", 2500, lambda n: Character(joints=n)),
+        ("joints in a chain", ".usdc", 250, lambda n: Character(joints=n, shape="chain")),
+    ]
+    lines = ["## Growth", "", "Seconds of computing of `rigtri orient-joints` as a new process, verified, "]
+    lines[-1] += "less those for two joints; growth is from n to 4n, where 4 is linear."
+    lines += ["", "| what | n | n | 2n | 4n | growth | peak memory at 4n, MB |", f"|{'---|' * 7}"]
+    beside = ["", "The same files at 4n, seconds by the clock:", "", "| what | rigtri | peers |"]
+    beside.append("|---|---|---|")
+    nothing: dict[str, float] = {}
+    for name, suffix, n, make in kinds:
+        write = write_usd if suffix == ".usdc" else write_glb
+        target = folder / f"grown{suffix}"
+        if suffix not in nothing:
+            tiny = write(folder / f"tiny{suffix}", Character(joints=2))
+            nothing[suffix] = min(orient(tiny, target).computing for _ in range(3))
+        found = []
+        for times in (1, 2, 4):
+            path = write(folder / f"grow{times}{suffix}", make(n * times))
+            found.append(min((orient(path, target) for _ in range(2)), key=lambda one: one.computing))
+        first, second, last = (max(one.computing - nothing[suffix], 0.01) for one in found)
+        title = f"{name}, {suffix}"
+        lines.append(
+            f"| {title} | {n} | {first:.2f} | {second:.2f} | {last:.2f} | {last / first:.1f} "
+            f"| {found[-1].memory:.0f} |"
+        )
+        if suffix == ".glb":
+            others = peers(path, target)
+            said = [f"{k} {f'{c.seconds:.1f}' if c else f'over {LONGEST:.0f}'}" for k, c in others.items()]
+            beside.append(f"| {title} | {found[-1].seconds:.1f} | {', '.join(said)} |")
+        for times in (1, 2, 4):
+            (folder / f"grow{times}{suffix}").unlink()
+    return [*lines, *beside, ""]

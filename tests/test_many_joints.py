@@ -1,0 +1,176 @@
+"""Deep, wide and crowded rigs: nothing recurses, nothing is asked of every pair of joints."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from gltf_files import Builder
+from rigs import chain, random_rig, rig_of
+
+from rigtri.bend import between
+from rigtri.formats import read
+from rigtri.matching import match
+from rigtri.pose import bind_worlds
+from rigtri.report import Notice, Report
+from rigtri.rig import DEEPEST_PATH, Rig
+
+DEEP = sys.getrecursionlimit() + 500
+
+
+def rope(path: Path, joints: int) -> Path:
+    """A zigzag chain of joints, each animated, with a point on each; the last three are an arm."""
+    b = Builder()
+    nodes = [
+        {"name": f"j{k}", "translation": [0, 1, 0.1 * (k % 3)], "children": [k + 1]} for k in range(joints)
+    ]
+    del nodes[-1]["children"]
+    for node, name in zip(nodes[-3:], ("upperarm_l", "forearm_l", "hand_l"), strict=True):
+        node["name"] = name
+    places = np.cumsum([node["translation"] for node in nodes], axis=0)
+    bind = np.tile(np.eye(4), (joints, 1, 1))
+    bind[:, 3, :3] = -places
+    numbers = np.zeros((joints, 4))
+    numbers[:, 0] = np.arange(joints)
+    primitive = {
+        "POSITION": b.accessor(np.add(places, [0.5, 0, 0])),
+        "JOINTS_0": b.accessor(numbers, "u2"),
+        "WEIGHTS_0": b.accessor(np.tile([1.0, 0, 0, 0], (joints, 1))),
+    }
+    turn = math.sin(0.2 / joints), math.cos(0.2 / joints)
+    times = b.accessor([0, 1], min=[0], max=[1])
+    turns = b.accessor([[0, 0, 0, 1], [turn[0], 0, 0, turn[1]]])
+    channels = [{"sampler": k, "target": {"node": k, "path": "rotation"}} for k in range(joints)]
+    b.gltf |= {
+        "scenes": [{"nodes": [0, joints]}],
+        "nodes": [*nodes, {"mesh": 0, "skin": 0}],
+        "meshes": [{"primitives": [{"attributes": primitive}]}],
+        "skins": [{"joints": list(range(joints)), "inverseBindMatrices": b.accessor(bind.reshape(-1, 16))}],
+        "animations": [{"samplers": [{"input": times, "output": turns}] * joints, "channels": channels}],
+    }
+    return b.glb(path)
+
+
+def went_through_all_commands(app: click.Group, source: Path, folder: Path) -> None:
+    """orient-joints, add-polevector, inspect and verify, each with its own proof."""
+    turned, pole = folder / "turned.glb", folder / "pole.glb"
+    report = folder / "report.json"
+    for arguments in (
+        ["orient-joints", source, "-o", turned, "--report", report],
+        ["add-polevector", turned, "-o", pole, "--limbs", "auto"],
+        ["inspect", turned],
+        ["verify", source, pole],
+    ):
+        result = CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=False)
+        assert result.exit_code == 0, (arguments[0], result.output[-500:])
+    joints = json.loads(report.read_text("utf-8"))["joints"]
+    count = len(read(source).rig) - 1
+    assert sum(joint["status"] == "turned" for joint in joints) >= count - 2
+
+
+def test_a_chain_deeper_than_the_recursion_limit_goes_through_every_command(
+    app: click.Group, tmp_path: Path
+) -> None:
+    went_through_all_commands(app, rope(tmp_path / "rope.glb", DEEP), tmp_path)
+
+
+@pytest.mark.slow
+def test_a_chain_of_10_000_joints_goes_through_every_command(app: click.Group, tmp_path: Path) -> None:
+    went_through_all_commands(app, rope(tmp_path / "rope.glb", 10_000), tmp_path)
+
+
+def above(rig: Rig, node: int) -> set[int]:
+    """The node and all above it, looked up one by one."""
+    found = set()
+    while node >= 0:
+        found.add(node)
+        node = int(rig.parents[node])
+    return found
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_below_is_what_the_parents_say(seed: int) -> None:
+    rig = random_rig(seed, joints=12)
+    for node in range(12):
+        assert rig.below(node) == [k for k in range(12) if node in above(rig, k)]
+        assert [rig.is_below(k, node) for k in range(12)] == [node in above(rig, k) for k in range(12)]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_lies_between_joints_ends_at_the_first_joint_above_all_of_them(seed: int) -> None:
+    rig = random_rig(seed, joints=12)
+    nodes = np.random.default_rng(seed).permutation(12)[:3].tolist()
+    lines = [above(rig, node) for node in nodes]
+    shared = set.intersection(*lines)
+    small, places = between(rig, nodes)
+    wanted = set.union(*lines) - shared | ({max(shared)} if shared else set())
+    assert sorted(small.names) == sorted(rig.names[node] for node in wanted)
+    assert [small.names[place] for place in places] == [rig.names[node] for node in nodes]
+    tracks = [(rig.names[t.node], t.path) for t in rig.clips[0].tracks if t.node in wanted]
+    assert sorted((small.names[t.node], t.path) for t in small.clips[0].tracks) == sorted(tracks)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_joints_of_a_skin_stand_at_their_bind_places_and_the_rest_follows(seed: int) -> None:
+    rig = random_rig(seed, joints=9)
+    skin = replace(rig.skins[0], joints=rig.skins[0].joints[::2], inverse_bind=rig.skins[0].inverse_bind[::2])
+    posed = bind_worlds(rig, skin)
+    top = int(np.argmin(skin.joints))
+    placed = skin.inverse_bind[top] @ rig.world[skin.joints[top]]
+    bind = dict(zip(skin.joints.tolist(), np.linalg.inv(skin.inverse_bind) @ placed, strict=True))
+    for node, parent in enumerate(rig.parents.tolist()):
+        follows = rig.local[node] @ posed[parent] if parent >= 0 else rig.local[node]
+        assert np.allclose(posed[node], bind.get(node, follows))
+
+
+def test_a_path_ends_where_it_would_be_endless() -> None:
+    n = DEEPEST_PATH + 2
+    rig = rig_of(["bone"] * n, list(range(-1, n - 1)), np.ones((n, 3)))
+    assert rig.path(2) == "/bone/bone/bone"
+    assert rig.path(DEEPEST_PATH) == "/bone" * (DEEPEST_PATH + 1)
+    assert rig.path(DEEPEST_PATH + 1) == f"#{DEEPEST_PATH + 1}"
+    assert rig.address(DEEPEST_PATH + 1) == f"#{DEEPEST_PATH + 1}"
+    assert rig.find(f"#{DEEPEST_PATH + 1}") == DEEPEST_PATH + 1
+
+
+def test_nodes_of_deep_chains_find_their_partners_by_their_whole_path() -> None:
+    n = DEEPEST_PATH + 40
+    names, parents = [f"j{k}" for k in range(n)], list(range(-1, n - 1))
+    here = rig_of(names, parents, np.ones((n, 3)))
+    # In the other file a node stands before the chain, so that no label fits any more.
+    there = rig_of(["first", *names], [-1, -1, *range(1, n)], np.ones((n + 1, 3)))
+    assert match(here, there, by_key=False).node.tolist() == list(range(1, n + 1))
+
+
+def test_a_numbered_limb_is_the_first_three_joints_below_each_other() -> None:
+    from rigtri.limbs import recognise
+
+    names = ["torso", "leg_joint_L_1", "leg_joint_L_2", "leg_joint_L_3", "leg_joint_L_4"]
+    for parents, limbs in (([-1, 0, 1, 2, 1], [(1, 2, 3)]), ([-1, 0, 1, 1, 2], [])):
+        rig = rig_of(names, parents, np.ones((5, 3)))
+        assert [limb.triple for limb in recognise(rig)] == limbs
+
+
+def test_words_that_were_said_are_not_said_again() -> None:
+    report = Report()
+    report.warn("a", "one")
+    report.warnings.append(Notice("b", "two"))
+    report.hear([Notice("b", "two"), Notice("a", "one"), Notice("c", "three"), Notice("c", "three")])
+    report.warn("c", "three")
+    assert [notice.text for notice in report.warnings] == ["one", "two", "three"]
+
+
+def test_a_long_straight_chain_that_nothing_bends_is_straight(tmp_path: Path) -> None:
+    from rigtri.ops.orient import orient_joints
+
+    rig = chain(*[(0.0, float(k), 0.0) for k in range(8)])
+    report = Report()
+    orient_joints(rig, report=report)
+    assert [notice.code for notice in report.warnings] == ["straight"]
