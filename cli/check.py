@@ -35,7 +35,7 @@ MOST_ALIKE = 4
 @click.option(
     "--allow-external-paths",
     is_flag=True,
-    help="Read buffers outside the folder of a file. Nothing is ever fetched from a network.",
+    help="Read buffers and USD layers outside the folder of a file. Nothing is ever fetched.",
 )
 @click.option("-v", "--verbose", is_flag=True, help="Show every finding, and what to do about each kind.")
 @quiet_option

@@ -84,7 +84,7 @@ def reading_options(command: F) -> F:
         click.option(
             "--allow-external-paths",
             is_flag=True,
-            help="Read buffers outside the folder of IN. Nothing is ever fetched from a network.",
+            help="Read buffers and USD layers outside the folder of IN. Nothing is ever fetched.",
         ),
     ):
         command = option(command)

@@ -133,13 +133,13 @@ class Scales:
     """Every scale that nodes have, at rest and at keys (tangents are scales too).
 
     rows: (k, 3). owner: (k,), the node of each row. sign: (n, 3), of the scale at rest.
-    spread: (n,), the largest share by which |S| is not uniform.
+    apart: (n, 3), how far x and y, y and z, z and x of |S| are apart at most, as a share of the largest.
     """
 
     rows: Floats
     owner: Integers
     sign: Floats
-    spread: Floats
+    apart: Floats
 
     @staticmethod
     def of(rig: Rig) -> Scales:
@@ -153,9 +153,9 @@ class Scales:
         unsigned = rows * sign[owner]
         largest = np.zeros(len(rig))
         np.maximum.at(largest, owner, np.abs(unsigned).max(axis=1))
-        spread = np.zeros(len(rig))
-        np.maximum.at(spread, owner, unsigned.max(axis=1) - unsigned.min(axis=1))
-        return Scales(rows, owner, sign, spread / np.where(largest == 0, 1.0, largest))
+        apart = np.zeros((len(rig), 3))
+        np.maximum.at(apart, owner, np.abs(unsigned - np.roll(unsigned, -1, axis=1)))
+        return Scales(rows, owner, sign, apart / np.where(largest == 0, 1.0, largest)[:, np.newaxis])
 
     @cached_property
     def _by_owner(self) -> tuple[Integers, Integers]:
@@ -169,8 +169,17 @@ class Scales:
 
     @cached_property
     def uneven(self) -> Booleans:
-        """Which nodes, (n,), have a scale that is not uniform, beyond the noise of exporters."""
-        return np.asarray(self.spread > SAME_SCALE)
+        """Which nodes, (n,), have a scale that is not uniform, beyond the noise of exporters.
+
+        Two pairs that are alike make all three alike: otherwise a turn about either odd axis
+        would be exact but not both, and a second run would find a third.
+        """
+        return np.asarray((self.apart > SAME_SCALE).sum(axis=1) > 1)
+
+    @property
+    def spread(self) -> Floats:
+        """The largest share by which |S| of each node is not uniform, (n,)."""
+        return np.asarray(self.apart.max(axis=1))
 
     def fold(self, where: Booleans) -> Floats:
         """Half turns (n, 4) that a uniform scale of mixed signs stands for: S = ±|S|·half turn."""

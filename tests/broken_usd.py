@@ -163,8 +163,7 @@ USD: dict[str, list[Make]] = {
         moving(scales="half3[] scales = [(1, 2, 1), (1, 1, 1), (1, 1, 1)]"),
     ],
     "usd.skel.mirrored": [rest(MIRROR)],
-    "usd.skel.locked": [stage(_variant())],
-    "usd.skel.variants": [stage(_source_in_variant())],
+    "usd.skel.variants": [stage(_variant()), stage(_source_in_variant())],
     "usd.type": [
         bones(joints="uniform int[] joints = [1, 2, 3]"),
         bones(bind="uniform float[] bindTransforms = [1, 2, 3]"),

@@ -19,7 +19,7 @@ from rigtri.ops.orient import Options, orient_joints
 from rigtri.ops.presets import PRESETS, Style
 from rigtri.ops.select import Selection
 from rigtri.pose import skin_matrices, worlds
-from rigtri.quaternions import conjugate, from_axis_angle, multiply, rotate
+from rigtri.quaternions import conjugate, from_axis_angle, multiply, rotate, unit
 from rigtri.report import Report
 from rigtri.rig import Clip, Rig, Skin, Track
 from rigtri.triangle import axis_of
@@ -583,3 +583,16 @@ def test_a_snap_aims_first_and_then_fits_the_rest() -> None:
     assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
     bone = normalise(worlds(rig)[2, 3, :3] - worlds(rig)[1, 3, :3])
     assert axes(out, "b")[0] @ bone == pytest.approx(np.abs(axes(rig, "b") @ bone).max())
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_scale_noise_at_the_edge_of_uniform_is_stable(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    rig = chain((0, 0, 0), (0.3, 1, 0), (0, 2, 0.4), (0.2, 3, 0.1), (0.1, 3.5, 0.6))
+    noise = random.uniform(-1.4e-5, 1.4e-5, (len(rig), 3))
+    rotation = unit(random.normal(size=(len(rig), 4)))
+    options = Options(selection=ALL)
+    once = orient_joints(replace(rig, scale=rig.scale + noise, rotation=rotation), options=options)
+    twice = orient_joints(once, options=options)
+    assert np.array_equal(once.rotation, twice.rotation)
+    assert np.array_equal(once.scale, twice.scale)

@@ -20,7 +20,7 @@ def check(path: Path | str, *, allow_external_paths: bool = False, external: boo
     """Everything that is wrong with a skinned rig in a glTF, VRM or USD file, the worst first.
 
     A file that cannot be read at all has the one finding ``file.unreadable``.
-    allow_external_paths: read buffers outside the folder of the file. external: for
+    allow_external_paths: read buffers and layers outside the folder of the file. external: for
     USD, add what OpenUSD's own validators say.
 
     Every id is in `RULES`, but those of OpenUSD, which have a colon.
@@ -43,7 +43,7 @@ def _check(path: Path, findings: Findings, allow_external: bool, external: bool)
     elif suffix in USD_SUFFIXES:
         from rigtri.checks.usd.check import check_usd
 
-        check_usd(path, findings, external=external)
+        check_usd(path, findings, external=external, allow_external=allow_external)
     else:
         known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
         raise FileError(f"'{suffix}' is no format rigtri reads. It reads: {known}")

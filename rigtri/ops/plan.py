@@ -18,7 +18,7 @@ from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
 from rigtri.ops.select import Selection, select
 from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
-from rigtri.reframe import SAME_SCALE, Scales
+from rigtri.reframe import Scales
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
@@ -175,8 +175,7 @@ class Plan:
     @cached_property
     def scale_noise(self) -> Floats:
         """How far from uniform the scales of each node and those above it are, (n,), where taken as such."""
-        spread = self.scales.spread
-        noise = np.where(spread <= SAME_SCALE, spread, 0.0)
+        noise = np.where(self.scales.uneven, 0.0, self.scales.spread)
         for level in self.tree.rig.levels[1:]:
             noise[level] = np.maximum(noise[level], noise[self.tree.rig.parents[level]])
         return noise

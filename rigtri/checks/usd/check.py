@@ -15,12 +15,14 @@ from rigtri.formats.usd.notes import JOINT_NOTES, read_prim
 from rigtri.formats.usd.stage import quiet
 
 
-def check_usd(path: Path, findings: Findings, *, external: bool = False) -> None:
+def check_usd(
+    path: Path, findings: Findings, *, external: bool = False, allow_external: bool = False
+) -> None:
     """Note all that is wrong with a file; ``external`` asks OpenUSD's validation, too.
 
     FileError where it is no USD at all.
     """
-    stage, _, notices = opened(path)
+    stage, _, notices = opened(path, allow_external=allow_external)
     for notice in notices:
         findings.add("usd.layer.missing", "stage", "", notice.text)
     scene = Scene(stage, findings)

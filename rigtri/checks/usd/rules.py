@@ -125,17 +125,11 @@ RULES = (
         "Nothing needs to be done; orient-joints keeps the mirroring.",
     ),
     Rule(
-        "usd.skel.locked",
-        "warning",
-        "A skeleton, or its animation, stands where an opinion of this file does not reach or says too much: "
-        "inside an instance, a variant or value clips.",
-        "Edit the layer that holds it, as the message says.",
-    ),
-    Rule(
         "usd.skel.variants",
-        "warning",
-        "A variant that is not selected shows a skeleton with other values or another animation.",
-        "Give each variant a file of its own before you edit the joints.",
+        "info",
+        "Variants decide what the joints of a skeleton are or do.",
+        "Nothing needs to be done; orient-joints turns them in every variant. Splitting joints needs a "
+        "file for each.",
     ),
     Rule(
         "usd.type",

@@ -14,7 +14,7 @@ from pxr import Sdf, UsdSkel
 from rigtri.checks.findings import listed
 from rigtri.checks.usd.scene import Scene
 from rigtri.formats.usd.skeletons import PERSPECTIVE, Skeleton, nearest_listed, singular
-from rigtri.formats.usd.stage import DEFAULT, why_locked
+from rigtri.formats.usd.stage import DEFAULT
 from rigtri.formats.usd.variants import why_split
 from rigtri.matrices import SKEW, determinant, identity, skew
 from rigtri.reframe import SAME_SCALE
@@ -51,7 +51,7 @@ def check(scene: Scene, prim: Any) -> None:
     if rest is not None:
         _check_rest(scene, prim, tokens, rest)
     _check_missing(scene, prim, tokens, animation)
-    _check_reach(scene, prim, tokens, animation)
+    _check_variants(scene, prim, tokens, animation)
 
 
 def _animation(prim: Any) -> Any:
@@ -153,14 +153,8 @@ def _has(prim: Any, name: str) -> bool:
     return timed or (value is not None and (not hasattr(value, "__len__") or len(value) > 0))
 
 
-def _check_reach(scene: Scene, prim: Any, tokens: tuple[str, ...], animation: Any) -> None:
-    """Whether an edit of this file can reach all that the skeleton is made of."""
-    why = why_locked(prim, ("joints", "bindTransforms", "restTransforms"))
-    if not why and animation:
-        why = why_locked(animation, ("joints", "translations", "rotations", "scales"))
-    if why:
-        scene.add("usd.skel.locked", prim, "", why)
-        return
+def _check_variants(scene: Scene, prim: Any, tokens: tuple[str, ...], animation: Any) -> None:
+    """Whether variants show the skeleton in several ways."""
     none = identity(0)
     path = "" if animation is None else str(animation.GetPath())
     watched = Skeleton(str(prim.GetPath()), tokens, np.zeros(0, np.int64), none, none, False, "", path)

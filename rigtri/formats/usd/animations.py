@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.stage import DEFAULT, numbers
 from rigtri.quaternions import norm
 from rigtri.report import Notice
@@ -131,7 +132,7 @@ def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
     # An empty default is no default: it drives nothing.
     single = None if default is None else numbers(attribute, default, width)
     single = single if single is not None and len(single) else None
-    values = [(time, attribute.Get(time)) for time in attribute.GetTimeSamples()]
+    values = time_samples(attribute)
     blocked = tuple(time for time, value in values if value is None)
     keys = [(time, numbers(attribute, value, width)) for time, value in values if value is not None]
     given = [*(array for _, array in keys), *([] if single is None else [single])]

@@ -23,7 +23,8 @@ from rigtri.formats.usd.stage import open_stage, quiet
 
 def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change]:
     """Everything in which the second file is not the first. FileError where one is no USD at all."""
-    stages = [open_stage(path)[0] for path in (before, after)]
+    allow = options.allow_external_paths
+    stages = [open_stage(path, allow_external=allow)[0] for path in (before, after)]
     with quiet(f"{after}: USD cannot compare it with {before}"):
         found = [*_encodings(before, after, stages)]
         layered = list(_layers(stages, (before, after), tolerance))

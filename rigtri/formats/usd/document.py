@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
-from rigtri.formats.usd import layers, meshes, package, splits, writer
+from rigtri.formats.usd import external, instances, layers, meshes, package, splits, variant_edits, writer
+from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
@@ -38,7 +40,7 @@ class UsdDocument:
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
         options = options or Options()
-        stage, layer, warnings = opened(path)
+        stage, layer, warnings = opened(path, allow_external=options.allow_external_paths)
         return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
@@ -81,32 +83,51 @@ class UsdDocument:
             bake = self._options.bake_xform
             source, rig, first = splits.widened(self._source, rig, self._options, notices)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
-            self._write([*first, *edits], part, target)
+            expected = Expected()
+            routed = variant_edits.routed(source, rig, edits, expected)
+            self._write([*first, *routed], part, target, notices)
+            if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
+                expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
 
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""
-        bare = self._options.override == "layer" and not self._is_override()
-        if not bare and (not self._streamed or part.suffix.lower() == ".usdz"):
-            return UsdDocument.read(part, self._options)
+        if not self._bare and (not self._streamed or part.suffix.lower() == ".usdz"):
+            return UsdDocument.read(part, self._trusting)
         with quiet(f"{part}: USD cannot read it"):
-            # What a stream got stands where the source stood; a twin with absolute paths does, too.
-            layer = layers.fresh(part)
-            if self._streamed:
-                layer = layers.copy_of(layer)
-                layers.rename_assets(layer, layers.anchored(self._source.path.parent))
-            if bare:
-                stage = layers.over(layer, self._source.layer)
-            elif (below := _source_of(layer, part)) is not None:
-                stage, _ = _over(layer, below)
-            else:
-                stage = Usd.Stage.Open(layer)
+            stage, layer = self._composed(part)
         return UsdDocument(read_source(part, self._options, stage), self._options, layer)
+
+    def _composed(self, part: Path) -> tuple[Any, Any]:
+        """The stage of what was written, and the layer in it that an edit would edit."""
+        layer = layers.fresh(part)
+        if self._streamed and part.suffix.lower() != ".usdz":
+            # What a stream got stands where the source stood; a twin with absolute paths does, too.
+            layer = layers.copy_of(layer)
+            layers.rename_assets(layer, layers.anchored(self._source.path.parent))
+        if self._bare:
+            return layers.over(layer, self._source.layer), layer
+        if (below := _source_of(layer, part)) is not None:
+            return _over(layer, below, part, True)[0], layer
+        return Usd.Stage.Open(layer), layer
+
+    @property
+    def _trusting(self) -> Options:
+        """Where the output lies in another folder, the source's files are outside it, but were allowed."""
+        return replace(self._options, allow_external_paths=True)
+
+    @property
+    def _bare(self) -> bool:
+        return self._options.override == "layer" and not self._is_override()
 
     @property
     def _streamed(self) -> bool:
         return self._options.from_stream or self._options.to_stream
+
+    def _in_instances(self, edits: Sequence[Edit]) -> bool:
+        stage = self._source.stage
+        return any(instances.instance_of(stage, edit.prim) is not None for edit in edits)
 
     def _is_override(self) -> bool:
         return "override" in dict(self._layer.customLayerData.get(MARK, {}))
@@ -124,11 +145,11 @@ class UsdDocument:
         path = os.path.relpath(self._source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
         return path if path.startswith("../") else f"./{path}"
 
-    def _write(self, edits: list[Edit], part: Path, target: Path) -> None:
+    def _write(self, edits: list[Edit], part: Path, target: Path, notices: list[Notice]) -> None:
         source, override = self._source, self._options.override
         if override and not self._is_override():
             layer = self._override(target) if override == "stage" else self._opinions(target)
-            _apply(edits, layer)
+            _apply(source.stage, edits, layer, notices)
             part.write_bytes(layers.to_bytes(layer, _encoding(target.suffix)))
             return
         packed = source.path.suffix.lower() == ".usdz"
@@ -138,7 +159,7 @@ class UsdDocument:
             return
         layer = layers.copy_of(self._layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
-        _apply(edits, layer)
+        _apply(source.stage, edits, layer, notices)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             shutil.copyfile(source.path, part)
@@ -190,12 +211,12 @@ class UsdDocument:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
 
 
-def opened(path: Path) -> tuple[Any, Any, list[Notice]]:
+def opened(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]:
     """The stage of a file (bare opinions of ours over what they are for), its layer, and notices."""
-    stage, warnings = open_stage(path)
+    stage, warnings = open_stage(path, allow_external=allow_external)
     layer = stage.GetRootLayer()
     if (below := _source_of(layer, path)) is not None:
-        stage, warnings = _over(layer, below)
+        stage, warnings = _over(layer, below, path, allow_external)
     return stage, layer, warnings
 
 
@@ -217,17 +238,24 @@ def _source_of(layer: Any, path: Path) -> Path | None:
     return source
 
 
-def _over(layer: Any, below: Path) -> tuple[Any, list[Notice]]:
-    """The stage of bare opinions over the file they are for, and what was noticed about that."""
-    stage, warnings = open_stage(below)
+def _over(layer: Any, below: Path, path: Path, allow_external: bool) -> tuple[Any, list[Notice]]:
+    """The stage of bare opinions in ``path`` over the file they are for, and what was noticed about that."""
+    external.check_file(below, path, allow_external=allow_external)
+    stage, warnings = open_stage(below, allow_external=allow_external)
     with quiet(f"{below}: USD cannot read it"):
         return layers.over(layer, stage.GetRootLayer()), warnings
 
 
-def _apply(edits: list[Edit], layer: Any) -> None:
+def _apply(stage: Any, edits: list[Edit], layer: Any, notices: list[Notice]) -> None:
+    inside: list[Edit] = []
     with Sdf.ChangeBlock():
         for edit in edits:
-            edit(layer)
+            if instances.instance_of(stage, edit.prim) is None:
+                edit(layer)
+            else:
+                inside.append(edit)
+    if inside:
+        instances.apply(stage, inside, layer, notices)
 
 
 def _encoding(suffix: str) -> str:

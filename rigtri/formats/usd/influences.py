@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdSkel, Vt
 from rigtri.errors import FileError
 from rigtri.formats.usd.meshes import ALL_PRIMS
 from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.stage import DEFAULT, why_locked
+from rigtri.formats.usd.stage import DEFAULT, why_instanced, why_locked
 from rigtri.formats.usd.tokens import split_token
 from rigtri.formats.usd.values import Edit, set_value
 from rigtri.formats.usd.variants import choices
@@ -57,7 +57,7 @@ def _author(prim: Any) -> Any:
 
 
 def _check(prim: Any) -> None:
-    why = why_locked(prim, (ORDER, INDICES))
+    why = why_instanced(prim) or why_locked(prim, (ORDER, INDICES))
     if why:
         raise FileError(f"{why}.")
 

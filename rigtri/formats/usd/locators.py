@@ -31,7 +31,7 @@ def edits(source: Source, rig: Rig) -> list[Edit]:
 
 
 def _update(source: Source, rig: Rig) -> list[Edit]:
-    before, found = source.rig, []
+    before, found, renamed = source.rig, [], []
     for node, key in enumerate(before.keys):
         if kind(key) != "prim":
             continue
@@ -48,9 +48,9 @@ def _update(source: Source, rig: Rig) -> list[Edit]:
                 raise FileError(f"{locked}.")
             found += stand(path, rig.local[node])
         if before.names[node] != rig.names[node]:
-            found.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
+            renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
     # Renaming comes last: all other edits know a prim by the path it had.
-    return sorted(found, key=lambda edit: edit.__name__ == "rename")
+    return [*found, *renamed]
 
 
 class _Additions:
@@ -130,10 +130,11 @@ class _Additions:
         if path not in self.made and not stage.GetPrimAtPath(path):
             note = self.rig.notes.get(group, {}) if self._is_group(group) else {}
             self.made[path] = _all(
+                path,
                 [
                     _define(path, "Scope"),
                     *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
-                ]
+                ],
             )
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
         above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
@@ -144,12 +145,12 @@ def _addresses(rig: Rig, node: int) -> tuple[str, ...]:
     return (rig.names[node], rig.labels[node], parts(rig.keys[node])[2])
 
 
-def _all(steps: list[Edit]) -> Edit:
+def _all(path: Any, steps: list[Edit]) -> Edit:
     def edit(layer: Any) -> None:
         for step in steps:
             step(layer)
 
-    return edit
+    return Edit(path, edit)
 
 
 def _define(path: Any, kind: str) -> Edit:
@@ -157,7 +158,7 @@ def _define(path: Any, kind: str) -> Edit:
         spec = Sdf.CreatePrimInLayer(layer, path)
         spec.specifier, spec.typeName = Sdf.SpecifierDef, kind
 
-    return edit
+    return Edit(path, edit)
 
 
 def _attributes(path: Any, wanted: dict[str, tuple[Any, Any]]) -> list[Edit]:
@@ -173,7 +174,7 @@ def _remove(path: str, name: str) -> Edit:
         if spec is not None and name in spec.properties:
             del spec.properties[name]
 
-    return edit
+    return Edit(Sdf.Path(path), edit)
 
 
 def _rename(path: str, name: str) -> Edit:
@@ -183,4 +184,4 @@ def _rename(path: str, name: str) -> Edit:
             raise FileError(f"<{path}> is defined in another layer, so it cannot be renamed here.")
         spec.name = name
 
-    return rename
+    return Edit(Sdf.Path(path), rename)

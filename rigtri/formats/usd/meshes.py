@@ -15,6 +15,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.rig import Booleans, Integers, Mesh, Surface, Track
 from rigtri.trigonometry import Floats
@@ -122,7 +123,7 @@ def blend_tracks(
     """The morph weights that an animation drives, as one track for each mesh it moves."""
     attribute = animation.GetAttribute("blendShapeWeights")
     names = [str(name) for name in animation.GetAttribute("blendShapes").Get(DEFAULT) or ()]
-    keys = [(time, attribute.Get(time)) for time in attribute.GetTimeSamples()]
+    keys = time_samples(attribute)
     keys = [(time, value) for time, value in keys if value is not None and len(value) == len(names)]
     if not keys:
         return []

@@ -251,7 +251,8 @@ class _Reader:
             self.warnings.append(
                 Notice(
                     "unbound-animation",
-                    f"No skeleton uses {shown} in the selected variants: left as they were, in the old axes.",
+                    f"No skeleton uses {shown} in the selected variants: left as they were, in the old "
+                    "axes, unless a skeleton of another variant uses them.",
                 )
             )
 

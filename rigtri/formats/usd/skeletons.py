@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT, numbers, why_locked
+from rigtri.formats.usd.stage import DEFAULT, numbers
 from rigtri.matrices import determinant, inverse, multiply
 from rigtri.report import Notice
 from rigtri.rig import Booleans, Integers
@@ -31,8 +31,8 @@ PERSPECTIVE = 1e-5
 class Skeleton:
     """One Skeleton prim. parents: (n,), −1 for a root. bind, rest: (n, 4, 4).
 
-    locked: why it cannot be edited, "" where it can. animation: the path of the
-    SkelAnimation that is bound to it, or "".
+    locked: why it cannot be edited, "" where it can; a clip library may lack what that needs.
+    animation: the path of the SkelAnimation that is bound to it, or "".
     """
 
     path: str
@@ -70,9 +70,6 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         warnings.append(
             Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
         )
-    locked = why_locked(prim, ("joints", "bindTransforms", "restTransforms"))
-    if not locked and found is not None:
-        locked = why_locked(found, ("joints", "translations", "rotations", "scales"))
     return Skeleton(
         path=path,
         tokens=tokens,
@@ -80,7 +77,7 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         bind=bind,
         rest=_local(bind, parents, world) if rest is None else rest,
         has_rest=rest is not None,
-        locked=locked,
+        locked="",
         animation="" if found is None else str(found.GetPath()),
     )
 

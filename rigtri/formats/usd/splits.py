@@ -21,7 +21,7 @@ from rigtri.formats.usd.animations import Animation, Property
 from rigtri.formats.usd.influences import influence_edits, stale_names, why_bound_otherwise
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.skeletons import Skeleton
-from rigtri.formats.usd.stage import why_locked
+from rigtri.formats.usd.stage import why_instanced
 from rigtri.formats.usd.tokens import holder_token, split_token
 from rigtri.formats.usd.values import Edit, kind, parts, set_value
 from rigtri.formats.usd.variants import why_split
@@ -125,9 +125,8 @@ def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
     """FileError where the skeleton or what drives and binds it cannot be edited."""
     skeleton, holders = splits[path].skeleton, splits[path].holders
     prims = [source.stage.GetPrimAtPath(p) for p in (path, skeleton.animation) if p]
-    inside = next((prim for prim in prims if prim.IsInstanceProxy() or prim.IsInPrototype()), None)
-    if inside is not None:
-        raise FileError(f"{why_locked(inside, ())}.")
+    for why in filter(None, map(why_instanced, prims)):
+        raise FileError(f"{why}.")
     if skeleton.locked:
         raise FileError(f"{skeleton.locked}.")
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton

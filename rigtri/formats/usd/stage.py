@@ -16,7 +16,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import package
+from rigtri.formats.usd import external, package
 from rigtri.report import Notice
 
 DEFAULT = Usd.TimeCode.Default()
@@ -39,10 +39,11 @@ def quiet(doing: str) -> Iterator[list[str]]:
         del delegate
 
 
-def open_stage(path: Path) -> tuple[Any, list[Notice]]:
+def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
     """The composed stage of a file, payloads loaded, and what could not be found for it.
 
-    FileError where there is no file, no USD file, or one that is cut off.
+    FileError where there is no file, no USD file, one that is cut off, or one that asks for
+    files outside its folder (unless ``allow_external``).
     """
     if not path.is_file():
         raise FileError(f"{path}: there is no such file.")
@@ -55,9 +56,12 @@ def open_stage(path: Path) -> tuple[Any, list[Notice]]:
         if known is not None:
             # pxr keeps layers that someone holds; the file may have been replaced since.
             known.Reload(True)
+        layers = external.check(path, allow_external=allow_external)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
+        del layers  # they had to stay open until the stage has them
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
+    external.check_used(stage, path, allow_external=allow_external)
     return stage, _unresolved(texts, path.parent)
 
 
@@ -101,26 +105,26 @@ def _seen_from(folder: Path, name: str) -> str:
         return name
 
 
+def why_instanced(prim: Any) -> str:
+    """Why joints cannot be renamed on a prim inside an instance; "" where it is none."""
+    if not (prim.IsInstanceProxy() or prim.IsInPrototype()):
+        return ""
+    (spec, *_) = prim.GetPrimStack() or (None,)
+    where = f": <{spec.path}> of {spec.layer.identifier}" if spec else ""
+    return f"<{prim.GetPath()}> lies inside an instance; edit the file that the instance refers to{where}"
+
+
 def why_locked(prim: Any, attributes: tuple[str, ...]) -> str:
     """Why opinions on a prim cannot be edited from the root layer; "" where they can.
 
-    An opinion of the root layer wins over sublayers, references and payloads,
-    is ignored inside instances, and would leak into every variant.
+    An opinion of the root layer wins over sublayers, references, payloads and value
+    clips, and would leak into every variant. Into instances it gets through `instances`.
     """
     path = prim.GetPath()
-    if prim.IsInstanceProxy() or prim.IsInPrototype():
-        # Opinions on instances are ignored inside them, so the strongest is the asset's own.
-        (spec, *_) = prim.GetPrimStack() or (None,)
-        where = f": <{spec.path}> of {spec.layer.identifier}" if spec else ""
-        return f"<{path}> lies inside an instance; edit the file that the instance refers to{where}"
     for name in attributes:
         attribute = prim.GetAttribute(name)
         if not attribute or not attribute.HasAuthoredValue():
             continue
-        times = attribute.GetTimeSamples()
-        source = attribute.GetResolveInfo(times[0] if times else DEFAULT).GetSource()
-        if source == Usd.ResolveInfoSourceValueClips:
-            return f"<{path}>.{name} comes from value clips; flatten them first"
         for strongest in attribute.GetPropertyStack(DEFAULT)[:1]:
             if strongest.path.ContainsPrimVariantSelection():
                 return (

@@ -7,11 +7,46 @@ layer that another edit has already changed.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from pxr import Sdf
 
-Edit = Callable[[Any], None]
+
+@dataclass(frozen=True, eq=False)
+class Edit:
+    """One change to a layer. prim: the path of the prim it is about, as the stage shows it."""
+
+    prim: Any
+    change: Callable[[Any], None]
+
+    def __call__(self, layer: Any) -> None:
+        self.change(layer)
+
+
+@dataclass(frozen=True, eq=False)
+class Setting(Edit):
+    """An attribute that gets a value, samples, or both. at: the same for another prim."""
+
+    name: str
+    value: Any
+    samples: Mapping[float, Any]
+    at: Callable[[Any], Setting]
+
+    @property
+    def path(self) -> Any:
+        """The attribute's path, as the stage shows it."""
+        return self.prim.AppendProperty(self.name)
+
+    def arrays(self) -> dict[Any, np.ndarray]:
+        """Default (None) and samples as arrays."""
+        return arrays({None: self.value} | dict(self.samples))
+
+
+def arrays(values: Mapping[Any, Any]) -> dict[Any, np.ndarray]:
+    """Values by time as arrays; what is blocked has none."""
+    return {time: np.array(value) for time, value in values.items() if value is not None}
 
 
 def parts(key: Hashable) -> tuple[Any, ...]:
@@ -34,7 +69,7 @@ def set_value(
     uniform: bool = False,
     custom: bool = False,
     alone: bool = False,
-) -> Edit:
+) -> Setting:
     """Set an attribute's default (None leaves it) and time samples (None is a blocked one).
 
     The layer gets an ``over`` where it has no opinion on the prim. alone: take
@@ -60,7 +95,12 @@ def set_value(
         for time, sample in (samples or {}).items():
             layer.SetTimeSample(path, time, Sdf.ValueBlock() if sample is None else sample)
 
-    return edit
+    def at(other: Any) -> Setting:
+        return set_value(
+            other, name, type_name, value, samples=samples, uniform=uniform, custom=custom, alone=alone
+        )
+
+    return Setting(path.GetPrimPath(), edit, name, value, samples or {}, at)
 
 
 def apply_schema(prim: Any, name: str) -> Edit:
@@ -79,4 +119,4 @@ def apply_schema(prim: Any, name: str) -> Edit:
             schemas.prependedItems = [*schemas.prependedItems, name]
         spec.SetInfo("apiSchemas", schemas)
 
-    return edit
+    return Edit(path, edit)

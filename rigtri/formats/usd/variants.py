@@ -1,52 +1,181 @@
-"""Variants that are not selected: whether they show a skeleton by values that an edit does not reach."""
+"""Variants that are not selected: which of them show a skeleton by other values.
+
+Each is tried on a stage of the skeleton and its animation alone, where nothing
+is instanced and the selections are the session layer's; the file keeps its own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from pxr import Sdf, Usd
 
+from rigtri.errors import FileError
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.stage import DEFAULT
 
-_VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")
+# What of a skeleton and its animation decides how they look.
+VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")
 _SOURCE = "skel:animationSource"
+# More ways than this to show one skeleton are more than anyone can look through.
+LIMIT = 64
+
+# A variant set: the path of its prim, and its name.
+VariantSet = tuple[Any, str]
+# The path of an attribute → where its values come from.
+Origins = dict[Any, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """One way to choose variants.
+
+    chosen: what differs from the file. selected: the variant of every set there is. shown: where
+    the values come from that move the skeleton; nothing where there is no skeleton.
+    """
+
+    chosen: Mapping[VariantSet, str]
+    selected: Mapping[VariantSet, str]
+    shown: Origins
+
+    @property
+    def title(self) -> str:
+        """The variants that are chosen otherwise than in the file, in words."""
+        words = [
+            f"variant '{variant}' of the variant set '{name}' on <{path}>"
+            for (path, name), variant in self.chosen.items()
+        ]
+        return " and ".join(words) or "the selected variants"
+
+
+class Trial:
+    """The variants that matter to one skeleton.
+
+    states: every way to show it, the file's own first. depends: for each attribute that
+    moves it in any of them, the sets that decide where its values come from.
+    """
+
+    def __init__(self, stage: Any, skeleton: Skeleton, *, explore: bool = True) -> None:
+        self.source, self.skeleton = stage, skeleton
+        self.states: list[State] = []
+        self.depends: dict[Any, set[VariantSet]] = {}
+        self._authored: dict[VariantSet, str] = {}
+        watched = [path for path in (skeleton.path, skeleton.animation) if path]
+        if any(_sets(stage.GetPrimAtPath(path)) for path in _prefixes(watched) if stage.GetPrimAtPath(path)):
+            self.stage = _bare_stage(stage, watched)
+            if explore:
+                self._find_dependencies(self._explore())
+
+    def choose(self, chosen: Mapping[VariantSet, str]) -> None:
+        """Show a state on the stage."""
+        session = self.stage.GetSessionLayer()
+        with Sdf.ChangeBlock():
+            for path, name in self._authored:
+                if (path, name) not in chosen:
+                    session.GetPrimAtPath(path).variantSelections.pop(name)
+            for (path, name), variant in chosen.items():
+                Sdf.CreatePrimInLayer(session, path).variantSelections[name] = variant
+        self._authored = dict(chosen)
+        self.stage.ExpandPopulationMask(lambda relation: relation.GetName() == _SOURCE)
+
+    def place_of(self, state: State, path: Any) -> str:
+        """The strongest opinion on a prim in a state: its path and its layer."""
+        self.choose(state.chosen)
+        (spec, *_) = self.stage.GetPrimAtPath(path).GetPrimStack()
+        return f"<{spec.path}> of {spec.layer.identifier}"
+
+    def _explore(self) -> list[tuple[State, State, VariantSet]]:
+        """All states that one choice after the other leads to, each with an effect; and the choices."""
+        self.states = [self._look({})]
+        known: dict[Any, State] = {frozenset[Any](): self.states[0]}
+        steps = []
+        for state in self.states:
+            for of, variant in self._choices(state):
+                chosen = {**state.chosen, of: variant}
+                key = frozenset(chosen.items())
+                other = known.get(key) or self._look(chosen)
+                if not _differing(state.shown, other.shown):
+                    continue
+                steps.append((state, other, of))
+                if key not in known and variant:
+                    self.states.append(other)
+                known[key] = other
+                if len(self.states) > LIMIT:
+                    raise FileError(
+                        f"Variants show <{self.skeleton.path}> in more than {LIMIT} ways. Give those "
+                        "that are needed a file of their own."
+                    )
+        return steps
+
+    def _find_dependencies(self, steps: list[tuple[State, State, VariantSet]]) -> None:
+        """An attribute may be there and move nothing; what counts is whether a set changes its values."""
+        every = {path for step in steps for state in step[:2] for path in state.shown}
+        found: dict[int, Origins] = {}
+        for one, other, of in steps:
+            for state in (one, other):
+                if id(state) not in found:
+                    self.choose(state.chosen)
+                    found[id(state)] = self._origins_of(every)
+            for path in _differing(found[id(one)], found[id(other)]):
+                self.depends.setdefault(path, set()).add(of)
+
+    def _look(self, chosen: Mapping[VariantSet, str]) -> State:
+        self.choose(chosen)
+        prim = self.stage.GetPrimAtPath(self.skeleton.path)
+        shown: Origins = {}
+        targets = _targets(prim) if prim else []
+        if prim and prim.GetTypeName() == "Skeleton":
+            paths = [path.AppendProperty(name) for path in (prim.GetPath(), *targets) for name in VALUES]
+            shown = self._origins_of([*paths, prim.GetPath().AppendProperty(_SOURCE)])
+        above = _prefixes([self.skeleton.path, *map(str, targets)])
+        prims = [(path, self.stage.GetPrimAtPath(path)) for path in above]
+        selected = {
+            (path, name): prim.GetVariantSet(name).GetVariantSelection()
+            for path, prim in prims
+            for name in (_sets(prim) if prim else ())
+        }
+        return State(dict(chosen), selected, shown)
+
+    def _choices(self, state: State) -> list[tuple[VariantSet, str]]:
+        self.choose(state.chosen)
+        found = []
+        for (path, name), selected in state.selected.items():
+            names = self.stage.GetPrimAtPath(path).GetVariantSet(name).GetVariantNames()
+            # Without another variant, nothing at all can be selected instead.
+            others = [variant for variant in names if variant != selected] or [""]
+            if (path, name) not in state.chosen:
+                found += [((path, name), variant) for variant in others]
+        return found
+
+    def _origins_of(self, paths: Iterable[Any]) -> Origins:
+        found: Origins = {}
+        for path in paths:
+            prim = self.stage.GetPrimAtPath(path.GetPrimPath())
+            if path.name == _SOURCE:
+                found[path] = tuple(map(str, _targets(prim))) if prim else ()
+            elif prim and (attribute := prim.GetAttribute(path.name)) and attribute.HasAuthoredValue():
+                found[path] = _origin(attribute)
+        return found
 
 
 def why_split(stage: Any, skeleton: Skeleton) -> str:
-    """Which unselected variant drives a skeleton by another animation or by other values; "" if none.
-
-    Each variant of the prims at and above the skeleton and its animation is tried, one at a
-    time, on a stage of those prims alone; what it refers to is composed as USD would.
-    """
-    watched = [path for path in (skeleton.path, skeleton.animation) if path]
-    if not any(choices(stage, watched)):
+    """Which variant set decides what a skeleton's joints are or do; "" if none does."""
+    depends = Trial(stage, skeleton).depends
+    if not depends:
         return ""
-    session = Sdf.Layer.CreateAnonymous(".usda")
-    session.TransferContent(stage.GetSessionLayer())
-    trial = Usd.Stage.OpenMasked(stage.GetRootLayer(), session, Usd.StagePopulationMask(watched))
-    trial.SetEditTarget(session)
-    before = _seen(trial, skeleton)
-    for path, name, variant, selected in list(choices(stage, watched)):
-        chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
-        chosen.SetVariantSelection(variant)
-        after = _seen(trial, skeleton)
-        chosen.SetVariantSelection(selected)
-        for what in after:
-            if (value := after[what]) != before.get(what, ""):
-                other = f" ({value})" if what.endswith(_SOURCE) and value else ""
-                return (
-                    f"Variant '{variant}' of the variant set '{name}' on <{path}> has another "
-                    f"<{what}>{other}, which would stay in the old axes. Give each variant "
-                    "a file of its own, or remove it"
-                )
-    return ""
+    path = min(depends)
+    prim, name = min(depends[path])
+    return (
+        f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in "
+        "one would not fit the others. Give each variant a file of its own, or choose snap or skip"
+    )
 
 
 def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]:
     """The unselected variants at and above some prims: prim path, set, variant, the selected one."""
-    for path in sorted({above for one in paths for above in Sdf.Path(one).GetPrefixes()}):
+    for path in _prefixes(paths):
         sets = stage.GetPrimAtPath(path).GetVariantSets()
         for name in sets.GetNames():
             selected = sets.GetVariantSelection(name)
@@ -55,26 +184,50 @@ def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]
                     yield path, name, variant, selected
 
 
-def _seen(stage: Any, skeleton: Skeleton) -> dict[str, str]:
-    """Where the skeleton's values come from: a place in a layer for each; what it is bound to."""
-    prim = stage.GetPrimAtPath(skeleton.path)
-    if not prim or prim.GetTypeName() != "Skeleton":
-        return {}  # a variant without the skeleton shows nothing by it
-    found = {f"{skeleton.path}.{_SOURCE}": _source(prim)}
-    for path in filter(None, (skeleton.path, skeleton.animation)):
-        shown = stage.GetPrimAtPath(path)
-        for name in _VALUES if shown else ():
-            attribute = shown.GetAttribute(name)
-            for spec in attribute.GetPropertyStack(DEFAULT)[:1] if attribute else ():
-                found[f"{path}.{name}"] = f"{spec.layer.identifier} {spec.path}"
-    return found
+def _differing(one: Origins, other: Origins) -> set[Any]:
+    return {path for path in {*one, *other} if one.get(path) != other.get(path)}
 
 
-def _source(prim: Any) -> str:
-    """The targets of the animation binding at or above a prim, as text."""
+def _origin(attribute: Any) -> Any:
+    """The opinions that give an attribute its samples and its default, as places in layers."""
+    samples: tuple[Any, ...] = ()
+    default: tuple[Any, ...] = ()
+    for spec, offset in attribute.GetPropertyStackWithLayerOffsets(DEFAULT):
+        place = (spec.layer.identifier, str(spec.path), offset.offset, offset.scale)
+        if not samples and not default and spec.layer.GetNumTimeSamplesForPath(spec.path):
+            samples = place
+        if not default and spec.HasDefaultValue():
+            default = place
+    times = attribute.GetTimeSamples()
+    # Samples of value clips have no opinion of their own.
+    source = attribute.GetResolveInfo(times[0] if times else DEFAULT).GetSource()
+    return samples, default, str(source), tuple(times)
+
+
+def _bare_stage(stage: Any, watched: list[str]) -> Any:
+    """A second stage of some prims and what is above them, with instances as plain prims."""
+    session = Sdf.Layer.CreateAnonymous(".usda")
+    session.TransferContent(stage.GetSessionLayer())
+    for path in _prefixes(watched):
+        if (prim := stage.GetPrimAtPath(path)) and prim.IsInstance():
+            Sdf.CreatePrimInLayer(session, path).instanceable = False
+    return Usd.Stage.OpenMasked(stage.GetRootLayer(), session, Usd.StagePopulationMask(watched))
+
+
+def _prefixes(paths: list[str]) -> list[Any]:
+    """The prims at and above some paths, the upper ones first."""
+    return sorted({above for one in paths for above in Sdf.Path(one).GetPrefixes()})
+
+
+def _sets(prim: Any) -> list[str]:
+    return list(prim.GetVariantSets().GetNames())
+
+
+def _targets(prim: Any) -> list[Any]:
+    """The targets of the animation binding at or above a prim."""
     while prim:
         relation = prim.GetRelationship(_SOURCE)
         if relation and relation.HasAuthoredTargets():
-            return ", ".join(f"<{target}>" for target in relation.GetTargets())
+            return list(relation.GetTargets())
         prim = prim.GetParent()
-    return ""
+    return []

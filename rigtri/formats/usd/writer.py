@@ -6,7 +6,7 @@ Everything else keeps its bits, and every value is known before the first edit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,13 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import locators, notes, xform
+from rigtri.formats.usd.alike import united
 from rigtri.formats.usd.animations import HELD, Animation, Property
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.rounding import put
+from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
-from rigtri.formats.usd.variants import why_split
 from rigtri.matrices import inverse
 from rigtri.report import Notice
 from rigtri.rig import Clip, Rig
@@ -39,6 +40,7 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
         return []
     if before.keys != rig.keys[: len(before)]:
         raise ValueError("nodes of a file keep their order, and new ones come last")
+    rig = united(before, rig, source.skeletons)
     moved = np.zeros(len(before), dtype=bool)
     moved |= (before.local != rig.local[: len(before)]).any(axis=(1, 2))
     return [
@@ -78,8 +80,6 @@ def _skin_edits(source: Source, rig: Rig, moved: np.ndarray) -> list[Edit]:
             bind[turned] = inverse(new.inverse_bind[turned])
             found.append(_set_matrices(skeleton, prim, "bindTransforms", bind))
         carried = moved[old.joints]
-        if (turned.any() or carried.any()) and (why := why_split(source.stage, skeleton)):
-            raise FileError(f"{why}.")
         if carried.any() and skeleton.has_rest:
             rest = np.where(carried[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
             found.append(_set_matrices(skeleton, prim, "restTransforms", rest))
@@ -192,7 +192,8 @@ def _array_edits(source: Source, animation: Animation, path: str, columns: Colum
 
     A stronger sample hides all weaker ones, so none may be left out.
     """
-    prim, found = source.stage.GetPrimAtPath(animation.path), []
+    found: list[Edit] = []
+    prim = source.stage.GetPrimAtPath(animation.path)
     for name, item in animation.properties.items():
         mine = {slot: values for slot, values in columns.items() if slot[1] == name}
         if not mine:
@@ -234,13 +235,13 @@ def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[
             attribute.GetName(),
             attribute.GetTypeName(),
             attribute.Get(),
-            samples={time: attribute.Get(time) for time in attribute.GetTimeSamples()},
+            samples=dict(time_samples(attribute)),
             uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
             custom=attribute.IsCustom(),
         )
         for attribute in prim.GetAuthoredAttributes()
     ]
-    return str(path), [define, *copies]
+    return str(path), [Edit(path, define), *copies]
 
 
 def _bind(skeleton: str, animation: str) -> Edit:
@@ -251,7 +252,7 @@ def _bind(skeleton: str, animation: str) -> Edit:
         relation.targetPathList.ClearEditsAndMakeExplicit()
         relation.targetPathList.explicitItems = [animation]
 
-    return edit
+    return Edit(Sdf.Path(skeleton), edit)
 
 
 def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
@@ -272,7 +273,7 @@ def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
     return [edit for path in sorted(changed) for edit in _set_joint_notes(path, wanted.get(path, {}))]
 
 
-def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> list[Edit]:
+def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> Sequence[Edit]:
     if wanted:
         attributes = notes.joint_attributes(wanted)
         return [set_value(path, n, t, v, uniform=True, custom=True) for n, (t, v) in attributes.items()]
@@ -283,4 +284,4 @@ def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> list[Edit]:
             if name in prim.properties:
                 del prim.properties[name]
 
-    return [remove]
+    return [Edit(Sdf.Path(path), remove)]

@@ -133,7 +133,7 @@ def _remove(prim: Any, name: str) -> Edit:
         if spec is not None and name in spec.properties:
             spec.RemoveProperty(spec.properties[name])
 
-    return edit
+    return Edit(path, edit)
 
 
 def _baked(prim: Any, local: Floats) -> list[Edit]:

@@ -1,0 +1,227 @@
+"""Instances are edited through classes that they inherit; prototypes stay shared."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from crowds import ACTOR, TURNS, alike, contents, crowd, instance, prototypes, shot
+from pxr import Sdf, Usd, UsdSkel, UsdUtils
+from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
+
+from rigtri.compare import self_check
+from rigtri.errors import FileError
+from rigtri.formats.usd import layers
+from rigtri.formats.usd.confirm import Expected
+from rigtri.formats.usd.values import set_value
+from rigtri.quaternions import IDENTITY
+from rigtri.reframe import reframe
+
+
+@pytest.mark.parametrize("arc", ["references", "payload"])
+@pytest.mark.parametrize("override", ["", "layer", "stage"])
+def test_a_crowd_is_turned_and_still_shares_one_prototype(arc: str, override: str, tmp_path: Path) -> None:
+    source = crowd(tmp_path, arc)
+    before = contents(tmp_path)
+    document = read(source, override=override)
+    assert not document.rig.fixed
+    assert len(document.rig.skins) == 3
+    out = write(document, alike(document.rig), tmp_path / "out.usda")
+    assert {name: found for name, found in contents(tmp_path).items() if name in before} == before
+    result = self_check(document, document.reopen(out))
+    assert result.passes(), result.summary()
+    assert not document.warnings
+    seen = out
+    if override == "layer":
+        seen = save(tmp_path, "#usda 1.0\n(\nsubLayers = [@./out.usda@, @./crowd.usda@]\n)\n", "both.usda")
+    assert deviation(source, seen) < 1e-6
+    assert prototypes(source) == prototypes(seen) == 1
+    stages = [Usd.Stage.Open(str(path)) for path in (source, seen)]
+    one, other = (s.GetPrimAtPath("/World/Two/Skel").GetAttribute("restTransforms").Get() for s in stages)
+    assert one != other
+    assert len(skinned(stages[0], Usd.TimeCode(3))) == 3
+    layer = layers.fresh(out)
+    assert layer.GetPrimAtPath("/rigtri_One").specifier == Sdf.SpecifierClass
+    assert list(layer.rootPrims.keys()) == ["World", "rigtri_One"]
+
+
+def test_a_second_edit_of_a_crowd_writes_into_the_same_class(tmp_path: Path) -> None:
+    source = crowd(tmp_path)
+    document = read(source)
+    first = write(document, alike(document.rig), tmp_path / "first.usda")
+    again = read(first)
+    second = write(again, alike(again.rig), tmp_path / "second.usda")
+    assert deviation(source, second) < 1e-6
+    assert prototypes(second) == 1
+    assert list(layers.fresh(second).rootPrims.keys()) == ["World", "rigtri_One"]
+    assert first.read_bytes() == write(again, again.rig, tmp_path / "third.usda").read_bytes()
+
+
+def test_instances_that_are_turned_differently_share_no_prototype_and_say_so(tmp_path: Path) -> None:
+    source = crowd(tmp_path)
+    document = read(source)
+    out = write(document, alike(document.rig, only="/World/Two"), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == 2
+    codes = [notice.code for notice in document.warnings]
+    assert codes == ["animation-split", "instances-apart"]
+    assert "turned in 2 ways" in document.warnings[1].text
+    stage = Usd.Stage.Open(str(out))
+    skeleton = stage.GetPrimAtPath("/World/Two/Skel")
+    assert UsdSkel.BindingAPI(skeleton).GetInheritedAnimationSource().GetPath() == "/World/Walk_2"
+
+
+def test_an_animation_inside_the_instances_is_edited_once_for_all(tmp_path: Path) -> None:
+    save(tmp_path, ACTOR, "parts/hero.usda")
+    source = save(tmp_path, shot(instance("One"), instance("Two", x=3)), "crowd.usda")
+    document = read(source)
+    out = write(document, alike(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == 1
+    layer = layers.fresh(out)
+    assert layer.ListTimeSamplesForPath("/rigtri_One/Anim.rotations") == [1, 5]
+
+
+def test_a_copy_of_an_animation_inside_instances_is_each_ones_own(tmp_path: Path) -> None:
+    hat = MESH.replace('"Skin"', '"Hat"').replace("/Root/Skel", "/Root/Twin")
+    save(tmp_path, scene(skeleton(), skeleton("Twin"), animation(), MESH, hat), "parts/hero.usda")
+    source = save(tmp_path, shot(instance("One"), instance("Two", x=3)), "crowd.usda")
+    document = read(source)
+    rig = document.rig
+    turn = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
+    for skin in rig.skins:
+        turn[skin.joints] = TURNS if skin.name == "Twin" else np.roll(TURNS, 1, axis=0)
+    out = write(document, reframe(rig, turn), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == 1
+    stage = Usd.Stage.Open(str(out))
+    for hero in ("One", "Two"):
+        twin = UsdSkel.BindingAPI(stage.GetPrimAtPath(f"/World/{hero}/Twin"))
+        assert twin.GetInheritedAnimationSource().GetPath() == f"/World/{hero}/Anim_2"
+
+
+def test_an_instance_inside_another_is_edited_through_both_classes(tmp_path: Path) -> None:
+    save(tmp_path, ACTOR, "parts/hero.usda")
+    team = shot(instance("Left", "./hero.usda"), instance("Right", "./hero.usda", x=2))
+    save(tmp_path, team, "parts/team.usda")
+    pair = [instance(name, "./parts/team.usda", x).replace("</Root>", "") for name, x in (("A", 0), ("B", 8))]
+    source = save(tmp_path, shot(*pair, instance("Alone", x=-4)), "crowd.usda")
+    document = read(source)
+    assert len(document.rig.skins) == 5
+    out = write(document, alike(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == prototypes(source) == 2
+    # The inner instances of one outer instance alone cannot be edited without it.
+    document = read(source)
+    out = write(document, alike(document.rig, only="/World/A/Left"), tmp_path / "apart.usda")
+    assert deviation(source, out) < 1e-6
+    assert [notice.code for notice in document.warnings] == ["instances-apart"] * 2
+    again = read(out)
+    second = write(again, alike(again.rig), tmp_path / "second.usda")
+    assert deviation(source, second) < 1e-6
+
+
+def test_a_crowd_holds_in_a_shot_that_sublayers_or_references_it(tmp_path: Path) -> None:
+    source = crowd(tmp_path)
+    document = read(source)
+    out = write(document, alike(document.rig), tmp_path / "out.usda")
+    for name in (source.name, out.name):
+        save(tmp_path, f"#usda 1.0\n(\nsubLayers = [@./{name}@]\n)\n", f"sub_{name}")
+        save(tmp_path, f'#usda 1.0\ndef "Set" (references = @./{name}@)\n{{\n}}\n', f"ref_{name}")
+    for kind in ("sub", "ref"):
+        assert deviation(tmp_path / f"{kind}_crowd.usda", tmp_path / f"{kind}_out.usda") < 1e-6
+        assert prototypes(tmp_path / f"{kind}_out.usda") == 1
+
+
+def test_the_class_goes_before_those_that_an_instance_inherits_already(tmp_path: Path) -> None:
+    save(tmp_path, ACTOR, "parts/hero.usda")
+    rest = skeleton().partition("uniform matrix4d[] rest")[2].partition("\n")[0]
+    own = f'class "Base"\n{{\nover "Skel"\n{{\nuniform matrix4d[] rest{rest}\n}}\n}}\n'
+    inherits = "prepend references", "inherits = </Base>\n    prepend references"
+    heroes = [instance("One").replace(*inherits), instance("Two", x=3).replace(*inherits)]
+    source = save(tmp_path, shot(*heroes) + own, "crowd.usda")
+    document = read(source)
+    out = write(document, alike(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == 1
+    layer = layers.fresh(out)
+    items = layer.GetPrimAtPath("/World/Two").inheritPathList
+    assert list(items.explicitItems) == ["/rigtri_One", "/Base"]
+
+
+@pytest.mark.parametrize("encoding", ["usdc", "usdz"])
+def test_a_crowd_in_a_binary_file_or_a_package_is_turned(encoding: str, tmp_path: Path) -> None:
+    source = crowd(tmp_path)
+    packed = tmp_path / f"crowd.{encoding}"
+    if encoding == "usdc":
+        Sdf.Layer.FindOrOpen(str(source)).Export(str(packed))
+    else:
+        assert UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(source)), str(packed))
+    document = read(packed)
+    outs = []
+    for name in ("one", "two"):
+        rig = alike(document.rig)
+        outs.append(write(document, rig, tmp_path / f"{name}.{encoding}"))
+    assert outs[0].read_bytes() == outs[1].read_bytes()
+    assert deviation(packed, outs[0]) < 1e-6
+    assert prototypes(outs[0]) == 1
+    assert len(skinned(Usd.Stage.Open(str(outs[0])), Usd.TimeCode(3))) == 3
+
+
+def test_instances_that_stand_differently_are_turned_alike_to_the_bit(
+    app: click.Group, tmp_path: Path
+) -> None:
+    source = crowd(tmp_path)
+    text = source.read_text()
+    for name, turn in (("One", 17), ("Two", 31.123), ("Three", -7.7)):
+        head, body = text.split(f'def "{name}"')
+        plain = 'uniform token[] xformOpOrder = ["xformOp:translate"]'
+        ops = f"float xformOp:rotateY = {turn}\n" + plain.replace('e"]', 'e", "xformOp:rotateY"]')
+        text = f'{head}def "{name}"{body.replace(plain, ops, 1)}'
+    source.write_text(text)
+    for preset in ("maya", "unreal-editor", "blender"):
+        out = tmp_path / f"{preset}.usda"
+        words = ["orient-joints", str(source), "-o", str(out), "--preset", preset, "--strict"]
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 0, result.output
+        assert deviation(source, out) < 1e-6
+        assert prototypes(out) == 1
+        assert "Walk_2" not in out.read_text()
+
+
+def test_value_clips_inside_the_instances_are_overridden_by_the_class(tmp_path: Path) -> None:
+    rotations = "quatf[] rotations.timeSamples = {1: [(1, 0, 0, 0), (0, 1, 0, 0), (1, 0, 0, 0)]}"
+    inside = f'#usda 1.0\nover "Root"\n{{\nover "Anim"\n{{\n{rotations}\n}}\n}}\n'
+    save(tmp_path, inside, "parts/clip.usda")
+    save(tmp_path, inside.replace(rotations, "quatf[] rotations"), "parts/all.usda")
+    clips = """clips = { dictionary default = {
+        asset[] assetPaths = [@./clip.usda@]
+        asset manifestAssetPath = @./all.usda@
+        double2[] active = [(0, 0)]
+        string primPath = "/Root/Anim"
+    } }"""
+    # On the instance itself or what it refers to, clips have no effect inside it (usd-core 26.11).
+    hero = scene(skeleton(), animation(rotations=""), MESH)
+    save(tmp_path, hero.replace('"Anim"\n{', f'"Anim" ({clips})\n{{'), "parts/hero.usda")
+    source = save(tmp_path, shot(instance("One"), instance("Two", x=3)), "crowd.usda")
+    document = read(source)
+    assert "/World/One/Anim" in [clip.name for clip in document.rig.clips]
+    out = write(document, alike(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == 1
+
+
+def test_a_value_that_another_opinion_hides_is_an_error_with_layer_and_path(tmp_path: Path) -> None:
+    source = save(tmp_path, ACTOR)
+    stage = Usd.Stage.Open(str(source))
+    value = stage.GetPrimAtPath("/Root/Skel").GetAttribute("restTransforms").Get()
+    settings = [
+        set_value("/Root/Skel", "restTransforms", Sdf.ValueTypeNames.Matrix4dArray, matrices, uniform=True)
+        for matrices in (value, value[:1] * 3)
+    ]
+    Expected().check(stage, settings[:1])
+    with pytest.raises(FileError, match=r"</Root/Skel.restTransforms> cannot .*in.usda is stronger"):
+        Expected().check(stage, settings)

@@ -1,0 +1,250 @@
+"""Variants: what differs between them is turned inside each, the selected one or not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from crowds import alike, contents, instance, prototypes, shot
+from pxr import Usd
+from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
+
+from rigtri.compare import self_check
+from rigtri.errors import FileError
+from rigtri.formats.usd import layers
+from rigtri.rig import Rig
+
+RUN = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)]"
+TALL = f"uniform matrix4d[] restTransforms = [{at(0, 0, 0)}, {at(0, 3, 0)}, {at(0, 2, 2)}]"
+
+
+def choosing(text: str, prim: str = 'def SkelRoot "Root"', **selected: str) -> str:
+    """The text with variant sets on a prim, and one variant of each selected."""
+    sets = ", ".join(f'"{name}"' for name in selected)
+    chosen = "\n".join(f'string {name} = "{variant}"' for name, variant in selected.items())
+    head = f"variants = {{\n{chosen}\n}}\nprepend variantSets = [{sets}]"
+    return (
+        text.replace(f"{prim} (", f"{prim} (\n{head}\n")
+        if f"{prim} (" in text
+        else text.replace(prim, f"{prim} (\n{head}\n)", 1)
+    )
+
+
+def variant_set(name: str, **variants: str) -> str:
+    body = "\n".join(f'"{variant}" {{\n{text}\n}}' for variant, text in variants.items())
+    return f'variantSet "{name}" = {{\n{body}\n}}'
+
+
+def over(name: str, body: str) -> str:
+    return f'over "{name}"\n{{\n{body}\n}}'
+
+
+def selecting(path: Path, prim: str, chosen: dict[str, str]) -> Usd.Stage:
+    stage = Usd.Stage.Open(str(path))
+    stage.SetEditTarget(stage.GetSessionLayer())
+    for name, variant in chosen.items():
+        stage.GetPrimAtPath(prim).GetVariantSet(name).SetVariantSelection(variant)
+    return stage
+
+
+def apart(one: Path, other: Path, chosen: dict[str, str], prim: str = "/Root") -> float:
+    """How far skinned points of two files are apart when variants are chosen, in file units."""
+    stages = [selecting(path, prim, chosen) for path in (one, other)]
+    worst = 0.0
+    for time in moments(stages[0]):
+        first, second = (skinned(stage, time) for stage in stages)
+        assert first.keys() == second.keys()
+        assert first
+        worst = max(worst, *(float(np.abs(first[path] - second[path]).max()) for path in first))
+    return worst
+
+
+def edited(source: Path, folder: Path, turned: Callable[[Rig], Rig] = turned, **options: str) -> Path:
+    """The file with random new axes; no other file was touched, and no selection."""
+    before = contents(folder)
+    document = read(source, **options)
+    assert not document.rig.fixed
+    out = write(document, turned(document.rig), folder / "out.usda")
+    assert {name: found for name, found in contents(folder).items() if name in before} == before
+    assert self_check(document, document.reopen(out)).passes()
+    return out
+
+
+BINDINGS = {
+    name: over("Skel", f"rel skel:animationSource = </Root/{clip}>")
+    for name, clip in (("a", "Anim"), ("b", "Run"))
+}
+SCENES = {
+    # The animation that is bound differs; both lie outside the variants.
+    "binding": scene(
+        skeleton(source=""),
+        animation(),
+        animation("Run", rotations=RUN),
+        MESH,
+        variant_set("clip", **BINDINGS),
+    ),
+    # The animation itself is within the variants.
+    "animation": scene(
+        skeleton(),
+        MESH,
+        variant_set("clip", a=animation(), b=animation(rotations=RUN), c=animation(scales="")),
+    ),
+    # Some values of it are; the others are common to all.
+    "values": scene(
+        skeleton(),
+        animation(rotations=""),
+        MESH,
+        variant_set("clip", a=over("Anim", RUN), b=over("Anim", RUN.replace("0.8", "-0.8"))),
+    ),
+    # The skeleton is.
+    "skeleton": scene(animation(), MESH, variant_set("clip", a=skeleton(), b=skeleton(rest=TALL))),
+    # Only one variant has it.
+    "only": scene(animation(), variant_set("clip", a=skeleton() + "\n" + MESH, b='def Xform "Prop" {\n}')),
+    # There is but one variant.
+    "single": scene(animation(), variant_set("clip", a=skeleton() + "\n" + MESH)),
+}
+
+
+@pytest.mark.parametrize("arc", ["", "references", "payload"])
+@pytest.mark.parametrize("override", ["", "stage"])
+@pytest.mark.parametrize("name", SCENES)
+def test_every_variant_looks_as_before(name: str, override: str, arc: str, tmp_path: Path) -> None:
+    text = choosing(SCENES[name], clip="a")
+    source = save(tmp_path, text, "parts/hero.usda" if arc else "in.usda")
+    if arc:
+        source = save(tmp_path, f'#usda 1.0\ndef "Root" ({arc} = @./parts/hero.usda@)\n{{\n}}\n')
+    out = edited(source, tmp_path, override=override)
+    stage = Usd.Stage.Open(str(out))
+    root = stage.GetPrimAtPath("/Root").GetVariantSet("clip")
+    assert root.GetVariantSelection() == "a"
+    for variant in root.GetVariantNames():
+        if name == "only" and variant == "b":
+            assert not selecting(out, "/Root", {"clip": "b"}).GetPrimAtPath("/Root/Skel")
+            continue
+        assert apart(source, out, {"clip": variant}) < 1e-5
+    assert apart(source, out, {}) < 1e-5
+    # The axes are new in every variant that has the skeleton.
+    for variant in set(root.GetVariantNames()) - ({"b"} if name == "only" else set()):
+        stages = [selecting(path, "/Root", {"clip": variant}) for path in (source, out)]
+        one, other = (s.GetPrimAtPath("/Root/Skel").GetAttribute("restTransforms").Get() for s in stages)
+        assert one != other
+
+
+def test_what_is_common_to_all_variants_is_written_once_outside_of_them(tmp_path: Path) -> None:
+    source = save(tmp_path, choosing(SCENES["values"], clip="a"))
+    layer = layers.fresh(edited(source, tmp_path))
+    assert layer.GetAttributeAtPath("/Root/Anim.translations")
+    assert not layer.GetAttributeAtPath("/Root/Anim.rotations")
+    for variant in "ab":
+        prim = layer.GetPrimAtPath(f"/Root{{clip={variant}}}Anim")
+        assert list(prim.properties.keys()) == ["rotations"]
+
+
+def test_nested_variants_are_turned_in_every_combination(tmp_path: Path) -> None:
+    inner = variant_set("mood", sad=over("Anim", RUN), glad=over("Anim", RUN.replace("0.8", "-0.8")))
+    head = 'variants = { string mood = "glad" }\nprepend variantSets = "mood"'
+    nested = f'variantSet "clip" = {{\n"a" {{\n}}\n"b" (\n{head}\n) {{\n{inner}\n}}\n}}'
+    plain = animation(rotations="quatf[] rotations = [(1, 0, 0, 0), (1, 0, 0, 0), (0.8, 0.6, 0, 0)]")
+    save(tmp_path, scene(skeleton(), plain, MESH), "hero.usda")
+    text = f'#usda 1.0\ndef SkelRoot "Root" (\nreferences = @./hero.usda@\n)\n{{\n{nested}\n}}\n'
+    for selected in "ab":
+        source = save(tmp_path, choosing(text, clip=selected), f"in_{selected}.usda")
+        out = edited(source, tmp_path)
+        assert apart(source, out, {"clip": "a"}) < 1e-5
+        for mood in ("sad", "glad", ""):
+            assert apart(source, out, {"clip": "b", **({"mood": mood} if mood else {})}) < 1e-5
+        out.unlink()
+
+
+def test_two_sets_that_matter_are_turned_in_every_combination(tmp_path: Path) -> None:
+    text = scene(
+        animation(rotations=""),
+        MESH,
+        variant_set("body", low=skeleton(), tall=skeleton(rest=TALL)),
+        variant_set("clip", a=over("Anim", RUN), b=over("Anim", RUN.replace("0.8", "-0.8"))),
+        variant_set("colour", red="", blue='def Xform "Hat" {\n}'),
+    )
+    source = save(tmp_path, choosing(text, body="low", clip="b", colour="red"))
+    out = edited(source, tmp_path)
+    for body, clip, colour in product(("low", "tall"), "ab", ("red", "blue")):
+        assert apart(source, out, {"body": body, "clip": clip, "colour": colour}) < 1e-5
+    layer = layers.fresh(out)
+    assert layer.GetPrimAtPath("/Root{clip=b}Anim")
+    assert not layer.GetPrimAtPath("/Root{body=low}{clip=b}Anim")
+
+
+def test_instances_keep_their_variants_and_share_their_prototypes(tmp_path: Path) -> None:
+    save(tmp_path, choosing(SCENES["animation"], clip="a"), "parts/hero.usda")
+    chosen = "instanceable = true", 'instanceable = true\n    variants = { string clip = "b" }'
+    blocks = [
+        instance("One"),
+        instance("Two", x=3),
+        instance("Three", x=6).replace(*chosen),
+        instance("Four", x=9).replace(*chosen),
+    ]
+    source = save(tmp_path, shot(*blocks), "crowd.usda")
+    out = edited(source, tmp_path, turned=alike)
+    assert prototypes(source) == prototypes(out) == 2
+    for clip in "abc":
+        assert apart(source, out, {"clip": clip}, "/World/One") < 1e-5
+        assert apart(source, out, {"clip": clip}, "/World/Three") < 1e-5
+
+
+def test_an_instance_that_a_variant_places_is_refused_with_layer_and_path(tmp_path: Path) -> None:
+    save(tmp_path, scene(skeleton(), animation(), MESH), "parts/hero.usda")
+    save(tmp_path, scene(skeleton(rest=TALL), animation(), MESH), "parts/tall.usda")
+    sets = variant_set("body", low=instance("One"), tall=instance("One", "./parts/tall.usda"))
+    source = save(tmp_path, choosing(shot(sets), 'def Xform "World"', body="low"), "crowd.usda")
+    document = read(source)
+    with pytest.raises(
+        FileError, match=r"<(/World/One/Skel|/World/One/Anim)> lies in the instance </World/One>.*usda"
+    ):
+        write(document, turned(document.rig), tmp_path / "out.usda")
+
+
+def test_a_scale_that_forbids_the_turn_in_another_variant_is_refused(tmp_path: Path) -> None:
+    odd = "half3[] scales = [(1, 1, 1), (1, 2, 3), (1, 1, 1)]"
+    text = scene(
+        skeleton(),
+        animation(scales=""),
+        MESH,
+        variant_set("clip", a=over("Anim", odd.replace("(1, 2, 3)", "(1, 1, 1)")), b=over("Anim", odd)),
+    )
+    document = read(save(tmp_path, choosing(text, clip="a")))
+    with pytest.raises(
+        FileError, match="variant 'b' of the variant set 'clip' on </Root>, the scale of joint 'a'"
+    ):
+        write(document, turned(document.rig), tmp_path / "out.usda")
+
+
+def test_variants_that_show_a_skeleton_in_too_many_ways_are_refused(tmp_path: Path) -> None:
+    many = {f"v{k}": over("Anim", RUN) for k in range(70)}
+    text = scene(skeleton(), animation(rotations=""), MESH, variant_set("clip", **many))
+    document = read(save(tmp_path, choosing(text, clip="v0")))
+    with pytest.raises(FileError, match="</Root/Skel> in more than 64 ways"):
+        write(document, turned(document.rig), tmp_path / "out.usda")
+
+
+def test_a_second_run_over_variants_writes_the_same_bytes(tmp_path: Path) -> None:
+    source = save(tmp_path, choosing(SCENES["animation"], clip="a"))
+    outs = []
+    for name in ("one.usda", "two.usda"):
+        document = read(source)
+        outs.append(write(document, turned(document.rig), tmp_path / name).read_bytes())
+    assert outs[0] == outs[1]
+    layer = layers.fresh(tmp_path / "one.usda")
+    assert layer.GetPrimAtPath("/Root").variantSelections["clip"] == "a"
+
+
+@pytest.mark.parametrize("name", ["animation", "skeleton", "binding"])
+def test_an_output_is_edited_again_in_every_variant(name: str, tmp_path: Path) -> None:
+    source = save(tmp_path, choosing(SCENES[name], clip="a"))
+    first = edited(source, tmp_path)
+    again = read(first)
+    assert write(again, again.rig, tmp_path / "same.usda").read_bytes() == first.read_bytes()
+    second = write(again, turned(again.rig, seed=2), tmp_path / "second.usda")
+    for variant in "ab":
+        assert apart(source, second, {"clip": variant}) < 1e-5
