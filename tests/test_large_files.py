@@ -9,6 +9,7 @@ import os
 import struct
 import subprocess
 import sys
+import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -114,6 +115,27 @@ def test_a_full_disk_is_an_error_and_leaves_nothing(tmp_path: Path, monkeypatch:
     with pytest.raises(FileError, match=os.strerror(errno.ENOSPC)):
         turn_all(source, tmp_path / "b.glb")
     assert [path.name for path in tmp_path.iterdir()] == ["a.glb"]
+
+
+@pytest.mark.skipif(not hasattr(os, "fdatasync"), reason="this system has no fdatasync")
+def test_a_large_file_goes_to_the_disk_while_it_is_written(
+    tmp_path: Path, all_mapped: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    synced = threading.Event()
+
+    def fdatasync(_: int) -> None:
+        synced.set()
+        raise OSError(errno.EIO, "told by the sync that counts")
+
+    def copy_when_synced(source: int, target: int, count: int, offset_src: int) -> int:
+        assert synced.wait(60)
+        return os.write(target, os.pread(source, count, offset_src))
+
+    monkeypatch.setattr(os, "fdatasync", fdatasync)
+    monkeypatch.setattr(os, "copy_file_range", copy_when_synced, raising=False)
+    source = character().glb(tmp_path / "a.glb")
+    edit(source, tmp_path / "b.glb", lambda rig, _: rig)
+    assert (tmp_path / "b.glb").read_bytes() == source.read_bytes()
 
 
 def test_mapped_files_are_closed_with_the_document(tmp_path: Path, all_mapped: None) -> None:

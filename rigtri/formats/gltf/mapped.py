@@ -8,6 +8,9 @@ from __future__ import annotations
 import errno
 import mmap
 import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -17,8 +20,10 @@ from rigtri.errors import FileError
 
 # Smaller files are read: a mapped file dies with the process that truncates it.
 MAP_FROM = 16 * 1024 * 1024
-# Of what the kernel cannot copy, so much is in memory at a time.
-CHUNK = 1 << 24
+# So much is copied at a time; of what the kernel cannot copy, that much is in memory.
+CHUNK = 1 << 25
+# While a large file is written, the disk is asked to take what is there this often, in seconds.
+PAUSE = 0.02
 # Shorter ranges are not worth a system call of their own.
 WORTHWHILE = 1 << 18
 # This kernel, or these file systems, cannot copy from file to file.
@@ -70,6 +75,31 @@ def pour(file: BinaryIO, piece: bytes | bytearray | memoryview) -> None:
         mapped.forget()
 
 
+@contextmanager
+def settling(file: BinaryIO, size: int) -> Iterator[None]:
+    """While ``size`` bytes are written to a file, let the disk take them, if they are many.
+
+    Who syncs only at the end waits for the disk as long again as writing took.
+    """
+    if size < MAP_FROM or not hasattr(os, "fdatasync"):
+        yield
+        return
+    done = threading.Event()
+    thread = threading.Thread(target=_settle, args=(file.fileno(), done))
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def _settle(file: int, done: threading.Event) -> None:
+    with suppress(OSError):  # it comes again with the sync that counts, and is told then
+        while not done.wait(PAUSE):
+            os.fdatasync(file)
+
+
 def _address(content: memoryview) -> int:
     return int(np.frombuffer(content, np.uint8).__array_interface__["data"][0])
 
@@ -82,7 +112,8 @@ def _copied(mapped: Mapped, start: int, size: int, file: BinaryIO) -> int:
     done = 0
     try:
         while done < size:
-            count = os.copy_file_range(mapped.file, file.fileno(), size - done, offset_src=start + done)
+            step = min(size - done, CHUNK)
+            count = os.copy_file_range(mapped.file, file.fileno(), step, offset_src=start + done)
             if count == 0:
                 break
             done += count

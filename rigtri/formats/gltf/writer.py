@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from rigtri.formats import Companion
 from rigtri.formats.gltf.clip_writer import ClipWriter
 from rigtri.formats.gltf.container import Piece
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.mapped import pour
+from rigtri.formats.gltf.mapped import pour, settling
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.resources import accompany, relink
 from rigtri.formats.gltf.storage import Storage
@@ -54,9 +54,9 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
     return companions
 
 
-def _write(part: Path, pieces: Iterable[Piece]) -> None:
+def _write(part: Path, pieces: Sequence[Piece]) -> None:
     try:
-        with part.open("wb", buffering=BUFFERING) as file:
+        with part.open("wb", buffering=BUFFERING) as file, settling(file, sum(map(len, pieces))):
             for piece in pieces:
                 pour(file, piece)
     except OSError as error:
