@@ -132,7 +132,11 @@ def _command(path: Path, place: Path, random: Random, chain: list[str], root: st
     what = random.random()
     if what < 0.05:
         return ["inspect", str(path), *reading, *random.choice([[], ["--json"]])]
-    if what < 0.08:
+    if what < 0.06:
+        return ["check", str(path), *random.choice([[], ["--json"], ["-v"]])]
+    if what < 0.07:
+        return ["diff", str(path), str(path), *reading]
+    if what < 0.09:
         return ["verify", str(path), str(path), *reading]
     if random.random() < 0.1:
         target = path
@@ -236,7 +240,9 @@ def _contents(place: Path) -> dict[str, bytes]:
 def _judge_error(found: Found, result: Result, before: dict[str, bytes], after: dict[str, bytes]) -> None:
     lines = [line for line in result.stderr.split("\n") if line and not line.startswith("warning: ")]
     compared = result.exit_code == 6 and found.command[0] == "verify"
-    if result.exit_code not in (2, 3, 4, 5, 6):
+    if found.command[0] == "check" and result.exit_code == 1 and before == after:
+        found.kind = "read"  # and found wanting
+    elif result.exit_code not in (2, 3, 4, 5, 6):
         found.kind, found.detail = "finding: exit code", f"{result.exit_code}: {result.stderr}"
     elif len(lines) != 1 or not lines[0].startswith("rigtri: "):
         found.kind, found.detail = "finding: message", result.stderr
