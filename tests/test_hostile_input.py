@@ -20,6 +20,7 @@ from pxr import Sdf
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.cli.words import plain
+from rigtri.compare import verify
 from rigtri.confined import Confined, CrashError
 from rigtri.errors import FileError, GeometryError, RigtriError
 from rigtri.formats import Options
@@ -224,6 +225,19 @@ def test_a_gltf_cut_off_at_any_byte_is_refused(kind: str, tmp_path: Path) -> Non
         path.write_bytes(whole[:length])
         with pytest.raises(FileError, match="cut"):
             GltfDocument.read(path)
+
+
+@pytest.mark.parametrize("wrong", [3, "x", [3], {"a": 1}, True, None])
+@pytest.mark.parametrize("member", ["meshes.primitives", "meshes.extras", "nodes.extensions", "nodes.mesh"])
+def test_what_a_node_shows_may_be_of_any_type(member: str, wrong: Any, tmp_path: Path) -> None:
+    builder = small()
+    owner, _, key = member.partition(".")
+    builder.gltf[owner][-1][key] = wrong
+    path = builder.glb(tmp_path / "a.glb")
+    with suppress(RigtriError):
+        edit(path, tmp_path / "o.glb", lambda rig, report: orient_joints(rig, report=report))
+    with suppress(RigtriError):
+        verify(read_any(path), read_any(path))
 
 
 # --- USD
