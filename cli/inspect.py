@@ -14,6 +14,7 @@ from .options import (
     reading_options,
     source_argument,
 )
+from .words import plain
 
 
 @click.command("inspect")
@@ -42,7 +43,7 @@ def command(source: str, **values: Any) -> None:
             found = {"file": source} | as_json(rig) | {"warnings": warnings}
             click.echo(json.dumps(found, indent=2, ensure_ascii=False))
             return
-        click.echo(describe(rig))
+        click.echo(plain(describe(rig)))
         if not values["quiet"]:
             for notice in document.warnings:
-                click.echo(f"warning: {notice.text}", err=True)
+                click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)

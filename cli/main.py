@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from importlib import import_module
 from typing import Any
@@ -10,6 +11,8 @@ import click
 
 from rigtri import __version__
 from rigtri.errors import RigtriError
+
+from .words import plain
 
 # Command → its one line of help. A command's module is imported when the command runs,
 # so that `rigtri --help` does not wait for numpy.
@@ -42,10 +45,14 @@ class Program(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
     def invoke(self, ctx: click.Context) -> Any:
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                # A name may hold half of a surrogate pair, or what the terminal's encoding has not.
+                stream.reconfigure(errors="backslashreplace")
         try:
             return super().invoke(ctx)
         except RigtriError as error:
-            click.echo(f"rigtri: {error}", err=True)
+            click.echo(f"rigtri: {plain(str(error), one_line=True)}", err=True)
             sys.exit(error.exit_code)
         except BrokenPipeError:
             # The reader of our output has gone; nothing is left to tell it.
@@ -53,7 +60,8 @@ class Program(click.Group):
             sys.exit(1)
         except OSError as error:
             # What the pipeline did not foresee, such as a full disk behind standard output.
-            click.echo(f"rigtri: {error.filename or 'output'}: {error.strerror or error}", err=True)
+            where = plain(str(error.filename or "output"), one_line=True)
+            click.echo(f"rigtri: {where}: {error.strerror or error}", err=True)
             sys.exit(3)
         except MemoryError:
             click.echo("rigtri: There is not enough memory for this file.", err=True)

@@ -19,6 +19,8 @@ import click
 
 from rigtri.errors import FileError, RigtriError, UsageError
 
+from .words import plain
+
 if TYPE_CHECKING:
     from rigtri.formats import Options
     from rigtri.pipeline import Outcome
@@ -219,7 +221,7 @@ def run_edit(
         tell_warnings(report, values["verbose"])
         if values["verbose"]:
             tell_joints(report)
-        click.echo(summary(report), err=True)
+        click.echo(plain(summary(report)), err=True)
         tell_verification(outcome, values)
     return outcome
 
@@ -269,7 +271,7 @@ def tell_warnings(report: Report, verbose: bool = False) -> None:
     for notice in report.warnings:
         said[notice.code] = said.get(notice.code, 0) + 1
         if verbose or said[notice.code] <= MOST_ALIKE:
-            click.echo(f"warning: {notice.text}", err=True)
+            click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
     for code, count in said.items():
         if count > MOST_ALIKE and not verbose:
             click.echo(f"warning: {count - MOST_ALIKE} more of this kind ({code}); -v shows all", err=True)
@@ -289,7 +291,7 @@ def tell_joints(report: Report) -> None:
             words.append(f"aim: {entry['aim']}")
         if "up" in entry:
             words.append(f"up: {entry['up']}")
-        click.echo(" ".join(words), err=True)
+        click.echo(plain(" ".join(words), one_line=True), err=True)
 
 
 def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
@@ -298,7 +300,7 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     if outcome.verification is None:
         click.echo("The result was not compared with the source (--no-verify).", err=True)
     else:
-        click.echo(outcome.verification.summary(), err=True)
+        click.echo(plain(outcome.verification.summary(), one_line=True), err=True)
     if values["dry_run"]:
         click.echo(f"{where} was not written (--dry-run).", err=True)
     else:

@@ -11,6 +11,7 @@ import click
 from rigtri.errors import DeviationError
 
 from .options import TOLERANCE, output_options, read_options, reading_options
+from .words import plain
 
 
 @click.command("verify")
@@ -48,6 +49,6 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
         document = {"before": before, "after": after, "passes": passes, "tolerance": tolerance}
         click.echo(json.dumps(document | result.as_json(), indent=2, ensure_ascii=False))
     elif not values["quiet"]:
-        click.echo(result.describe(verbose=values["verbose"]))
+        click.echo(plain(result.describe(verbose=values["verbose"])))
     if not passes:
         raise DeviationError(f"{after} looks different from {before}: {result.summary()}")

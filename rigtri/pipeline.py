@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import filecmp
-import glob
 import os
 import re
 import shutil
@@ -17,7 +16,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rigtri.compare import TOLERANCE, Comparison, self_check
+from rigtri.delivery import aimed, beside, commit, discard_stale, replacing, stale_parts, sync
 from rigtri.errors import DeviationError, FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import Companion, Document, Options, read
 from rigtri.report import Report
@@ -74,6 +76,7 @@ def edit(
         _hear(document, report, strict)
         clock.lap("read")
         rig = step(document.rig, report)
+        _check_numbers(document.rig, rig)
         _hear(document, report, strict)
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
@@ -91,6 +94,26 @@ def edit(
                 raise
             clock.lap("write")
             return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps)
+
+
+def _check_numbers(before: Rig, after: Rig) -> None:
+    """GeometryError for a node whose numbers an edit made infinite or NaN; what was so may stay so."""
+    if after is before:
+        return
+    lost = np.zeros(len(after), dtype=bool)
+    for name in ("translation", "rotation", "scale", "matrix"):
+        fit = np.isfinite(getattr(after, name)).reshape(len(after), -1)
+        fit[: len(before)] |= ~np.isfinite(getattr(before, name)).reshape(len(before), -1)
+        lost |= ~fit.all(axis=1)
+    for old, new in zip(before.skins, after.skins, strict=True):
+        worse = np.isfinite(old.inverse_bind) & ~np.isfinite(new.inverse_bind)
+        lost[new.joints[worse.any(axis=(1, 2))]] = True
+    if lost.any():
+        node = int(lost.argmax())
+        raise GeometryError(
+            f"'{after.names[node] or after.labels[node]}' gets no place that is a number: a scale at or "
+            "above it is zero, or numbers there are too large. Leave it out with --exclude"
+        )
 
 
 def _deliver(
@@ -137,12 +160,17 @@ def _checked(
 
 
 class _Written:
-    """A part beside its target and the companions placed so far; either all stay or none."""
+    """A part beside its target and the companions placed so far; either all stay or none.
+
+    The rename of the part is the moment that counts: as long as there is a part, the old
+    files are the valid ones, and what a killed run has replaced is put back by the next.
+    """
 
     def __init__(self, final: Path, overwrite: bool) -> None:
         self.final, self.overwrite = final, overwrite
-        _remove_stale(final)
-        self.part = final.with_name(f".{final.stem}.part-{os.getpid()}{final.suffix}")
+        with _as_file_error(final):
+            _recover(final)
+        self.part = beside(final)
         self.placed: list[tuple[Path, Path | None]] = []
         self._orphans = _our_buffers(final)
 
@@ -162,25 +190,24 @@ class _Written:
                 f"{place} exists and is another file than the one that {self.final.name} needs there; "
                 "it is replaced only with --overwrite"
             )
-        backup = None
         place.parent.mkdir(parents=True, exist_ok=True)
-        if place.exists():
-            backup = place.with_name(f".{place.name}.kept-{os.getpid()}")
-            os.replace(place, backup)
+        discard_stale(place)
+        backup = _kept(place, os.getpid()) if place.exists() else None
+        if backup is not None:
+            _link(place, backup)
         self.placed.append((place, backup))
-        fresh = place.with_name(f".{place.name}.part-{os.getpid()}")
-        if isinstance(companion.content, bytes):
-            fresh.write_bytes(companion.content)
-        else:
-            shutil.copyfile(companion.content, fresh)
-        _sync(fresh)
-        os.replace(fresh, place)
+        with replacing(place) as fresh:
+            if isinstance(companion.content, bytes):
+                fresh.write_bytes(companion.content)
+            else:
+                shutil.copyfile(companion.content, fresh)
 
     def finish(self) -> None:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""
         with _as_file_error(self.final):
-            _sync(self.part)
-            os.replace(self.part, self.final)
+            commit(self.part, self.final)
+        # The new file is there; what cannot be tidied up any more is no reason to fail.
+        with suppress(OSError):
             for _, backup in self.placed:
                 if backup is not None:
                     backup.unlink()
@@ -188,33 +215,48 @@ class _Written:
                 orphan.unlink(missing_ok=True)
 
     def undo(self) -> None:
-        """Leave the folder as it was."""
-        self.part.unlink(missing_ok=True)
+        """Leave the folder as it was; nothing to do where the part has become the file."""
+        if self.placed and not self.part.exists():
+            return
         for place, backup in reversed(self.placed):
             if backup is not None:
-                os.replace(backup, place)
+                _put_back(backup, place)
             else:
                 place.unlink(missing_ok=True)
+        with suppress(OSError):  # the reason for undoing is told, not this
+            self.part.unlink(missing_ok=True)
 
 
-def _remove_stale(final: Path) -> None:
-    """Remove parts of this target that a run left which was killed: its process is no more."""
-    for part in final.parent.glob(f".{glob.escape(final.stem)}.part-*{glob.escape(final.suffix)}"):
-        owner = part.name[len(final.stem) + len("..part-") : len(part.name) - len(final.suffix)]
-        if owner.isdigit() and int(owner) != os.getpid() and not _runs(int(owner)):
-            part.unlink(missing_ok=True)
+def _kept(place: Path, process: int) -> Path:
+    """Where a run keeps the file that it replaces."""
+    return place.with_name(f".{place.name}.kept-{process}")
 
 
-def _runs(process: int) -> bool:
-    if os.name != "posix":
-        return True  # elsewhere os.kill would end the process it asks about
+def _link(place: Path, backup: Path) -> None:
+    """A second name for a file, or a copy where the file system has no links."""
+    backup.unlink(missing_ok=True)
     try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
+        os.link(place, backup)
     except OSError:
-        return True
-    return True
+        shutil.copy2(place, backup)
+
+
+def _put_back(backup: Path, place: Path) -> None:
+    os.replace(backup, place)
+    # Of two names of one file the rename drops neither.
+    backup.unlink(missing_ok=True)
+
+
+def _recover(final: Path) -> None:
+    """Finish what killed runs have left: put back what they had replaced, remove their parts.
+
+    A buffer that was new stays: by its name alone nobody knows who else refers to it.
+    """
+    for process in {process for _, process in stale_parts(final)}:
+        for backup in final.parent.rglob(f".*.kept-{process}"):
+            _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
+        for part in final.parent.rglob(f".*.part-{process}*"):
+            part.unlink(missing_ok=True)
 
 
 def _our_buffers(path: Path) -> set[Path]:
@@ -256,13 +298,19 @@ def _final(path: Path, target: Path | str, overwrite: bool, options: Options) ->
         # An override is a layer, also where it is of a package.
         layer = bool(options.override) and path.suffix.lower() == ".usdz"
         return Path(path.stem + ".usda" if layer else path.name)
-    final = Path(target)
-    # A link stays a link: what it points at is replaced.
-    final = final.resolve() if final.is_symlink() else final
+    with _as_file_error(Path(target)):
+        # A link stays a link: what it points at is replaced.
+        return _allowed(aimed(Path(target)), path, overwrite)
+
+
+def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
+    """``final``, if a result of ``path`` may be written there."""
     if final.is_dir():
         raise UsageError(f"{final} is a folder; give the name of the output file")
     if not final.suffix:
         raise UsageError(f"{final} has no suffix; the output's format is the input's: {path.suffix}")
+    if final.exists() and not final.is_file():
+        raise UsageError(f"{final} is a device or a pipe; give the name of a plain file, or - for the output")
     if final.exists() and not overwrite:
         raise UsageError(f"{final} exists; it is replaced only with --overwrite")
     if not final.parent.is_dir():
@@ -272,13 +320,23 @@ def _final(path: Path, target: Path | str, overwrite: bool, options: Options) ->
 
 @contextmanager
 def _opened(source: Path | str) -> Iterator[Path]:
-    """The source as a file on disk; standard input is spooled, its first bytes say the format."""
+    """The source as a file on disk, and arithmetic that a broken file may not make noisy."""
+    # What leaves float64 becomes inf or NaN; `_check_numbers` and the comparison see it.
+    with np.errstate(all="ignore"), _on_disk(source) as path:
+        yield path
+
+
+@contextmanager
+def _on_disk(source: Path | str) -> Iterator[Path]:
+    """The source as it lies; standard input is spooled, its first bytes say the format."""
     if str(source) != "-":
         path = Path(source)
         if path.is_dir():
             raise FileError(f"{path} is a folder, not a file")
         if not path.exists():
             raise FileError(f"There is no file {path}")
+        if not path.is_file():
+            raise FileError(f"{path} is a device or a pipe; give a plain file, or - for standard input")
         yield path
         return
     start = sys.stdin.buffer.read(16)
@@ -344,12 +402,7 @@ def _reaching_the_disk(path: Path) -> Iterator[None]:
 
 def _try_sync(path: Path) -> None:
     with suppress(OSError):  # it comes again, and is told, with the sync that counts
-        _sync(path)
-
-
-def _sync(path: Path) -> None:
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
+        sync(path)
 
 
 class _Clock:
@@ -402,10 +455,11 @@ def report_json(
 
 def write_text(path: Path, text: str) -> None:
     """Write a small text file beside and rename it; FileError when that fails."""
-    part = path.with_name(f".{path.name}.part-{os.getpid()}")
     with _as_file_error(path):
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, path)
+        discard_stale(path)
+        with replacing(path) as part:
+            # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
+            part.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 __all__: Sequence[str] = ("Outcome", "Step", "edit", "opened", "report_json", "write_text")

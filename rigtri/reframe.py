@@ -174,7 +174,8 @@ class Scales:
         Two pairs that are alike make all three alike: otherwise a turn about either odd axis
         would be exact but not both, and a second run would find a third.
         """
-        return np.asarray((self.apart > SAME_SCALE).sum(axis=1) > 1)
+        over = self.apart > SAME_SCALE
+        return np.asarray((over & np.roll(over, 1, axis=1)).any(axis=1))
 
     @property
     def spread(self) -> Floats:

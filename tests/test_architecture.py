@@ -38,7 +38,9 @@ moving scenery
 watched
 compare describe changes
 ops formats
+delivery
 checks pipeline difference
+confined
 cli
 """.strip().splitlines()
 LONGEST = 60

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from places import sample_files
 
-from rigtri import pipeline
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Options, read
 from rigtri.ops.orient import orient_joints
@@ -159,7 +158,7 @@ def test_a_failure_while_writing_leaves_the_old_file(
     def full(*args: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(pipeline, "_sync", full)
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(FileError, match="No space left"):
         edit(samples / "biped.glb", target, orient, overwrite=True)
     assert [p.name for p in tmp_path.iterdir()] == ["out.glb"]

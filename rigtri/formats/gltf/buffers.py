@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from rigtri.formats.gltf.container import Container
 from rigtri.formats.gltf.mapped import Mapped, load
-from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own
+from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own, is_there
 from rigtri.formats.gltf.values import Value
 
 # Where a buffer lies: in the GLB, in its URI, in a file of ours, in a file of the user's, nowhere.
@@ -34,9 +34,9 @@ class Buffers:
         for index, item in enumerate(self._items):
             if self.place(index) in ("file", "own") and is_file(self.uri(index)):
                 path = self._path(index)
-                if not path.is_file() and _is_fallback(item):
+                if not is_there(path) and _is_fallback(item):
                     self._undeployed.add(index)
-                elif not path.is_file():
+                elif not is_there(path):
                     item.fail(f"the file '{path.name}' is missing; put it beside {container.path.name}")
 
     def __len__(self) -> int:

@@ -15,7 +15,7 @@ from rigtri.errors import FileError
 from rigtri.formats import Companion
 from rigtri.formats.bindings import Pointer
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.uris import escape, file_of, is_file
+from rigtri.formats.gltf.uris import escape, file_of, is_file, is_there
 
 
 def uris(gltf: dict[str, Any]) -> Iterator[tuple[Pointer, str]]:
@@ -49,7 +49,7 @@ def accompany(gltf: dict[str, Any], source: Path, target: Path) -> list[Companio
             continue
         where = f"{source}: {_spelled(path)}"
         file = file_of(uri, source.parent, where, allow_external=True)
-        if not file.is_file() or Path(unquote(uri)).is_absolute():
+        if not is_there(file) or Path(unquote(uri)).is_absolute():
             continue
         file_of(uri, source.parent, f"{where} cannot be copied along (--resources relink can)")
         name = Path(os.path.normpath(unquote(uri))).as_posix()

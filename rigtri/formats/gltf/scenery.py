@@ -52,9 +52,8 @@ def _scenes(gltf: Mapping[str, Any], tree: Tree) -> list[tuple[str, ...]]:
 def _hidden(nodes: Sequence[Mapping[str, Any]], tree: Tree) -> list[bool]:
     found = [False] * len(nodes)
     for index in tree.order:
-        own = (nodes[index].get("extensions") or {}).get(VISIBILITY)
         above = tree.above[index]
-        off = isinstance(own, dict) and own.get("visible") is False
+        off = _object(_object(nodes[index], "extensions"), VISIBILITY).get("visible") is False
         found[index] = off or (above >= 0 and found[above])
     return found
 
@@ -65,10 +64,9 @@ def _lens(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[st
 
 
 def _light(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    used = (node.get("extensions") or {}).get(LIGHTS)
-    if isinstance(used, dict):
-        lights = (gltf.get("extensions") or {}).get(LIGHTS)
-        among = lights.get("lights") if isinstance(lights, dict) else None
+    used = _object(_object(node, "extensions"), LIGHTS)
+    if used:
+        among = _object(_object(gltf, "extensions"), LIGHTS).get("lights")
         yield from flat(_item(among, used.get("light")), "light")
 
 
@@ -76,19 +74,24 @@ def _primitives(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tu
     if "mesh" not in node:
         return
     mesh = _item(gltf.get("meshes"), node["mesh"]) or {}
-    primitives = mesh.get("primitives") or []
+    primitives = mesh.get("primitives")
+    primitives = primitives if isinstance(primitives, list) else []
     yield "number of primitives", len(primitives)
     for number, primitive in enumerate(primitives):
         material = primitive.get("material") if isinstance(primitive, dict) else None
         if material is not None:
             item = _item(gltf.get("materials"), material) or {}
             yield f"material of primitive {number}", item.get("name") or f"#{material}"
-    extras = mesh.get("extras")
-    names = extras.get("targetNames") if isinstance(extras, dict) else None
-    yield "morph target names", names
+    yield "morph target names", _object(mesh, "extras").get("targetNames")
 
 
 def _item(among: Any, index: Any) -> Any:
     """An item of a list that may be none, at an index that may lead nowhere."""
     whole = isinstance(among, list) and isinstance(index, int) and 0 <= index < len(among)
     return among[index] if whole and isinstance(among[index], dict) else None
+
+
+def _object(holder: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """The object under a key; an empty one for anything else, as nobody has checked what stands there."""
+    found = holder.get(key)
+    return found if isinstance(found, dict) else {}

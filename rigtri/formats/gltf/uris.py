@@ -14,6 +14,7 @@ from urllib.parse import quote, unquote, unquote_to_bytes
 from rigtri.errors import FileError
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
+_SURROGATE = re.compile("[\ud800-\udfff]")
 _DRIVE = re.compile(r"[A-Za-z]:")
 # The name of a buffer file that rigtri has put beside a .gltf; the digits say what is in it.
 _OWN = re.compile(r"\.rigtri-[0-9a-f]{8}\.bin$")
@@ -63,15 +64,27 @@ def file_of(uri: str, folder: Path, where: str, *, allow_external: bool = False)
     if not is_file(uri):
         raise FileError(f"{where}: rigtri fetches nothing from '{_short(uri)}'; put the file beside this one")
     name = unquote(uri)
-    if "\0" in name:
+    if "\0" in name or _SURROGATE.search(name):
         raise FileError(f"{where}: '{_short(uri)}' is no file name")
     path = folder / name
-    if not allow_external and _leaves(name, path, folder):
+    try:
+        leaves = not allow_external and _leaves(name, path, folder)
+    except (OSError, RuntimeError) as error:  # links in a circle, names that no disk can hold
+        raise FileError(f"{where}: '{_short(uri)}' leads nowhere: {error}") from None
+    if leaves:
         raise FileError(
             f"{where}: '{_short(uri)}' lies outside the folder of the file. "
             "If you trust it, allow this with --allow-external-paths"
         )
     return path
+
+
+def is_there(path: Path) -> bool:
+    """Whether a plain file lies there; a name that no disk can hold is of none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _leaves(name: str, path: Path, folder: Path) -> bool:

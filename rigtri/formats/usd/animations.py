@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.samples import time_samples
-from rigtri.formats.usd.stage import DEFAULT, numbers
+from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
 from rigtri.quaternions import norm
 from rigtri.report import Notice
 from rigtri.rig import Clip, Interpolation, Path, Track
@@ -65,7 +65,7 @@ def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
     FileError where only some of its samples are usable, or hold what is no number.
     """
     path = str(prim.GetPath())
-    tokens = tuple(str(token) for token in prim.GetAttribute("joints").Get(DEFAULT) or ())
+    tokens = tokens_of(prim, "joints")
     if not tokens:
         if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
             return Animation(path, prim.GetName(), (), {})

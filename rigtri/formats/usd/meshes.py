@@ -16,7 +16,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.samples import time_samples
-from rigtri.formats.usd.stage import DEFAULT, quiet
+from rigtri.formats.usd.stage import DEFAULT, quiet, tokens_of
 from rigtri.rig import Booleans, Integers, Mesh, Surface, Track
 from rigtri.trigonometry import Floats
 
@@ -57,11 +57,12 @@ def weighted(queries: Sequence[Any], tokens: Sequence[str]) -> Booleans:
     """Which joints of a skeleton move any point, (n,); all where nothing is bound to it."""
     mask = np.zeros(len(tokens), dtype=bool)
     bound = False
-    for query in queries:
-        if query.HasJointInfluences():
-            joints, weights = _influences(query, tokens, None)
-            bound = True
-            mask[joints[weights != 0.0]] = True
+    with quiet("USD cannot tell what the skeletons move"):
+        for query in queries:
+            if query.HasJointInfluences():
+                joints, weights = _influences(query, tokens, None)
+                bound = True
+                mask[joints[weights != 0.0]] = True
     return mask if bound else np.ones(len(tokens), dtype=bool)
 
 
@@ -122,7 +123,7 @@ def blend_tracks(
 ) -> list[Track]:
     """The morph weights that an animation drives, as one track for each mesh it moves."""
     attribute = animation.GetAttribute("blendShapeWeights")
-    names = [str(name) for name in animation.GetAttribute("blendShapes").Get(DEFAULT) or ()]
+    names = tokens_of(animation, "blendShapes")
     keys = time_samples(attribute)
     keys = [(time, value) for time, value in keys if value is not None and len(value) == len(names)]
     if not keys:

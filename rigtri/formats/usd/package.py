@@ -103,10 +103,15 @@ def _entry(content: bytes, offset: int, limit: int) -> tuple[Entry, int]:
         raise ValueError(f"'{name}' is compressed, which .usdz forbids; pack it again without")
     if flags & _ENCRYPTED:
         raise ValueError(f"'{name}' is encrypted")
-    *_, local_name_size, local_extra_size = _LOCAL.unpack_from(content, local)
+    _, _, _, local_method, _, _, _, local_packed, _, local_name_size, local_extra_size = _LOCAL.unpack_from(
+        content, local
+    )
     named = local + _LOCAL.size
     if content[named : named + local_name_size] != raw_name:
         raise ValueError(f"'{name}' has another name in its own header")
+    # USD goes by these, other programs by the directory; they must not see different files.
+    if local_method != 0 or (local_packed != size and not flags & _DESCRIPTOR):
+        raise ValueError(f"'{name}' has another size in its own header")
     start = named + local_name_size + local_extra_size
     if start + size > limit:
         raise ValueError(f"'{name}' ends outside the package")

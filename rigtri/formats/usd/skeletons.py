@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT, numbers
+from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
 from rigtri.matrices import determinant, inverse, multiply
 from rigtri.report import Notice
 from rigtri.rig import Booleans, Integers
@@ -51,7 +51,7 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
     FileError where its joints or matrices break UsdSkel's rules, naming them.
     """
     path = str(prim.GetPath())
-    tokens = tuple(str(token) for token in prim.GetAttribute("joints").Get(DEFAULT) or ())
+    tokens = tokens_of(prim, "joints")
     if not tokens:
         warnings.append(Notice("no-joints", f"Skeleton <{path}> has no joints; it is left alone."))
         return None
@@ -175,7 +175,7 @@ def _animation_of(prim: Any, animation: Any) -> Any:
 def _check_covered(path: str, tokens: Sequence[str], animation: Any) -> None:
     if animation is None:
         return
-    driven = {str(token) for token in animation.GetAttribute("joints").Get(DEFAULT) or ()}
+    driven = set(tokens_of(animation, "joints"))
     missing = [token for token in tokens if token not in driven]
     if missing:
         raise FileError(

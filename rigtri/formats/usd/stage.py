@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, suppress
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdUtils
+from pxr import Sdf, Tf, Usd, UsdUtils, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import external, package
@@ -31,11 +32,17 @@ def quiet(doing: str) -> Iterator[list[str]]:
     texts: list[str] = []
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
-        yield texts
+        # Where C++ finds no Python type for a value, Python's own complaint goes to stderr.
+        with redirect_stderr(StringIO()):
+            yield texts
     except Tf.ErrorException as error:
         raise FileError(f"{doing}: {first_line(error)}") from None
+    except UnicodeDecodeError:
+        raise FileError(f"{doing}: a name in it is made of bytes that are no text") from None
     finally:
-        texts.extend(str(item.commentary) for item in delegate.TakeUncoalescedDiagnostics())
+        for item in delegate.TakeUncoalescedDiagnostics():
+            with suppress(UnicodeDecodeError):  # it quotes bytes that are no text
+                texts.append(str(item.commentary))
         del delegate
 
 
@@ -85,6 +92,19 @@ def numbers(attribute: Any, value: Any, *shape: int) -> np.ndarray:
             "Export it again."
         )
     return array
+
+
+def tokens_of(prim: Any, name: str) -> tuple[str, ...]:
+    """The items of a token array attribute; none where it has no value. FileError for another type."""
+    value = prim.GetAttribute(name).Get(DEFAULT)
+    if value is None:
+        return ()
+    if not isinstance(value, Vt.TokenArray):
+        raise FileError(
+            f"<{prim.GetPath()}>.{name} holds a {type(value).__name__} and should hold tokens. "
+            "Export it again."
+        )
+    return tuple(str(token) for token in value)
 
 
 def _unresolved(texts: list[str], folder: Path) -> list[Notice]:

@@ -16,7 +16,7 @@ import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT, why_locked
+from rigtri.formats.usd.stage import DEFAULT, tokens_of, why_locked
 from rigtri.formats.usd.values import Edit, kind, set_value
 from rigtri.matrices import (
     SKEW,
@@ -89,7 +89,7 @@ def _prim_edits(
         warnings.append(
             Notice("not-baked", f"<{prim.GetPath()}> is animated or sheared; its ops stay, two are added.")
         )
-    order = [str(op) for op in prim.GetAttribute("xformOpOrder").Get(DEFAULT) or ()]
+    order = list(tokens_of(prim, "xformOpOrder"))
     edits: list[Edit] = []
     for name, change, last in ((FRAME, turn, True), (PARENT_INVERSE, conjugate(above), False)):
         old = _orient(prim, name) if name in order else IDENTITY

@@ -1,0 +1,154 @@
+"""Work done in a process of its own: what ends that process costs one file, not the run.
+
+usd-core crashes on some damaged files, and no Python can catch that. A child
+does one task after another; one that dies, hangs or takes too much memory is
+ended and replaced, and its task becomes a FileError.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import signal
+import traceback
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+from rigtri.errors import FileError, RigtriError
+
+T = TypeVar("T")
+
+# What the server of children has loaded already, so that a new child costs milliseconds.
+_PRELOADED = ["rigtri.pipeline", "rigtri.formats.gltf.document", "rigtri.formats.usd.document"]
+
+
+class CrashError(FileError):
+    """A file on which the process died, hung or ran out of memory."""
+
+
+class Confined:
+    """A child process that does tasks in turn. Not for several threads at once; have one for each.
+
+    seconds: how long a task may take. memory: how many bytes a child may take beyond
+    what it has when it starts; only where /proc tells that (Linux). None: as it likes.
+    """
+
+    def __init__(self, *, seconds: float | None = None, memory: int | None = None) -> None:
+        self._seconds, self._memory = seconds, memory
+        # A fork of this process would copy the locks that its threads hold; the server has no threads.
+        method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+        self._context: Any = multiprocessing.get_context(method)
+        if method == "forkserver":
+            self._context.set_forkserver_preload(_PRELOADED)
+        self._process: Any = None
+        self._pipe: Connection | None = None
+
+    def __call__(self, name: str, task: Callable[..., T], *arguments: Any) -> T:
+        """``task(*arguments)`` in the child. ``name``: of the file, for errors.
+
+        Task, arguments and result travel by pickle. CrashError where the child did not
+        live to answer; a RigtriError of the task is raised here as it was there, any
+        other exception as a RuntimeError with its traceback.
+        """
+        pipe = self._started()
+        try:
+            pipe.send((task, arguments))
+            if not pipe.poll(self._seconds):
+                self.close()
+                raise CrashError(f"{name}: took longer than {self._seconds:g} s and was stopped")
+            kind, value = pipe.recv()
+        except (EOFError, ConnectionError):
+            raise CrashError(f"{name}: {self._death()}") from None
+        if kind == "memory":
+            self.close()
+            raise CrashError(f"{name}: there is not enough memory for this file")
+        if kind == "refused":
+            raise _rebuilt(*value)
+        if kind == "failed":
+            self.close()
+            raise RuntimeError(value)
+        result: T = value
+        return result
+
+    def close(self) -> None:
+        """End the child, whatever it does."""
+        if self._pipe is not None:
+            self._pipe.close()
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+        self._process = self._pipe = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _started(self) -> Connection:
+        if self._pipe is None:
+            mine, theirs = self._context.Pipe()
+            process = self._context.Process(target=_serve, args=(theirs, self._memory), daemon=True)
+            process.start()
+            theirs.close()
+            self._process, self._pipe = process, mine
+        return self._pipe
+
+    def _death(self) -> str:
+        """What ended the child, in words; another will be started for the next task."""
+        self._process.join()
+        code = self._process.exitcode
+        self.close()
+        if code is not None and code < 0:
+            with contextlib.suppress(ValueError):
+                code = signal.Signals(-code).name
+        return (
+            f"the library that reads it crashed ({code}). The file is damaged; export it anew with the "
+            "program that wrote it"
+        )
+
+
+def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError:
+    # The constructors of some errors take other arguments than the text they make of them.
+    error = kind.__new__(kind)
+    error.args = arguments
+    return error
+
+
+def _serve(pipe: Connection, memory: int | None) -> None:
+    """The life of a child: tasks until the pipe closes."""
+    # The parent hears of an interrupt, and then ends us.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if memory is not None:
+        _limit(memory)
+    with contextlib.suppress(EOFError, ConnectionError):
+        while True:
+            task, arguments = pipe.recv()
+            try:
+                answer: tuple[str, Any] = "done", task(*arguments)
+            except RigtriError as error:
+                answer = "refused", (type(error), error.args)
+            except MemoryError:
+                answer = "memory", None
+            except Exception:
+                pipe.send(("failed", traceback.format_exc()))
+                raise
+            pipe.send(answer)
+
+
+def _limit(memory: int) -> None:
+    """Let this process map ``memory`` bytes more than it has; nothing where that is not known."""
+    statm = Path("/proc/self/statm")
+    if not statm.exists():
+        return
+    import resource
+
+    pages = int(statm.read_text().split()[0])
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = pages * resource.getpagesize() + memory
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if most < 0 else min(wanted, most), most))

@@ -1,0 +1,103 @@
+"""How a file appears: written beside its place, forced to disk, renamed. A kill leaves the old or the new."""
+
+from __future__ import annotations
+
+import errno
+import glob
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+
+def beside(path: Path, process: int | None = None) -> Path:
+    """The part that becomes ``path``: hidden, in its folder, with its suffix, and whose it is."""
+    return path.with_name(f".{path.stem}.part-{process or os.getpid()}{path.suffix}")
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A part to write; after the block it is on the disk under the name ``path``, or gone."""
+    part = beside(path)
+    try:
+        yield part
+        commit(part, path)
+    except BaseException:  # an interrupt too leaves no part; it goes on up
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+
+
+def commit(part: Path, path: Path) -> None:
+    """Force a part to the disk and let it take the name, mode and owner of the file it replaces."""
+    sync(part)
+    # Afterwards, for it may be that nobody may write it then; and some disks know no permissions.
+    with suppress(OSError):
+        _inherit(path, part)
+    os.replace(part, path)
+    _sync_folder(path.parent)
+
+
+def sync(path: Path) -> None:
+    """Wait until the disk has a file."""
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
+
+
+def _inherit(old: Path, new: Path) -> None:
+    """Give a new file the permissions of the old one, and where we may its owner."""
+    known = old.stat()
+    if hasattr(os, "chown") and (known.st_uid, known.st_gid) != (os.geteuid(), os.getegid()):
+        with suppress(OSError):
+            os.chown(new, known.st_uid, known.st_gid)
+    shutil.copymode(old, new)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Force the new name to the disk; some systems cannot, and have done it by themselves."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def aimed(path: Path) -> Path:
+    """What a link leads to, through all links; anything else as it is. OSError for links in a circle."""
+    if not path.is_symlink():
+        return path
+    try:
+        return path.resolve()
+    except RuntimeError:  # what Python before 3.13 says to it
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP)) from None
+
+
+def discard_stale(path: Path) -> None:
+    """Remove parts of ``path`` that runs left which were killed."""
+    for part, _ in stale_parts(path):
+        part.unlink(missing_ok=True)
+
+
+def stale_parts(path: Path) -> list[tuple[Path, int]]:
+    """Parts of ``path`` whose process is no more, with its number."""
+    found = []
+    for part in path.parent.glob(f".{glob.escape(path.stem)}.part-*{glob.escape(path.suffix)}"):
+        owner = part.name[len(path.stem) + len("..part-") : len(part.name) - len(path.suffix)]
+        # In a container numbers return soon: what bears ours was there before us.
+        if owner.isdigit() and (int(owner) == os.getpid() or not _runs(int(owner))):
+            found.append((part, int(owner)))
+    return found
+
+
+def _runs(process: int) -> bool:
+    if os.name != "posix":
+        return True  # elsewhere os.kill would end the process it asks about
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

@@ -1,0 +1,333 @@
+"""One case: a mutated file, a command, and whether what the command did is allowed.
+
+Allowed is an output that looks as the source does, or an error of ours in one line
+that leaves nothing behind. Anything else is a finding.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+import tempfile
+import traceback
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+from click.testing import CliRunner, Result
+
+from fuzz import gltf, raw, usd
+from rigtri.cli.main import program
+from rigtri.compare import self_check, verify
+from rigtri.errors import RigtriError
+from rigtri.formats import GLTF_SUFFIXES, Document, Options, read
+from rigtri.ops.presets import PRESETS
+from rigtri.rig import Mesh
+
+# One in so many outputs is compared point by point, and made once more.
+SHARE = 4
+# Sizes that exact arithmetic would give, and what verify finds beside the self-check's tolerance of 1e-5.
+LOOSE = 2e-5
+# pxr writes this past its own diagnostics, where a crate's tables lie in odd places.
+UNAVOIDABLE = "failed call to posix_madvise"
+
+
+@dataclass
+class Found:
+    """What became of a case: one of the kinds below, and for a finding what is wrong."""
+
+    number: int
+    kind: str
+    detail: str = ""
+    file: str = ""
+    done: list[str] = field(default_factory=list)
+    command: list[str] = field(default_factory=list)
+
+    @property
+    def is_finding(self) -> bool:
+        return self.kind.startswith("finding")
+
+
+def seed_file(seed: int, number: int, names: list[str]) -> str:
+    """Which file of the corpus a case mutates."""
+    return Random(f"{seed}:{number}").choice(names)
+
+
+def run(seed: int, number: int, corpus: Path, names: list[str], keep: str = "") -> Found:
+    """Case ``number`` of ``seed``, in a folder of its own; ``keep`` names a folder to copy it to."""
+    name, random = seed_file(seed, number, names), Random(f"{seed}:{number}")
+    random.choice(names)
+    with tempfile.TemporaryDirectory(prefix=f"fuzz-{number}-", dir=corpus) as place:
+        folder = Path(place, "in")
+        folder.mkdir()
+        path, done = _mutated(corpus / name, folder, random)
+        command = _command(path, Path(place), random, _chain(corpus / name, random), _root(corpus / name))
+        if keep:
+            shutil.copytree(place, keep, dirs_exist_ok=True)
+        found = Found(number, "", "", name, done, command)
+        _judge(found, path, Path(place), random)
+        return found
+
+
+def _mutated(source: Path, folder: Path, random: Random) -> tuple[Path, list[str]]:
+    if source.suffix not in GLTF_SUFFIXES:
+        return usd.mutate(source, folder, random)
+    asset, done = gltf.mutate(_loaded(source), random)
+    path = gltf.pack(asset, folder, random)
+    if random.random() < 0.12:
+        mutation = random.choice(raw.EVERY)
+        path.write_bytes(mutation(path.read_bytes(), random))
+        done.append(mutation.__name__)
+    return path, done
+
+
+_ASSETS: dict[Path, gltf.Asset] = {}
+
+
+def _loaded(source: Path) -> gltf.Asset:
+    if source not in _ASSETS:
+        _ASSETS[source] = gltf.load(source)
+    return _ASSETS[source]
+
+
+def _chain(source: Path, random: Random) -> list[str]:
+    """Three nodes below each other in the file before it was mutated, or three that hardly exist."""
+    if source.suffix in GLTF_SUFFIXES:
+        nodes = [n if isinstance(n, dict) else {} for n in _loaded(source).listed("nodes")]
+        below = {k: node.get("children", []) for k, node in enumerate(nodes)}
+        chains = [(a, b, c) for a in below for b in below[a] for c in below[b]]
+        return [f"#{k}" for k in random.choice(chains)] if chains else ["#0", "#1", "#2"]
+    tokens = usd.joints(source)
+    deep = [token for token in tokens if token.count("/") > 1]
+    if not deep:
+        return ["a", "a/b", "a/b/c"]
+    end = random.choice(deep)
+    return [end.rsplit("/", 2)[0], end.rsplit("/", 1)[0], end]
+
+
+def _root(source: Path) -> str:
+    """The top of the hierarchy where a file of the corpus has no skeleton; "" where it has."""
+    if source.suffix not in GLTF_SUFFIXES:
+        return "" if usd.joints(source) else usd.top(source)
+    asset = _loaded(source)
+    tops = [k for k, node in enumerate(asset.listed("nodes")) if node.get("children")]
+    return "" if asset.listed("skins") or source.suffix == ".vrma" or not tops else f"#{tops[0]}"
+
+
+# --- commands
+
+
+def _command(path: Path, place: Path, random: Random, chain: list[str], root: str) -> list[str]:
+    """A command line for the file. Its target, if any, comes behind ``-o``."""
+    reading = []
+    is_gltf = path.suffix in GLTF_SUFFIXES
+    if is_gltf and random.random() < 0.15:
+        reading.append("--lenient")
+    if random.random() < (0.05 if root == "" else 0.95):
+        reading += ["--root", root or random.choice(["#0", "arm", "/Root", "joint 0"])]
+    what = random.random()
+    if what < 0.05:
+        return ["inspect", str(path), *reading, *random.choice([[], ["--json"]])]
+    if what < 0.06:
+        return ["check", str(path), *random.choice([[], ["--json"], ["-v"]])]
+    if what < 0.07:
+        return ["diff", str(path), str(path), *reading]
+    if what < 0.09:
+        return ["verify", str(path), str(path), *reading]
+    if random.random() < 0.1:
+        target = path
+        reading.append("--overwrite")
+    else:
+        target = place / "out" / f"out{path.suffix}"
+        target.parent.mkdir()
+    if what < 0.3:
+        return ["add-polevector", str(path), "-o", str(target), *_pole(chain, random), *reading]
+    more = ["--override"] if not is_gltf and random.random() < 0.1 and target != path else []
+    return ["orient-joints", str(path), "-o", str(target), *_axes(is_gltf, random), *reading, *more]
+
+
+def _axes(is_gltf: bool, r: Random) -> list[str]:
+    choices: list[list[str]] = [
+        [],
+        [],
+        ["--snap"],
+        ["--world"],
+        ["--aim", "x", "--up", "z"],
+        ["--aim", "-y", "--up", "x"],
+        ["--up-from", "world:+y"],
+        ["--up-from", "pole"],
+        ["--up-from", "parent"],
+        ["--up-from", "child"],
+        ["--end", "keep"],
+        ["--end", "world"],
+        ["--end", "parent"],
+        ["--branch", "average"],
+        ["--branch", "first"],
+        ["--offset", "0,0,90"],
+        ["--offset", "10,20,30"],
+        ["--mirror", "behavior"],
+        ["--mirror", "blender"],
+        ["--per-joint-plane"],
+        ["--pose", "nodes"],
+        ["--on-nonuniform-scale", "skip"],
+        ["--on-nonuniform-scale", "split"],
+        ["--on-nonuniform-scale", "error"],
+        ["--joints", "*"],
+        *(["--preset", name] for name in PRESETS),
+    ]
+    if is_gltf:
+        choices += [["--unknown-node-ext", "ignore"], ["--resources", "relink"]]
+    return r.choice(choices)
+
+
+def _pole(chain: list[str], r: Random) -> list[str]:
+    _, middle, _ = chain
+    return r.choice(
+        [
+            ["--limbs", "auto"],
+            ["--limb", *chain],
+            ["--limb", *chain, "--bend", f"{middle}=0,0,1"],
+            ["--limb", *chain, "--bend", f"{middle}=1,0,0", "--orientation", "aim"],
+            ["--limb", *chain, "--bend", f"{middle}=0,1,0", "--check-clips", "--pose", "bind"],
+            ["--chain", chain[0], chain[2], "--bend", f"{middle}=0,0,1", "--distance", "2"],
+        ]
+    )
+
+
+# --- judging
+
+
+def _judge(found: Found, path: Path, place: Path, random: Random) -> None:
+    before = _contents(place)
+    result, noise = _invoke(found.command)
+    after = _contents(place)
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        found.kind = "finding: traceback"
+        found.detail = "".join(traceback.format_exception(result.exception)[-4:])
+    elif noise:
+        found.kind, found.detail = "finding: noise", noise[:2000]
+    elif result.exit_code == 0:
+        _judge_output(found, path, place, random, before, after)
+    else:
+        _judge_error(found, result, before, after)
+
+
+def _invoke(command: list[str]) -> tuple[Result, str]:
+    """Run the program in this process with warnings as errors; its result, and what C++ code printed."""
+    sys.stderr.flush()
+    saved = os.dup(2)
+    with tempfile.TemporaryFile() as heard, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        os.dup2(heard.fileno(), 2)
+        try:
+            result = CliRunner().invoke(program, command)
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+        heard.seek(0)
+        lines = heard.read().decode("utf-8", "replace").splitlines()
+        return result, "\n".join(line for line in lines if line and not line.startswith(UNAVOIDABLE))
+
+
+def _contents(place: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(place)): p.read_bytes() for p in place.rglob("*") if p.is_file()}
+
+
+def _judge_error(found: Found, result: Result, before: dict[str, bytes], after: dict[str, bytes]) -> None:
+    lines = [line for line in result.stderr.split("\n") if line and not line.startswith("warning: ")]
+    compared = result.exit_code == 6 and found.command[0] == "verify"
+    if found.command[0] == "check" and result.exit_code in (1, 3) and before == after and result.stdout:
+        found.kind = "read"  # and found wanting
+    elif result.exit_code not in (2, 3, 4, 5, 6):
+        found.kind, found.detail = "finding: exit code", f"{result.exit_code}: {result.stderr}"
+    elif len(lines) != 1 or not lines[0].startswith("rigtri: "):
+        found.kind, found.detail = "finding: message", result.stderr
+    elif before != after:
+        found.kind, found.detail = (
+            "finding: left behind",
+            ", ".join(sorted(after.keys() ^ before.keys())) or "changed",
+        )
+    elif compared:
+        found.kind, found.detail = "finding: differs from itself", lines[0]
+    else:
+        found.kind, found.detail = f"refused with {result.exit_code}", lines[0]
+
+
+def _judge_output(
+    found: Found, path: Path, place: Path, random: Random, before: dict[str, bytes], after: dict[str, bytes]
+) -> None:
+    if "-o" not in found.command:
+        found.kind = "read" if before == after else "finding: inspection wrote"
+        return
+    target = Path(found.command[found.command.index("-o") + 1])
+    source, own = path, str(target.relative_to(place))
+    if target == path:
+        source = place / f"old{path.suffix}"
+        source.write_bytes(before[own])
+        if (place / "in" / "the data.bin").exists():
+            shutil.copyfile(place / "in" / "the data.bin", place / "the data.bin")
+    elif any(after.get(name) != content for name, content in before.items()):
+        found.kind, found.detail = "finding: source changed", ""
+        return
+    if own not in after:
+        found.kind, found.detail = "finding: no output", ""
+        return
+    stray = [name for name in after if ".part-" in name or ".kept-" in name]
+    if stray:
+        found.kind, found.detail = "finding: left behind", ", ".join(stray)
+        return
+    found.kind = "verified, unchanged" if after[own] == before[str(path.relative_to(place))] else "verified"
+    if random.randrange(SHARE) == 0 and "--override" not in found.command:
+        _judge_closely(found, source, target, place, after[own])
+
+
+def _judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:
+    """Compare every point of both files, and make the output once more."""
+    root = found.command[found.command.index("--root") + 1] if "--root" in found.command else None
+    external = "relink" in found.command
+    options = Options(lenient="--lenient" in found.command, root=root, allow_external_paths=external)
+    try:
+        with np.errstate(all="ignore"):  # as the program does
+            one, other = read(source, options), read(target, options)
+            # Two rotations half a turn apart have no middle, and dual quaternions ask for it.
+            twisted = any(mesh.dual_quaternion for mesh in _meshes(one))
+            result = self_check(one, other) if twisted else verify(one, other)
+    except RigtriError as error:
+        found.kind, found.detail = "finding: output cannot be read", str(error)
+        return
+    if not result.passes(LOOSE):
+        found.kind, found.detail = "finding: looks different", json.dumps(result.as_json())[:1500]
+        return
+    again = [str(target.parent / target.name) if part == str(target) else part for part in found.command]
+    if target != source and "old" not in source.name:
+        again = [*again, "--overwrite"] if "--overwrite" not in again else again
+        repeated, _ = _invoke(again)
+        if repeated.exit_code or target.read_bytes() != content:
+            found.kind = "finding: not repeatable"
+            found.detail = f"exit code {repeated.exit_code} {repeated.stderr[-300:]}"
+
+
+def _meshes(document: Document) -> Sequence[Mesh]:
+    try:
+        return document.meshes()
+    except RigtriError:
+        return ()  # nobody can look at them
+
+
+def as_json(found: Found) -> dict[str, Any]:
+    return {
+        "case": found.number,
+        "kind": found.kind,
+        "file": found.file,
+        "mutations": found.done,
+        "command": [
+            Path(part).name if os.sep in part and Path(part).is_absolute() else part for part in found.command
+        ],
+        "detail": found.detail,
+    }

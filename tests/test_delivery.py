@@ -1,0 +1,398 @@
+"""An output appears whole or not at all: whatever fails, and at whatever moment the run is killed."""
+
+from __future__ import annotations
+
+import errno
+import multiprocessing
+import os
+import random
+import shutil
+import signal
+import stat
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rigtri import delivery
+from rigtri.errors import DeviationError, FileError, UsageError
+from rigtri.formats import Options
+from rigtri.ops.orient import orient_joints
+from rigtri.pipeline import edit, write_text
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
+POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+
+
+def orient(rig: Rig, report: Report) -> Rig:
+    return orient_joints(rig, report=report)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+@pytest.fixture
+def gltf(samples: Path, tmp_path: Path) -> Path:
+    """A target .gltf and its .bin that an edit with --overwrite replaces: both are another character's."""
+    folder = tmp_path / "target"
+    folder.mkdir()
+    (folder / "out.gltf").write_bytes((samples / "arm.gltf").read_bytes())
+    (folder / "biped.bin").write_bytes(b"the old buffer")
+    return folder / "out.gltf"
+
+
+# --- one system call fails
+
+
+def fail_at(monkeypatch: pytest.MonkeyPatch, count: int, error: int) -> list[str]:
+    """Let the ``count``-th system call of a delivery fail; the list tells which that was."""
+    calls: list[str] = []
+    for name in ("replace", "fsync", "link", "mkdir", "unlink"):
+        real = getattr(os, name)
+
+        def call(*args: Any, _real: Any = real, _name: str = name, **more: Any) -> Any:
+            calls.append(_name)
+            if len(calls) == count:
+                raise OSError(error, os.strerror(error))
+            return _real(*args, **more)
+
+        monkeypatch.setattr(os, name, call)
+    return calls
+
+
+@pytest.mark.parametrize("count", range(1, 9))
+def test_a_failure_at_any_step_leaves_the_old_files_or_the_new(
+    count: int, gltf: Path, samples: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    old = contents(gltf.parent)
+    edit(samples / "biped.gltf", gltf, orient, overwrite=True)
+    new = contents(gltf.parent)
+    for name, content in old.items():
+        (gltf.parent / name).write_bytes(content)
+    for name in new.keys() - old.keys():
+        (gltf.parent / name).unlink()
+    done = False
+    with monkeypatch.context() as patched:
+        calls = fail_at(patched, count, errno.ENOSPC)
+        with suppress(FileError):
+            edit(samples / "biped.gltf", gltf, orient, overwrite=True)
+            done = True
+    found = contents(gltf.parent)
+    assert found == old or (done and {name: found[name] for name in new} == new), calls
+
+
+class Interrupt(BaseException):
+    """What a user's Ctrl-C is."""
+
+
+def test_an_interrupt_while_measuring_leaves_the_old_files(
+    gltf: Path, samples: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*args: Any) -> Any:
+        raise Interrupt
+
+    old = contents(gltf.parent)
+    monkeypatch.setattr("rigtri.pipeline.self_check", stop)
+    with pytest.raises(Interrupt):
+        edit(samples / "biped.gltf", gltf, orient, overwrite=True)
+    assert contents(gltf.parent) == old
+
+
+def test_what_cannot_be_tidied_up_afterwards_does_not_undo_the_output(
+    gltf: Path, samples: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(self: Path, **_: Any) -> None:
+        if ".kept-" in self.name and not list(gltf.parent.glob(".out.part-*")):
+            raise PermissionError(errno.EACCES, "Permission denied")
+        if self.exists():
+            os.unlink(self)
+
+    monkeypatch.setattr(Path, "unlink", refuse)
+    assert edit(samples / "biped.gltf", gltf, orient, overwrite=True).written
+    assert (gltf.parent / "biped.bin").read_bytes() == (samples / "biped.bin").read_bytes()
+
+
+# --- the process is killed
+
+STEPS = ("replace", "fsync", "link", "unlink")
+
+
+def deadly_edit(moment: int, source: str, target: str) -> None:
+    """Edit in a process that kills itself at its ``moment``-th step."""
+    calls = 0
+
+    def wrapped(real: Any) -> Any:
+        def call(*args: Any, **more: Any) -> Any:
+            nonlocal calls
+            calls += 1
+            if calls == moment:
+                os.kill(os.getpid(), signal.SIGKILL)
+            return real(*args, **more)
+
+        return call
+
+    for name in STEPS:
+        setattr(os, name, wrapped(getattr(os, name)))
+    edit(source, target, orient, overwrite=True)
+
+
+def started(moment: int, source: Path, target: Path) -> Any:
+    """A process that runs `deadly_edit`; it starts at once, because its server has loaded all."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["rigtri.pipeline", "rigtri.formats.gltf.document", "pxr.Usd"])
+    process = context.Process(target=deadly_edit, args=(moment, str(source), str(target)))
+    process.start()
+    return process
+
+
+def restored(folder: Path, old: dict[str, bytes]) -> None:
+    for name in contents(folder).keys() - old.keys():
+        (folder / name).unlink()
+    for name, content in old.items():
+        (folder / name).write_bytes(content)
+
+
+@POSIX
+def test_a_kill_at_any_step_leaves_old_or_new_and_the_next_run_tidies_up(gltf: Path, samples: Path) -> None:
+    old, between, exitcode, moment = contents(gltf.parent), 0, None, 0
+    buffer = (samples / "biped.bin").read_bytes()
+    while exitcode != 0:
+        moment += 1
+        restored(gltf.parent, old)
+        process = started(moment, samples / "biped.gltf", gltf)
+        process.join()
+        exitcode = process.exitcode
+        found = contents(gltf.parent)
+        # Each file by itself is whole, and the new one is there only with its buffer.
+        assert found["biped.bin"] in (old["biped.bin"], buffer)
+        if found["out.gltf"] != old["out.gltf"]:
+            assert found["biped.bin"] == buffer
+            continue
+        between += found["biped.bin"] == buffer
+        # A buffer replaced too early comes back, even where the next run fails.
+        with pytest.raises(DeviationError):
+            edit(samples / "biped.gltf", gltf, orient, overwrite=True, tolerance=-1.0)
+        found = contents(gltf.parent)
+        assert {name: found[name] for name in old} == old, moment
+        # A buffer that is new has a name of its own, and nobody refers to it.
+        assert all(".rigtri-" in name for name in found.keys() - old.keys())
+    assert between > 0
+    assert moment > 6
+
+
+@POSIX
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz"])
+def test_a_kill_at_a_random_time_leaves_the_old_file_or_the_new(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / f"out{Path(name).suffix}"
+    edit(samples / name, target, orient)
+    new, old = target.read_bytes(), (samples / name).read_bytes()
+    seeded = random.Random(name)
+    for _ in range(8):
+        target.write_bytes(old)
+        process = started(0, samples / name, target)
+        time.sleep(seeded.uniform(0.0, 0.1))
+        process.kill()
+        process.join()
+        assert target.read_bytes() in (old, new)
+    edit(samples / name, target, orient, overwrite=True)
+    assert contents(tmp_path) == {target.name: new}
+
+
+# --- kinds of targets
+
+
+def test_a_replaced_file_keeps_its_permissions(samples: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.glb"
+    target.write_bytes(b"old")
+    target.chmod(0o640)
+    edit(samples / "biped.glb", target, orient, overwrite=True)
+    assert stat.S_IMODE(target.stat().st_mode) == 0o640
+
+
+@pytest.mark.parametrize("mode", [0o444, 0o600])
+def test_permissions_of_the_old_file_are_no_hindrance(mode: int, samples: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.glb"
+    target.write_bytes(b"old")
+    target.chmod(mode)
+    edit(samples / "biped.glb", target, orient, overwrite=True)
+    edit(samples / "biped.glb", target, orient, overwrite=True)
+    assert stat.S_IMODE(target.stat().st_mode) == mode
+
+
+@pytest.mark.skipif(not ROOT, reason="only root may give files away")
+def test_a_replaced_file_keeps_its_owner(samples: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.glb"
+    target.write_bytes(b"old")
+    os.chown(target, 1234, 2345)
+    edit(samples / "biped.glb", target, orient, overwrite=True)
+    assert (target.stat().st_uid, target.stat().st_gid) == (1234, 2345)
+
+
+def test_other_names_of_the_old_file_keep_the_old_content(samples: Path, tmp_path: Path) -> None:
+    target, twin = tmp_path / "out.glb", tmp_path / "twin.glb"
+    shutil.copyfile(samples / "biped.glb", target)
+    os.link(target, twin)
+    edit(twin, target, orient, overwrite=True)
+    assert twin.read_bytes() == (samples / "biped.glb").read_bytes()
+    assert target.read_bytes() != twin.read_bytes()
+
+
+@POSIX
+@pytest.mark.parametrize("there", [True, False])
+def test_a_link_stays_a_link_and_what_it_leads_to_is_written(
+    there: bool, samples: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "far").mkdir()
+    real, link = tmp_path / "far" / "real.glb", tmp_path / "link.glb"
+    if there:
+        real.write_bytes(b"old")
+    link.symlink_to(Path("far", "real.glb"))
+    edit(samples / "biped.glb", link, orient, overwrite=True)
+    assert link.is_symlink()
+    assert real.read_bytes()[:4] == b"glTF"
+    assert set(contents(tmp_path)) == {"link.glb", "far/real.glb"}
+
+
+@POSIX
+def test_links_in_a_circle_and_links_into_nothing_are_errors(samples: Path, tmp_path: Path) -> None:
+    one, other = tmp_path / "one.glb", tmp_path / "other.glb"
+    one.symlink_to(other)
+    other.symlink_to(one)
+    with pytest.raises(FileError, match=r"one.glb cannot be written"):
+        edit(samples / "biped.glb", one, orient)
+    with pytest.raises(FileError, match="no file"):
+        edit(one, tmp_path / "out.glb", orient)
+    (tmp_path / "lost.glb").symlink_to(tmp_path / "no" / "folder.glb")
+    with pytest.raises(FileError, match="no folder"):
+        edit(samples / "biped.glb", tmp_path / "lost.glb", orient)
+
+
+@POSIX
+def test_pipes_and_devices_are_neither_read_nor_replaced(samples: Path, tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.glb"
+    os.mkfifo(pipe)
+    with pytest.raises(FileError, match="pipe"):
+        edit(pipe, tmp_path / "out.glb", orient)
+    with pytest.raises(UsageError, match="pipe"):
+        edit(samples / "biped.glb", pipe, orient, overwrite=True)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+
+
+def test_a_name_that_is_too_long_is_said(samples: Path, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="cannot be written"):
+        edit(samples / "biped.glb", tmp_path / f"{'x' * 250}.glb", orient)
+    assert contents(tmp_path) == {}
+
+
+# --- disks
+
+
+def _succeeds(command: list[str]) -> bool:
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+@pytest.fixture
+def tiny(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 64 kB."""
+    folder = tmp_path / "tiny"
+    folder.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]
+    if not ROOT or shutil.which("mount") is None or not _succeeds(mount):
+        pytest.skip("no file system can be mounted here")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz", "biped.gltf"])
+def test_a_full_disk_is_said_and_loses_nothing(name: str, samples: Path, tiny: Path) -> None:
+    target = tiny / f"out{Path(name).suffix}"
+    target.write_bytes(b"precious")
+    (tiny / "filler").write_bytes(bytes(40_000))
+    with pytest.raises(FileError, match="No space left"):
+        edit(samples / name, target, orient, overwrite=True)
+    assert {p.name for p in tiny.iterdir()} == {target.name, "filler"}
+    assert target.read_bytes() == b"precious"
+
+
+def test_a_disk_that_may_not_be_written_is_said(samples: Path, tiny: Path) -> None:
+    target = tiny / "out.glb"
+    target.write_bytes(b"precious")
+    subprocess.run(["mount", "-o", "remount,ro", str(tiny)], check=True)
+    with pytest.raises(FileError, match="Read-only file system"):
+        edit(samples / "flat_ik.glb", target, orient, overwrite=True)
+    assert target.read_bytes() == b"precious"
+
+
+def test_source_and_target_may_lie_on_different_disks(samples: Path, tiny: Path) -> None:
+    edit(samples / "flat_ik.glb", tiny / "out.glb", orient)
+    assert [p.name for p in tiny.iterdir()] == ["out.glb"]
+
+
+def test_reports_appear_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    report = tmp_path / "report.json"
+    write_text(report, "old")
+
+    def full(*_: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "fsync", full)
+        with pytest.raises(FileError, match="No space left"):
+            write_text(report, "new")
+    assert contents(tmp_path) == {"report.json": b"old"}
+    write_text(report, '"\ud800"')
+    assert report.read_bytes() == rb'"\ud800"'
+
+
+def test_the_new_name_is_forced_to_the_disk_after_the_content(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps: list[str] = []
+    sync, rename = os.fsync, os.replace
+
+    def synced(handle: int) -> None:
+        steps.append("folder" if stat.S_ISDIR(os.fstat(handle).st_mode) else "file")
+        sync(handle)
+
+    def renamed(one: Any, other: Any) -> None:
+        steps.append("rename")
+        rename(one, other)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(os, "replace", renamed)
+    edit(samples / "biped.glb", tmp_path / "out.glb", orient)
+    assert steps == ["file", "rename", "folder"]
+
+
+def test_a_dead_process_with_our_own_number_left_what_bears_it(tmp_path: Path) -> None:
+    part = delivery.beside(tmp_path / "out.glb")
+    part.write_bytes(b"half")
+    assert delivery.stale_parts(tmp_path / "out.glb") == [(part, os.getpid())]
+
+
+def test_an_override_beside_its_source_is_delivered_the_same_way(samples: Path, tmp_path: Path) -> None:
+    options = Options(override="layer")
+    edit(samples / "biped.usda", tmp_path / "over.usda", orient, options=options)
+    assert list(contents(tmp_path)) == ["over.usda"]
+
+
+@POSIX
+def test_a_reader_that_goes_away_ends_the_program_quietly(samples: Path) -> None:
+    code = "from rigtri.cli.main import program; program()"
+    command = [sys.executable, "-c", code, "orient-joints", str(samples / "biped.glb"), "-o", "-", "-q"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.wait() == 1
+        assert b"Traceback" not in process.stderr.read()

@@ -1,0 +1,488 @@
+"""Files made to do harm: they end in an error that names them, and reach nothing outside their folder."""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+import zipfile
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from gltf_files import glb_bytes, small
+from pxr import Sdf
+from usd_files import MESH, animation, error_of, read, save, scene, skeleton
+
+from rigtri.cli.words import plain
+from rigtri.compare import verify
+from rigtri.confined import Confined, CrashError
+from rigtri.errors import FileError, GeometryError, RigtriError
+from rigtri.formats import Options
+from rigtri.formats import read as read_any
+from rigtri.formats.gltf.document import GltfDocument
+from rigtri.formats.usd import package
+from rigtri.ops.orient import orient_joints
+from rigtri.pipeline import edit
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+LAYER = scene(skeleton(), animation(), MESH)
+
+
+def fault(path: Path, options: Options | None = None) -> str:
+    """The words with which a glTF file is refused; it is used as far as an edit uses it."""
+    with pytest.raises(FileError) as refused:
+        _use(path, options or Options())
+    return str(refused.value)
+
+
+def _use(path: Path, options: Options) -> None:
+    document = GltfDocument.read(path, options)
+    document.meshes()
+    document.write(document.rig, path.with_name("out"), path.parent / "other" / path.name)
+
+
+def changed(path: Path, **more: Any) -> Path:
+    """A small .gltf at ``path`` with other members in its first buffer."""
+    small().gltf_file(path)
+    gltf = json.loads(path.read_text())
+    gltf["buffers"][0] |= more
+    path.write_text(json.dumps(gltf))
+    return path
+
+
+# --- paths
+
+OUTSIDE = [
+    "../secret.bin",
+    "%2e%2e/secret.bin",
+    "..%2fsecret.bin",
+    "a/../../secret.bin",
+    "a/%2E%2E/%2E%2E/secret.bin",
+    "/secret.bin",
+    "%2Fsecret.bin",
+    "//host/share/secret.bin",
+    "\\\\host\\share\\secret.bin",
+    "..\\secret.bin",
+    "%5C%5Chost%5Cx",
+    "C:\\secret.bin",
+    "C:/secret.bin",
+    "%43%3A%5Csecret.bin",
+    "c:secret.bin",
+    "a\\..\\..\\secret.bin",
+]
+
+
+@pytest.mark.parametrize("uri", OUTSIDE)
+def test_a_buffer_outside_the_folder_is_never_read(uri: str, tmp_path: Path) -> None:
+    (tmp_path / "asset").mkdir()
+    (tmp_path / "secret.bin").write_bytes(bytes(4096))
+    assert "lies outside the folder" in fault(changed(tmp_path / "asset" / "a.gltf", uri=uri))
+
+
+@pytest.mark.parametrize(
+    "uri",
+    ["http://h/x", "https://h/x", "HTTPS://h/x", "file:///etc/passwd", "ftp://h/x", "s3://b/x", "file:x"],
+)
+def test_nothing_is_fetched_from_anywhere(uri: str, tmp_path: Path) -> None:
+    assert "fetches nothing" in fault(changed(tmp_path / "a.gltf", uri=uri))
+
+
+@POSIX
+def test_a_link_that_leads_outside_counts_as_outside(tmp_path: Path) -> None:
+    (tmp_path / "asset").mkdir()
+    (tmp_path / "secret.bin").write_bytes(bytes(4096))
+    path = changed(tmp_path / "asset" / "a.gltf", uri="link.bin")
+    (tmp_path / "asset" / "link.bin").symlink_to(tmp_path / "secret.bin")
+    assert "lies outside the folder" in fault(path)
+    (tmp_path / "asset" / "folder").symlink_to(tmp_path)
+    assert "lies outside the folder" in fault(changed(path, uri="folder/secret.bin"))
+    (tmp_path / "asset" / "near.bin").symlink_to("the data.bin")
+    assert GltfDocument.read(changed(path, uri="near.bin")).meshes()
+
+
+@POSIX
+def test_an_image_outside_the_folder_is_not_copied_along(tmp_path: Path) -> None:
+    for name in ("asset", "other"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "secret.png").write_bytes(b"secret")
+    path = changed(tmp_path / "asset" / "a.gltf")
+    (tmp_path / "asset" / "link.png").symlink_to(tmp_path / "secret.png")
+    for uri in ("../secret.png", "link.png", "%2e%2e/secret.png"):
+        gltf = json.loads(path.read_text())
+        gltf["images"] = [{"uri": uri}]
+        path.write_text(json.dumps(gltf))
+        with pytest.raises(FileError, match="outside the folder"):
+            edit(path, tmp_path / "other" / "a.gltf", lambda rig, report: rig)
+        assert list((tmp_path / "other").iterdir()) == []
+
+
+@pytest.mark.parametrize("uri", ["\ud800.bin", "a\0b", "x" * 5000, "x/" * 3000 + "y", ".", "", "a/"])
+def test_what_is_no_file_name_is_an_error(uri: str, tmp_path: Path) -> None:
+    assert "buffers[0]" in fault(changed(tmp_path / "a.gltf", uri=uri))
+
+
+@POSIX
+def test_links_in_a_circle_and_pipes_are_no_buffers(tmp_path: Path) -> None:
+    path = changed(tmp_path / "a.gltf", uri="one.bin")
+    (tmp_path / "one.bin").symlink_to("two.bin")
+    (tmp_path / "two.bin").symlink_to("one.bin")
+    assert "buffers[0]" in fault(path)
+    os.mkfifo(tmp_path / "pipe.bin")
+    assert "is missing" in fault(changed(path, uri="pipe.bin"))
+
+
+# --- limits
+
+
+@pytest.fixture(scope="module")
+def frugal() -> Iterator[Confined]:
+    """A child that may take no more than 256 MB."""
+    with Confined(memory=1 << 28, seconds=60) as child:
+        yield child
+
+
+@pytest.mark.parametrize("number", [2**31 - 1, 2**31, 2**32, 2**53, 2**63, 2**64, 1e300])
+@pytest.mark.parametrize("key", ["count", "byteOffset"])
+def test_an_accessor_that_claims_too_much_allocates_nothing(
+    key: str, number: float, frugal: Confined, tmp_path: Path
+) -> None:
+    builder = small()
+    builder.gltf["accessors"][3][key] = number
+    with pytest.raises(FileError, match=r"accessors\[3\]"):
+        frugal("a.glb", read_any, builder.glb(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("number", [2**31 - 1, 2**31, 2**63])
+@pytest.mark.parametrize(
+    ("owner", "key"),
+    [("bufferViews", "byteLength"), ("bufferViews", "byteOffset"), ("buffers", "byteLength")],
+)
+def test_a_view_that_claims_too_much_is_named(owner: str, key: str, number: int, tmp_path: Path) -> None:
+    path = small().gltf_file(tmp_path / "a.gltf")
+    gltf = json.loads(path.read_text())
+    gltf[owner][-1 if owner == "buffers" else 3][key] = number
+    path.write_text(json.dumps(gltf))
+    assert owner in fault(path) or "accessors[3]" in fault(path)
+
+
+def test_zeros_and_sparse_rows_that_nobody_stores_are_limited(tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["accessors"][3] = {"componentType": 5126, "type": "MAT4", "count": 2**31}
+    assert "without bytes" in fault(builder.glb(tmp_path / "a.glb")) or "joints" in fault(tmp_path / "a.glb")
+    builder = small()
+    builder.gltf["accessors"][3]["sparse"] = {
+        "count": 2**31,
+        "indices": {"bufferView": 0, "componentType": 5125},
+        "values": {"bufferView": 0},
+    }
+    assert "accessors[3].sparse" in fault(builder.glb(tmp_path / "b.glb"))
+
+
+@pytest.mark.parametrize("brackets", ["[", '{"a":', '[{"":'])
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_json_nested_a_hundred_thousand_times_is_an_error(brackets: str, suffix: str, tmp_path: Path) -> None:
+    text = b'{"asset":{"version":"2.0"},"extras":' + brackets.encode() * 100_000
+    path = tmp_path / f"deep{suffix}"
+    path.write_bytes(glb_bytes(text, b"") if suffix == ".glb" else text)
+    assert "nested too deep" in fault(path)
+
+
+@pytest.mark.parametrize("depth", [50, 300, 600, 900])
+@pytest.mark.parametrize("key", ["extras", "extensions"])
+def test_json_nested_less_deep_is_kept_or_refused(key: str, depth: int, tmp_path: Path) -> None:
+    builder, inner = small(), {}
+    builder.gltf[key] = {"a": inner}
+    for _ in range(depth):
+        inner["a"] = inner = {}
+    path, out = builder.glb(tmp_path / "a.glb"), tmp_path / "out.glb"
+    reason = ""
+    try:
+        edit(path, out, lambda rig, report: rig)
+    except FileError as error:
+        reason = str(error)
+    # A whole copy, or the reason and nothing.
+    assert ("nested too deep" in reason) != out.exists()
+    assert not out.exists() or out.read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("kind", [".glb", ".gltf", "embedded"])
+def test_a_gltf_cut_off_at_any_byte_is_refused(kind: str, tmp_path: Path) -> None:
+    builder = small()
+    if kind == ".glb":
+        whole = builder.glb(tmp_path / "a.glb").read_bytes()
+    else:
+        whole = builder.gltf_file(tmp_path / "a.gltf", embedded=kind == "embedded", indent=None).read_bytes()
+    path = tmp_path / f"cut{'.glb' if kind == '.glb' else '.gltf'}"
+    for length in range(len(whole)):
+        path.write_bytes(whole[:length])
+        with pytest.raises(FileError, match="cut"):
+            GltfDocument.read(path)
+
+
+@pytest.mark.parametrize("wrong", [3, "x", [3], {"a": 1}, True, None])
+@pytest.mark.parametrize("member", ["meshes.primitives", "meshes.extras", "nodes.extensions", "nodes.mesh"])
+def test_what_a_node_shows_may_be_of_any_type(member: str, wrong: Any, tmp_path: Path) -> None:
+    builder = small()
+    owner, _, key = member.partition(".")
+    builder.gltf[owner][-1][key] = wrong
+    path = builder.glb(tmp_path / "a.glb")
+    with suppress(RigtriError):
+        edit(path, tmp_path / "o.glb", lambda rig, report: orient_joints(rig, report=report))
+    with suppress(RigtriError):
+        verify(read_any(path), read_any(path))
+
+
+# --- USD
+
+
+def crate(folder: Path) -> bytes:
+    layer = Sdf.Layer.FindOrOpen(str(save(folder, LAYER, "text.usda")))
+    layer.Export(str(folder / "whole.usdc"))
+    return (folder / "whole.usdc").read_bytes()
+
+
+def zipped(*entries: tuple[str | zipfile.ZipInfo, bytes], path: Path) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as file:
+        for name, content in entries:
+            file.writestr(name, content)
+    return path
+
+
+def unread(folder: Path, suffix: str, whole: bytes, lengths: range) -> list[int]:
+    """The lengths at which a file cut off is read all the same."""
+    found = []
+    for length in lengths:
+        path = folder / f"cut{length}{suffix}"
+        path.write_bytes(whole[:length])
+        if not error_of(path):
+            found.append(length)
+        path.unlink()
+    return found
+
+
+@pytest.mark.parametrize("kind", [".usda", ".usdc", ".usdz"])
+def test_a_usd_file_cut_off_at_any_byte_is_refused(kind: str, tmp_path: Path) -> None:
+    """Binary files in a child: it is no fault of ours, but may be the end of the process."""
+    whole = {".usda": LAYER.rstrip().encode(), ".usdc": crate(tmp_path)}.get(kind)
+    if whole is None:
+        whole = zipped(("a.usdc", crate(tmp_path)), path=tmp_path / "whole.usdz").read_bytes()
+    with Confined(seconds=120, memory=1 << 30) as child:
+        for start in range(0, len(whole), 500):
+            lengths = range(start, min(start + 500, len(whole)))
+            assert child("cut", unread, tmp_path, kind, whole, lengths) == []
+
+
+def test_bytes_that_are_no_text_are_refused_wherever_they_stand(tmp_path: Path) -> None:
+    whole = bytearray(LAYER.encode())
+    for place in range(0, len(whole), 7):
+        old, whole[place] = whole[place], 0xFF
+        path = tmp_path / f"odd{place}.usda"
+        path.write_bytes(whole)
+        whole[place] = old
+        error_of(path)  # only a FileError may come out
+    content = bytearray(crate(tmp_path))
+    at = content.index(b"Root") if b"Root" in content else 200
+    content[at] = 0xE8
+    (tmp_path / "odd.usdc").write_bytes(content)
+    assert error_of(tmp_path / "odd.usdc")
+
+
+def test_joints_that_are_no_tokens_are_refused_by_name(tmp_path: Path) -> None:
+    for block in (skeleton(joints="int[] joints = [1, 2, 3]"), skeleton(joints="custom strong joints = 3")):
+        assert error_of(save(tmp_path, scene(block, animation(), MESH), f"{len(block)}.usda"))
+    odd = animation(joints="int[] joints = [1, 2, 3]")
+    assert "joints holds a IntArray" in error_of(save(tmp_path, scene(skeleton(), odd, MESH), "b.usda"))
+
+
+def test_influences_that_do_not_fit_are_not_printed_by_pxr(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    short = MESH.replace("[1, 0, 0.5, 0.5, 1, 0] (element", "[1, 0, 0.5, 0.5, 1] (element")
+    document = read(save(tmp_path, scene(skeleton(), animation(), short)))
+    assert document.rig.skins[0].weighted.shape == (3,)
+    document.meshes()
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("what", ["translation", "scale", "matrix", "inverse_bind"])
+def test_an_edit_may_not_turn_a_number_into_none(what: str, tmp_path: Path) -> None:
+    def overflow(rig: Rig, report: Report) -> Rig:
+        if what == "inverse_bind":
+            (skin,) = rig.skins
+            broken = skin.inverse_bind.copy()
+            broken[1, 0, 0] = np.inf
+            return replace(rig, skins=(replace(skin, inverse_bind=broken),))
+        numbers = getattr(rig, what).copy()
+        numbers[1] = np.nan
+        return replace(rig, **{what: numbers})
+
+    path = small().glb(tmp_path / "a.glb")
+    with pytest.raises(GeometryError, match="'joint 1' gets no place that is a number"):
+        edit(path, tmp_path / "out.glb", overflow)
+    assert not (tmp_path / "out.glb").exists()
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_near_the_end_of_float32_are_not_noisy(tmp_path: Path) -> None:
+    builder = small(12)
+    for node in builder.gltf["nodes"][:12]:
+        node["scale"] = [3e38, 3e38, 3e38]
+    with suppress(RigtriError):
+        edit(builder.glb(tmp_path / "a.glb"), tmp_path / "o.glb", lambda r, _: orient_joints(r, report=_))
+
+
+# --- packages
+
+
+def test_headers_that_tell_different_sizes_are_refused(tmp_path: Path) -> None:
+    """USD reads the one, every unpacker the other: what is checked must be what is used."""
+    path = zipped(("a.usda", LAYER.encode()), ("b.txt", b"twelve bytes"), path=tmp_path / "a.usdz")
+    content = bytearray(path.read_bytes())
+    second = content.index(b"PK\3\4", 4)
+    struct.pack_into("<2I", content, second + 18, 4, 4)
+    path.write_bytes(content)
+    assert "another size in its own header" in error_of(path)
+    struct.pack_into("<2I", content, second + 18, 12, 12)
+    struct.pack_into("<H", content, second + 8, 8)
+    path.write_bytes(content)
+    assert "another size in its own header" in error_of(path)
+
+
+@pytest.mark.parametrize(
+    ("field", "number"),
+    [(8, 0xFFFF), (10, 0xFFFF), (10, 5000), (12, 0xFFFFFFFF), (16, 0xFFFFFFFF), (16, 0x7FFFFFFF), (4, 1)],
+)
+def test_a_directory_that_claims_too_much_is_refused(field: int, number: int, tmp_path: Path) -> None:
+    path = zipped(("a.usda", LAYER.encode()), path=tmp_path / "a.usdz")
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<I" if field >= 12 else "<H", content, content.rindex(b"PK\5\6") + field, number)
+    path.write_bytes(content)
+    if field != 8:  # how many entries are on this disk: nobody asks, there is one disk
+        assert error_of(path)
+
+
+@pytest.mark.parametrize("offset", [20, 24, 42])
+def test_an_entry_that_claims_too_much_is_refused(offset: int, tmp_path: Path) -> None:
+    path = zipped(("a.usda", LAYER.encode()), path=tmp_path / "a.usdz")
+    for number in (1 << 20, 0x7FFFFFFF, 0xFFFFFFFF):
+        content = bytearray(path.read_bytes())
+        at = content.index(b"PK\1\2")
+        if offset < 42:
+            struct.pack_into("<2I", content, at + 20, number, number)
+        else:
+            struct.pack_into("<I", content, at + offset, number)
+        (tmp_path / f"b{number}.usdz").write_bytes(content)
+        assert "entry 1" in error_of(tmp_path / f"b{number}.usdz")
+
+
+def test_a_zip64_entry_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.usdz"
+    with zipfile.ZipFile(path, "w") as file, file.open("a.usda", "w", force_zip64=True) as entry:
+        entry.write(LAYER.encode())
+    assert error_of(path)
+
+
+def test_a_link_in_a_package_is_bytes_and_leads_nowhere(tmp_path: Path) -> None:
+    link = zipfile.ZipInfo("picture.png")
+    link.external_attr = 0o120777 << 16
+    path = zipped(("a.usda", LAYER.encode()), (link, b"/etc/passwd"), path=tmp_path / "a.usdz")
+    found = package.read(path)
+    assert found.bytes_of(found.entries[1]) == b"/etc/passwd"
+
+
+def test_a_misaligned_package_with_a_comment_is_read_and_comes_out_aligned(tmp_path: Path) -> None:
+    path = zipped(("a.usda", LAYER.encode()), ("b.txt", b"b"), path=tmp_path / "a.usdz")
+    with zipfile.ZipFile(path, "a") as file:
+        file.comment = b"PK\5 no directory"
+    edit(path, tmp_path / "out.usdz", lambda rig, report: orient_joints(rig, report=report))
+    assert [entry.start % 64 for entry in package.read(tmp_path / "out.usdz").entries] == [0, 0]
+
+
+# --- what a terminal gets
+
+
+def test_names_cannot_steer_the_terminal(app: Any, tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["nodes"][1]["name"] = "a\x1b[2J\nrigtri: all is well\u202eb\ud800"
+    path = builder.glb(tmp_path / "a.glb")
+    shown = CliRunner().invoke(app, ["inspect", str(path)])
+    assert shown.exit_code == 0
+    assert "\x1b" not in shown.output
+    assert "\u202e" not in shown.output
+    limb = ["--limb", "#0", "#1", "#2", "--bend", "#1=0,1,0"]
+    refused = CliRunner().invoke(app, ["add-polevector", str(path), "-o", str(tmp_path / "o.glb"), *limb])
+    assert [line[:7] for line in refused.stderr.splitlines()] == ["rigtri:"]
+    assert "\\nrigtri: all is well" in refused.stderr
+
+
+def test_plain_text_keeps_scripts_and_escapes_what_controls() -> None:
+    assert plain("名前 é שלום\ntwo") == "名前 é שלום\ntwo"
+    assert plain("a\nb\tc", one_line=True) == "a\\nb\\tc"
+    assert plain("\x1b[31m\u2066x\x07") == "\\x1b[31m\\u2066x\\x07"
+
+
+def test_a_report_holds_names_that_are_no_text(app: Any, tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["nodes"][1]["name"] = "half \ud800"
+    path = builder.glb(tmp_path / "a.glb")
+    report = tmp_path / "r.json"
+    command = ["orient-joints", str(path), "-o", str(tmp_path / "o.glb"), "--report", str(report)]
+    assert CliRunner().invoke(app, command).exit_code == 0
+    assert "half \ud800" in {entry["joint"] for entry in json.loads(report.read_text("utf-8"))["joints"]}
+
+
+# --- a process of its own
+
+
+def twice(number: int) -> int:
+    return 2 * number
+
+
+def die(how: str) -> None:
+    if how == "crash":
+        os.kill(os.getpid(), 11)
+    elif how == "hang":
+        while True:
+            pass
+    elif how == "eat":
+        bytearray(1 << 40)
+    elif how == "refuse":
+        read_any(Path("no.glb"))
+    else:
+        os._exit(3)
+
+
+@POSIX
+@pytest.mark.parametrize(
+    ("how", "words"),
+    [
+        ("crash", r"hero\.usdc: the library that reads it crashed \(SIGSEGV\)"),
+        ("leave", r"hero\.usdc: the library that reads it crashed \(3\)"),
+        ("hang", r"hero\.usdc: took longer than 0\.5 s"),
+        ("eat", r"hero\.usdc: there is not enough memory"),
+    ],
+)
+def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(how: str, words: str) -> None:
+    seconds = 0.5 if how == "hang" else 60
+    with Confined(seconds=seconds, memory=1 << 28) as child, pytest.raises(CrashError, match=words):
+        child("hero.usdc", die, how)
+    with Confined(seconds=60) as child:
+        with pytest.raises(CrashError):
+            child("hero.usdc", die, "crash")
+        assert child("other.usdc", twice, 21) == 42
+        with pytest.raises(FileError, match=r"no\.glb"):
+            child("no.glb", die, "refuse")
+        assert child("other.usdc", twice, 4) == 8
+
+
+def test_a_fault_in_the_task_itself_is_told_with_its_traceback() -> None:
+    with Confined(seconds=60) as child, pytest.raises(RuntimeError, match="TypeError"):
+        child("x", twice, None)
