@@ -22,6 +22,8 @@ from rigtri.errors import FileError
 MAP_FROM = 16 * 1024 * 1024
 # So much is copied at a time; of what the kernel cannot copy, that much is in memory.
 CHUNK = 1 << 25
+# The kernel copies faster in few large steps; a step of all would not hear an interrupt for long.
+AT_ONCE = 1 << 30
 # While a large file is written, the disk is asked to take what is there this often, in seconds.
 PAUSE = 0.02
 # Shorter ranges are not worth a system call of their own.
@@ -112,7 +114,7 @@ def _copied(mapped: Mapped, start: int, size: int, file: BinaryIO) -> int:
     done = 0
     try:
         while done < size:
-            step = min(size - done, CHUNK)
+            step = min(size - done, AT_ONCE)
             count = os.copy_file_range(mapped.file, file.fileno(), step, offset_src=start + done)
             if count == 0:
                 break
