@@ -27,7 +27,9 @@ from rigtri.formats import Options
 from rigtri.formats import read as read_any
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd import package
+from rigtri.ops.orient import Options as Everything
 from rigtri.ops.orient import orient_joints
+from rigtri.ops.select import Selection
 from rigtri.pipeline import edit
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -486,3 +488,16 @@ def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(how
 def test_a_fault_in_the_task_itself_is_told_with_its_traceback() -> None:
     with Confined(seconds=60) as child, pytest.raises(RuntimeError, match="TypeError"):
         child("x", twice, None)
+
+
+def test_points_without_bytes_that_outnumber_their_weights_are_a_notice(tmp_path: Path) -> None:
+    builder = small()
+    points = builder.gltf["accessors"][builder.gltf["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
+    del points["bufferView"]
+    points["count"] = 2**31
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return orient_joints(rig, options=Everything(selection=Selection(joints=("*",))), report=report)
+
+    outcome = edit(builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb", step)
+    assert "mesh-unread" in [notice.code for notice in outcome.report.warnings]
