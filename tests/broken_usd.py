@@ -120,6 +120,23 @@ def before_binding(text: str) -> Make:
     return replaced("rel skel:skeleton", f"{text}\n    rel skel:skeleton")
 
 
+# Attributes that a type alike in text makes invisible to UsdSkel: name, right type, wrong type.
+MISTYPED = [
+    ("translations", "float3[]", "double3[]"),
+    ("translations", "float3[]", "half3[]"),
+    ("rotations", "quatf[]", "quatd[]"),
+    ("rotations", "quatf[]", "quath[]"),
+    ("scales", "half3[]", "float3[]"),
+    ("blendShapes", "token[]", "string[]"),
+    ("blendShapeWeights", "float[]", "double[]"),
+    ("skel:blendShapes", "token[]", "string[]"),
+    ("primvars:skel:jointIndices", "int[]", "uint[]"),
+    ("primvars:skel:jointWeights", "float[]", "double[]"),
+    ("points", "point3f[]", "double3[]"),
+    ("offsets", "vector3f[]", "double3[]"),
+    ("pointIndices", "int[]", "int64[]"),
+]
+
 USD: dict[str, list[Make]] = {
     "usd.layer.missing": [stage(clean().replace("(\n", "(\n    subLayers = [@./gone.usda@]\n", 1))],
     "usd.no-skeleton": [stage(scene('def Xform "A" {}'))],
@@ -168,6 +185,13 @@ USD: dict[str, list[Make]] = {
         bones(joints="uniform int[] joints = [1, 2, 3]"),
         bones(bind="uniform float[] bindTransforms = [1, 2, 3]"),
         moving(rotations="float3[] rotations = [(1, 0, 0), (1, 0, 0), (1, 0, 0)]"),
+        *(replaced(f"{right} {name}", f"{wrong} {name}") for name, right, wrong in MISTYPED),
+        bones(joints='uniform string[] joints = ["a", "a/b", "a/b/c"]'),
+        bones(bind="uniform matrix3d[] bindTransforms = [((1, 0, 0), (0, 1, 0), (0, 0, 1))]"),
+        bones(rest="uniform matrix3d[] restTransforms = [((1, 0, 0), (0, 1, 0), (0, 0, 1))]"),
+        moving(joints='uniform string[] joints = ["a/b", "a", "a/b/c"]'),
+        before_binding("matrix3d primvars:skel:geomBindTransform = ((1, 0, 0), (0, 1, 0), (0, 0, 1))"),
+        before_binding('uniform string[] skel:joints = ["a/b/c", "a/b", "a"]'),
     ],
     "usd.anim.no-joints": [moving(joints="")],
     "usd.anim.joint-twice": [moving(joints='uniform token[] joints = ["a/b", "a", "a"]')],

@@ -263,9 +263,9 @@ WRONG = {
         "has 1 items at time 2.0",
     ),
     "another type": (
+        {"bind": "uniform matrix3d[] bindTransforms = [((1, 0, 0), (0, 1, 0), (0, 0, 1))]"},
         {},
-        {"translations": "string[] translations = [\"x\", \"y\", \"z\"]"},
-        "</Root/Anim.translations> holds a ",
+        "</Root/Skel>.bindTransforms is matrix3d[] and should be matrix4d[]",
     ),
     "animation gone": ({"source": "rel skel:animationSource = </Root/Gone>"}, {}, "which is not there"),
 }  # fmt: skip

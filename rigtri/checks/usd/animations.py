@@ -24,7 +24,7 @@ def check(scene: Scene, prim: Any) -> None:
         scene.add("usd.anim.unbound", prim, "", "no skeleton is bound to it in the selected variants")
     tokens = scene.words(prim, "joints")
     present = [name for name in PROPERTIES if prim.GetAttribute(name).HasAuthoredValue()]
-    if not tokens and present:
+    if not tokens and present and not scene.has_other(prim, "joints"):
         text = f"it has {listed(present)} and names no joints"
         scene.add("usd.anim.no-joints", prim, "joints", text)
     if tokens:
@@ -53,7 +53,7 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...], users: list[
 def _check_property(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...], known: set[str]) -> None:
     said: set[str] = set()
     for time, value in scene.keys(prim, name):
-        array = scene.array(prim, name, value, 4 if name == "rotations" else 3)
+        array = scene.array(prim, name, value)
         if array is None:
             return
         if len(array) != len(tokens):
@@ -102,6 +102,8 @@ def _check_values(
 
 def _check_blend(scene: Scene, prim: Any) -> None:
     names = scene.words(prim, "blendShapes")
+    if scene.has_other(prim, "blendShapes"):
+        return
     for time, value in scene.keys(prim, "blendShapeWeights"):
         weights = scene.array(prim, "blendShapeWeights", value)
         if weights is None:

@@ -12,12 +12,12 @@ import numpy as np
 from pxr import UsdGeom, UsdSkel
 
 from rigtri.checks.findings import listed
-from rigtri.checks.usd.scene import BINDING, Scene
+from rigtri.checks.usd.scene import BINDING, Scene, points_of
 from rigtri.formats.usd.meshes import at_start
 from rigtri.formats.usd.skeletons import singular
+from rigtri.formats.usd.value_types import BIND, INDICES, WEIGHTS
 
-INDICES, WEIGHTS = "primvars:skel:jointIndices", "primvars:skel:jointWeights"
-BIND, METHOD = "primvars:skel:geomBindTransform", "primvars:skel:skinningMethod"
+METHOD = "primvars:skel:skinningMethod"
 _METHODS = ("classicLinear", "dualQuaternion")
 # Weights in 32 bits do not sum to 1 exactly: what each may be off, and what texts with six digits leave.
 OFF_EACH, OFF = 2e-7, 1e-5
@@ -34,6 +34,8 @@ def check(scene: Scene, prim: Any) -> None:
         if method is not None and str(method) not in _METHODS:
             scene.add("usd.binding.method", prim, name, f"the skinning method is '{method}'")
     _check_bind(scene, prim)
+    if (points := points_of(prim)) is not None:
+        scene.array(prim, "points", points)
     if any(_authored(prim, name) for name in (INDICES, WEIGHTS)):
         _check_skinned(scene, prim)
 
@@ -71,11 +73,10 @@ def _check_bind(scene: Scene, prim: Any) -> None:
     value = at_start(prim.GetAttribute(BIND)) if _authored(prim, BIND) else None
     if value is None:
         return
-    try:
-        matrix = np.array(value, dtype=np.float64).reshape(1, 4, 4)
-    except (TypeError, ValueError):
-        scene.add("usd.type", prim, BIND, f"{BIND} holds {type(value).__name__}")
+    matrix = scene.array(prim, BIND, value)
+    if matrix is None:
         return
+    matrix = matrix.reshape(1, 4, 4)
     if not np.isfinite(matrix).all():
         scene.add("usd.binding.bind-transform", prim, BIND, "it has values that are no numbers")
     elif singular(matrix)[0]:
@@ -89,7 +90,7 @@ def _check_skinned(scene: Scene, prim: Any) -> None:
         text = f"it has {'weights' if indices is None else 'indices'} without the other"
         scene.add("usd.binding.count", prim, WEIGHTS if indices is None else INDICES, text)
         return
-    places = scene.whole_numbers(prim, INDICES, indices)
+    places = scene.array(prim, INDICES, indices)
     shares = scene.array(prim, WEIGHTS, weights)
     if places is None or shares is None:
         return
@@ -121,6 +122,8 @@ def _joints(scene: Scene, prim: Any) -> tuple[str, ...] | None:
     if not above:
         return known
     own = scene.words(above, "skel:joints")
+    if scene.has_other(above, "skel:joints"):
+        return known
     unknown = [token for token in own if known is not None and token not in known]
     if unknown:
         text = f"{listed(unknown, 3)}: no such joint in <{skeleton.GetPath()}>"
@@ -170,9 +173,7 @@ def _width(scene: Scene, prim: Any, indices: int, weights: int) -> int:
 
 
 def _points(prim: Any) -> int | None:
-    if not prim.IsA(UsdGeom.PointBased):
-        return None
-    found = at_start(UsdGeom.PointBased(prim).GetPointsAttr())
+    found = points_of(prim)
     return None if found is None else len(found)
 
 

@@ -134,7 +134,7 @@ RULES = (
     Rule(
         "usd.type",
         "error",
-        "A property of a skeleton, animation or binding has a type that UsdSkel does not read.",
+        "A property of a skeleton, animation, binding or blend shape has a type that UsdSkel does not read.",
         _AGAIN,
     ),
     Rule(

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, Vt
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 from rigtri.checks.findings import Findings
 from rigtri.errors import FileError
-from rigtri.formats.usd.meshes import ALL_PRIMS
-from rigtri.formats.usd.stage import DEFAULT, numbers, quiet
+from rigtri.formats.usd.meshes import ALL_PRIMS, at_start
+from rigtri.formats.usd.stage import DEFAULT, quiet
+from rigtri.formats.usd.value_types import TYPES, wrong_type
 
 _WORDS = (Vt.TokenArray, Vt.StringArray)
 BINDING = ("skel", "primvars:skel")
@@ -80,25 +81,17 @@ class Scene:
         value = attribute.Get(DEFAULT) if attribute else None
         if value is None:
             return ()
+        if name in TYPES and self._mistyped(prim, name, value):
+            return ()
         if not isinstance(value, _WORDS):
-            self._add_type(prim, name, value)
+            kind = "an unknown type" if isinstance(value, Sdf.UnregisteredValue) else type(value).__name__
+            self.add("usd.type", prim, name, f"{name} holds {kind} and should hold tokens")
             return ()
         return tuple(str(token) for token in value)
 
-    def array(self, prim: Any, name: str, value: Any, *shape: int) -> np.ndarray | None:
-        """The items of an array, (k, *shape); None, with a finding, where they are something else."""
-        try:
-            return numbers(prim.GetAttribute(name), value, *shape)
-        except (FileError, ValueError, TypeError):
-            self._add_type(prim, name, value)
-            return None
-
-    def whole_numbers(self, prim: Any, name: str, value: Any) -> np.ndarray | None:
-        """The integers of an array, (k,); None, with a finding, where they are something else."""
-        if not isinstance(value, Vt.IntArray):
-            self._add_type(prim, name, value)
-            return None
-        return np.array(value, dtype=np.int64).reshape(-1)
+    def array(self, prim: Any, name: str, value: Any) -> np.ndarray | None:
+        """The items of an attribute; None, with a finding, where UsdSkel does not read their type."""
+        return None if self._mistyped(prim, name, value) else np.array(value)
 
     def keys(self, prim: Any, name: str) -> list[tuple[Any, Any]]:
         """The values of an attribute by their times, ``"default"`` first; blocked and empty ones left out."""
@@ -111,9 +104,21 @@ class Scene:
         found += [(time, attribute.Get(time)) for time in attribute.GetTimeSamples()]
         return [(time, value) for time, value in found if value is not None]
 
-    def _add_type(self, prim: Any, name: str, value: Any) -> None:
-        kind = "an unknown type" if isinstance(value, Sdf.UnregisteredValue) else type(value).__name__
-        self.add("usd.type", prim, name, f"{name} holds {kind}, which UsdSkel does not read there")
+    def has_other(self, prim: Any, name: str) -> bool:
+        """Whether an attribute holds what UsdSkel does not read; reading it says so."""
+        value = prim.GetAttribute(name).Get(DEFAULT)
+        return value is not None and bool(wrong_type(name, value))
+
+    def _mistyped(self, prim: Any, name: str, value: Any) -> bool:
+        why = wrong_type(name, value)
+        if why:
+            self.add("usd.type", prim, name, f"{why}, so for UsdSkel {TYPES[name].lost}")
+        return bool(why)
+
+
+def points_of(prim: Any) -> Any:
+    """The points of a prim as they are stored, of whatever type; None where it has none."""
+    return at_start(UsdGeom.PointBased(prim).GetPointsAttr()) if prim.IsA(UsdGeom.PointBased) else None
 
 
 def at_time(time: Any) -> str:

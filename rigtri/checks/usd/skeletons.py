@@ -26,7 +26,7 @@ def check(scene: Scene, prim: Any) -> None:
     """One Skeleton. Fills ``scene.tokens`` and ``scene.users``."""
     path = str(prim.GetPath())
     tokens = scene.words(prim, "joints")
-    mistyped = not tokens and bool(prim.GetAttribute("joints").Get(DEFAULT))
+    mistyped = scene.has_other(prim, "joints")
     if not mistyped:
         scene.tokens[path] = tokens
     animation = _animation(prim)
@@ -83,7 +83,7 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...]) -> None:
 def _matrices(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...]) -> Floats | None:
     """The matrices of an attribute, (n, 4, 4), sound ones; None where there are not as many as joints."""
     value = prim.GetAttribute(name).Get(DEFAULT) if prim.GetAttribute(name) else None
-    matrices = None if value is None else scene.array(prim, name, value, 4, 4)
+    matrices = None if value is None else scene.array(prim, name, value)
     if matrices is None or not len(matrices):
         return None
     if len(matrices) != len(tokens):

@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
+from rigtri.formats.usd.value_types import WrongTypeError
 from rigtri.quaternions import norm
 from rigtri.report import Notice
 from rigtri.rig import Clip, Interpolation, Path, Track
@@ -64,11 +65,28 @@ def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
 
     FileError where only some of its samples are usable, or hold what is no number.
     """
+    try:
+        return _read(prim, warnings)
+    except WrongTypeError as error:
+        path, why = str(prim.GetPath()), str(error).partition(";")[0]
+        warnings.append(_ignored(path, why.removeprefix(f"<{path}>.")))
+        return _without_joints(prim)
+
+
+def _without_joints(prim: Any) -> Animation | None:
+    """What is left of an animation that moves no joints: UsdSkel plays its blend shapes all the same."""
+    if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
+        return Animation(str(prim.GetPath()), prim.GetName(), (), {})
+    return None
+
+
+def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
+    """The same; WrongTypeError where UsdSkel ignores it for the type of an attribute."""
     path = str(prim.GetPath())
     tokens = tokens_of(prim, "joints")
     if not tokens:
-        if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
-            return Animation(path, prim.GetName(), (), {})
+        if (shapes := _without_joints(prim)) is not None:
+            return shapes
         if any(prim.GetAttribute(name).HasAuthoredValue() for name in PROPERTIES):
             warnings.append(_ignored(path, "it names no joints"))
         return None
@@ -130,11 +148,11 @@ def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
     width = 4 if name == "rotations" else 3
     default = attribute.Get(DEFAULT)
     # An empty default is no default: it drives nothing.
-    single = None if default is None else numbers(attribute, default, width)
+    single = None if default is None else numbers(attribute, default)
     single = single if single is not None and len(single) else None
     values = time_samples(attribute)
     blocked = tuple(time for time, value in values if value is None)
-    keys = [(time, numbers(attribute, value, width)) for time, value in values if value is not None]
+    keys = [(time, numbers(attribute, value)) for time, value in values if value is not None]
     given = [*(array for _, array in keys), *([] if single is None else [single])]
     if not given:
         return None

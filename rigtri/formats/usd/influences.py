@@ -12,6 +12,7 @@ from rigtri.formats.usd.meshes import ALL_PRIMS
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.stage import DEFAULT, why_instanced, why_locked
 from rigtri.formats.usd.tokens import split_token
+from rigtri.formats.usd.value_types import usable
 from rigtri.formats.usd.values import Edit, set_value
 from rigtri.formats.usd.variants import choices
 from rigtri.report import Notice
@@ -50,7 +51,7 @@ def _author(prim: Any) -> Any:
     """The prim at or above another that gives it its joint order; None where the skeleton does."""
     while prim:
         attribute = prim.GetAttribute(ORDER)
-        if attribute and attribute.HasAuthoredValue() and attribute.Get(DEFAULT):
+        if attribute and attribute.HasAuthoredValue() and usable(attribute, attribute.Get(DEFAULT)):
             return prim
         prim = prim.GetParent()
     return None

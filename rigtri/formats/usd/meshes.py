@@ -16,7 +16,8 @@ from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.samples import time_samples
-from rigtri.formats.usd.stage import DEFAULT, quiet, tokens_of
+from rigtri.formats.usd.stage import DEFAULT, quiet
+from rigtri.formats.usd.value_types import usable
 from rigtri.rig import Booleans, Integers, Mesh, Surface, Track
 from rigtri.trigonometry import Floats
 
@@ -60,9 +61,11 @@ def weighted(queries: Sequence[Any], tokens: Sequence[str]) -> Booleans:
     with quiet("USD cannot tell what the skeletons move"):
         for query in queries:
             if query.HasJointInfluences():
-                joints, weights = _influences(query, tokens, None)
-                bound = True
-                mask[joints[weights != 0.0]] = True
+                influences = _influences(query, tokens, None)
+                if influences is not None:
+                    joints, weights = influences
+                    bound = True
+                    mask[joints[weights != 0.0]] = True
     return mask if bound else np.ones(len(tokens), dtype=bool)
 
 
@@ -80,7 +83,7 @@ def read_meshes(
         path = str(prim.GetPath())
         if not prim.IsA(UsdGeom.PointBased) or path not in node_of:
             continue
-        points = at_start(UsdGeom.PointBased(prim).GetPointsAttr())
+        points = seen_at_start(UsdGeom.PointBased(prim).GetPointsAttr())
         if not points:
             continue
         mesh = Mesh(path, node_of[path], np.array(points, dtype=np.float64))
@@ -118,13 +121,19 @@ def at_start(attribute: Any) -> Any:
     return None if isinstance(value, Sdf.UnregisteredValue) else value
 
 
+def seen_at_start(attribute: Any) -> Any:
+    """The same; None where UsdSkel does not read its type, too."""
+    return usable(attribute, at_start(attribute))
+
+
 def blend_tracks(
     animation: Any, queries: Sequence[Any], node_of: Mapping[str, int], interpolation: Any
 ) -> list[Track]:
     """The morph weights that an animation drives, as one track for each mesh it moves."""
     attribute = animation.GetAttribute("blendShapeWeights")
-    names = tokens_of(animation, "blendShapes")
-    keys = time_samples(attribute)
+    order = animation.GetAttribute("blendShapes")
+    names = [str(name) for name in usable(order, order.Get(DEFAULT)) or ()]
+    keys = [(time, usable(attribute, value)) for time, value in time_samples(attribute)]
     keys = [(time, value) for time, value in keys if value is not None and len(value) == len(names)]
     if not keys:
         return []
@@ -146,7 +155,10 @@ def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     rest = np.zeros(len(morphs))
     if not query.HasJointInfluences():
         return Mesh(mesh.name, mesh.node, mesh.points, morphs=morphs, morph_weights=rest)
-    joints, weights = _influences(query, tokens, len(mesh.points))
+    influences = _influences(query, tokens, len(mesh.points))
+    if influences is None:
+        return Mesh(mesh.name, mesh.node, mesh.points, morphs=morphs, morph_weights=rest)
+    joints, weights = influences
     return Mesh(
         name=mesh.name,
         node=mesh.node,
@@ -161,10 +173,11 @@ def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     )
 
 
-def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[Integers, Floats]:
+def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[Integers, Floats] | None:
     """Joint indices of the skeleton and weights, (v, k); unmatched influences weigh nothing.
 
     points: how many, to spread constant influences over; None leaves one row for all.
+    None where UsdSkel has no use for them and leaves the points where they are.
     FileError for an index that no joint has, though it weighs something.
     """
     for time in (DEFAULT, EARLIEST):
@@ -176,7 +189,7 @@ def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[
             break
     width = max(query.GetNumInfluencesPerComponent(), 1)
     if not pair or len(pair[0]) % width or len(pair[0]) != len(pair[1]):
-        return np.zeros((points or 0, 1), dtype=np.int64), np.zeros((points or 0, 1))
+        return None
     indices = np.array(pair[0], dtype=np.int64).reshape(-1, width)
     weights = np.array(pair[1], dtype=np.float64).reshape(-1, width)
     index = {token: number for number, token in enumerate(tokens)}
@@ -201,11 +214,11 @@ def _morphs(query: Any, count: int) -> Floats:
     morphs = np.zeros((len(targets), count, 3))
     for row, target in zip(morphs, targets, strict=True):
         shape = prim.GetStage().GetPrimAtPath(target)
-        offsets = at_start(shape.GetAttribute("offsets")) if shape else None
+        offsets = seen_at_start(shape.GetAttribute("offsets")) if shape else None
         if not offsets:
             continue
-        where = at_start(shape.GetAttribute("pointIndices"))
-        rows = np.array(where, dtype=np.int64) if where else np.arange(len(offsets))
+        where = seen_at_start(shape.GetAttribute("pointIndices"))
+        rows = np.array(where, dtype=np.int64) if where else np.arange(count)
         if len(rows) == len(offsets) and rows.max(initial=0) < count:
             row[rows] = np.array(offsets, dtype=np.float64)
     return morphs

@@ -16,6 +16,7 @@ from rigtri.formats.usd import library, meshes, notes, prim_clip, tokens
 from rigtri.formats.usd.animations import Animation, clips, read_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, quiet
+from rigtri.formats.usd.value_types import ignored
 from rigtri.formats.usd.xform_rig import rooted
 from rigtri.matrices import compose, decompose, identity, inverse
 from rigtri.pose import worlds
@@ -114,7 +115,8 @@ class _Reader:
         return replace(rig, clips=(*others, Clip(prim_clip.NAME, (*known, *tracks), prim_clip.KEY)))
 
     def _excuse(self) -> str:
-        missing = [notice.text for notice in self.warnings if notice.code == "unresolved"]
+        codes = ("unresolved", "animation-ignored")
+        missing = [notice.text for notice in self.warnings if notice.code in codes]
         return f" ({missing[0].rstrip('.')})" if missing else ""
 
     def _prims(self) -> list[Any]:
@@ -152,6 +154,8 @@ class _Reader:
         self.node_of[path] = node
         if _shows(prim):
             self.payload[node] = node
+        if prim.IsA(UsdGeom.PointBased):
+            self.warnings += [Notice("type-ignored", text) for text in ignored(prim)]
         note = notes.read_prim(prim)
         if note:
             self.notes[node] = note

@@ -125,7 +125,7 @@ def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
             f"<{path}>.{name} has time samples, which UsdSkel reads as empty. Write one value without time."
         )
     value = attribute.Get(DEFAULT) if attribute else None
-    if value is None or not len(matrices := numbers(attribute, value, 4, 4)):
+    if value is None or not len(matrices := numbers(attribute, value)):
         return None
     if len(matrices) != len(tokens):
         raise FileError(

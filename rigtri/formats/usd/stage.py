@@ -7,17 +7,18 @@ becomes one notice or the text of a `FileError`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, suppress
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdUtils, Vt
+from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import external, package
+from rigtri.formats.usd.value_types import demand
 from rigtri.report import Notice
 
 DEFAULT = Usd.TimeCode.Default()
@@ -83,27 +84,19 @@ def first_line(error: Exception) -> str:
     return re.sub(r"\bpxrInternal\w*::", "", text).strip("' ") or type(error).__name__
 
 
-def numbers(attribute: Any, value: Any, *shape: int) -> np.ndarray:
-    """The items of an array attribute, (k, *shape). FileError where they are something else."""
-    array = np.array(value) if isinstance(value, Sequence) or hasattr(value, "__len__") else np.zeros(())
-    if array.dtype.kind != "f" or array.shape[1:] != shape:
-        raise FileError(
-            f"<{attribute.GetPath()}> holds a {type(value).__name__}, which UsdSkel does not read there. "
-            "Export it again."
-        )
-    return array
+def numbers(attribute: Any, value: Any) -> np.ndarray:
+    """The items of an array attribute, (k, …). WrongTypeError where UsdSkel does not read them."""
+    demand(attribute, value)
+    return np.array(value)
 
 
 def tokens_of(prim: Any, name: str) -> tuple[str, ...]:
-    """The items of a token array attribute; none where it has no value. FileError for another type."""
-    value = prim.GetAttribute(name).Get(DEFAULT)
+    """The items of a token array attribute; none where it has no value. WrongTypeError for others."""
+    attribute = prim.GetAttribute(name)
+    value = attribute.Get(DEFAULT)
     if value is None:
         return ()
-    if not isinstance(value, Vt.TokenArray):
-        raise FileError(
-            f"<{prim.GetPath()}>.{name} holds a {type(value).__name__} and should hold tokens. "
-            "Export it again."
-        )
+    demand(attribute, value)
     return tuple(str(token) for token in value)
 
 
