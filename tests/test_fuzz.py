@@ -64,13 +64,13 @@ def test_a_sound_file_explains_no_refusal() -> None:
 
 @pytest.mark.parametrize(
     ("what", "values"),
-    [("translation", [0.0, 3e7, 0.0]), ("scale", [1e-12, 1.0, 1.0]), ("scale", [1, 1, 1.00001])],
+    [("translation", [0.0, 3e7, 0.0]), ("scale", [1e-12, 1.0, 1.0]), ("scale", [1, 1, 1.000015])],
 )
 def test_numbers_that_float32_cannot_tell_apart_explain_one(
     what: str, values: list[float], tmp_path: Path
 ) -> None:
     biped = gltf.load(SAMPLES / "biped.glb")
-    joint = biped.gltf["skins"][0]["joints"][1]
+    joint = biped.gltf["skins"][0]["joints"][0]
     biped.gltf["nodes"][joint][what] = values
     assert floor.explains(read(gltf.pack(biped, tmp_path, Random(1))))
 
