@@ -55,7 +55,11 @@ KNOWN: dict[str, set[str]] = {
         "test.usda",
         "tinyusdz_skintest.usdc",
     },
-    NOTHING_DRAWN: {"magnum_Gltf_skin.glb", "threevrm_test.vrma"},
+    NOTHING_DRAWN: {
+        "gltfvalidator_joints_weights_complex.gltf",
+        "magnum_Gltf_skin.glb",
+        "threevrm_test.vrma",
+    },
     NOT_FOR_BLENDER: {"gltfvalidator_joints_weights_complex.gltf"},
     SEVERAL_ANIMATIONS: {
         "blender_godot_player.usda",
