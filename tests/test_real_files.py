@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from places import ASSETS, asset_files
+from places import ASSETS, FROZEN, NO_LIMB, asset_files, leave_out, leave_out_refused
 
 from rigtri.compare import verify
-from rigtri.errors import FileError, GeometryError
+from rigtri.errors import FileError
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
 from rigtri.limbs import recognise
@@ -59,9 +59,9 @@ def opened(path: Path) -> Rig:
         rig = read(path).rig
         skeleton(rig)
     except FileError as error:
-        pytest.skip("this file has no joints that rigtri reads: " + type(error).__name__)
+        leave_out_refused(path, error)
     if rig.frozen:
-        pytest.skip("no joint of this file may turn")
+        leave_out(path, FROZEN)
     return rig
 
 
@@ -177,11 +177,8 @@ def test_pole_vectors_lie_in_the_plane_of_their_limb(path: Path) -> None:
     rig, report = opened(path), Report()
     limbs = recognise(rig)
     if not limbs:
-        pytest.skip("no limb of this file is known by its names")
-    try:
-        out = add_polevector(rig, options=PoleOptions(auto=True), report=report)
-    except GeometryError:
-        pytest.skip("nothing tells the side of a straight limb of this file")
+        leave_out(path, NO_LIMB)
+    out = add_polevector(rig, options=PoleOptions(auto=True), report=report)
     world = worlds(out)
     for limb, entry in zip(limbs, report.limbs, strict=True):
         if entry["source"] == "pose":

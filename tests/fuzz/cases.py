@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from click.testing import CliRunner, Result
 
-from fuzz import gltf, raw, usd
+from fuzz import floor, gltf, raw, usd
 from rigtri.cli.main import program
 from rigtri.compare import self_check, verify
 from rigtri.errors import RigtriError
@@ -61,18 +61,29 @@ def seed_file(seed: int, number: int, names: list[str]) -> str:
 
 def run(seed: int, number: int, corpus: Path, names: list[str], keep: str = "") -> Found:
     """Case ``number`` of ``seed``, in a folder of its own; ``keep`` names a folder to copy it to."""
-    name, random = seed_file(seed, number, names), Random(f"{seed}:{number}")
-    random.choice(names)
     with tempfile.TemporaryDirectory(prefix=f"fuzz-{number}-", dir=corpus) as place:
-        folder = Path(place, "in")
-        folder.mkdir()
-        path, done = _mutated(corpus / name, folder, random)
-        command = _command(path, Path(place), random, _chain(corpus / name, random), _root(corpus / name))
+        found, path, random = _made(seed, number, corpus, names, Path(place))
         if keep:
             shutil.copytree(place, keep, dirs_exist_ok=True)
-        found = Found(number, "", "", name, done, command)
         _judge(found, path, Path(place), random)
         return found
+
+
+def plan(seed: int, number: int, corpus: Path, names: list[str]) -> Found:
+    """File, mutations and command of a case, which is made and not run."""
+    with tempfile.TemporaryDirectory(prefix=f"fuzz-{number}-", dir=corpus) as place:
+        return _made(seed, number, corpus, names, Path(place))[0]
+
+
+def _made(seed: int, number: int, corpus: Path, names: list[str], place: Path) -> tuple[Found, Path, Random]:
+    """A case, its file in ``place``, and the random numbers that go on to choose how it is judged."""
+    name, random = seed_file(seed, number, names), Random(f"{seed}:{number}")
+    random.choice(names)
+    folder = place / "in"
+    folder.mkdir()
+    path, done = _mutated(corpus / name, folder, random)
+    command = _command(path, place, random, _chain(corpus / name, random), _root(corpus / name))
+    return Found(number, "", "", name, done, command), path, random
 
 
 def _mutated(source: Path, folder: Path, random: Random) -> tuple[Path, list[str]]:
@@ -216,6 +227,8 @@ def _judge(found: Found, path: Path, place: Path, random: Random) -> None:
         _judge_output(found, path, place, random, before, after)
     else:
         _judge_error(found, result, before, after)
+        if found.kind == "refused with 6" and not _explained(found, path):
+            found.kind = "finding: refused its own result"
 
 
 def _invoke(command: list[str]) -> tuple[Result, str]:
@@ -287,11 +300,25 @@ def _judge_output(
         _judge_closely(found, source, target, place, after[own])
 
 
-def _judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:
-    """Compare every point of both files, and make the output once more."""
+def _explained(found: Found, path: Path) -> bool:
+    """Whether the source itself is why a result was not exact enough."""
+    try:
+        with np.errstate(all="ignore"):
+            return floor.explains(read(path, _options(found)))
+    except RigtriError:
+        return False
+
+
+def _options(found: Found) -> Options:
+    """As the command of a case reads its files."""
     root = found.command[found.command.index("--root") + 1] if "--root" in found.command else None
     external = "relink" in found.command
-    options = Options(lenient="--lenient" in found.command, root=root, allow_external_paths=external)
+    return Options(lenient="--lenient" in found.command, root=root, allow_external_paths=external)
+
+
+def _judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:
+    """Compare every point of both files, and make the output once more."""
+    options = _options(found)
     try:
         with np.errstate(all="ignore"):  # as the program does
             one, other = read(source, options), read(target, options)

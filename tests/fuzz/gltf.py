@@ -437,6 +437,79 @@ def _uri(a: Asset, r: Random) -> None:
     )
 
 
+# What a number under one of these names refers to. A sampler's is a list of its animation or of the file.
+REFERENCES = {
+    "node": "nodes",
+    "nodes": "nodes",
+    "children": "nodes",
+    "joints": "nodes",
+    "skeleton": "nodes",
+    "sampler": "samplers",
+    "input": "accessors",
+    "output": "accessors",
+    "attributes": "accessors",
+    "indices": "accessors",
+    "inverseBindMatrices": "accessors",
+    "bufferView": "bufferViews",
+    "buffer": "buffers",
+    "skin": "skins",
+    "mesh": "meshes",
+    "camera": "cameras",
+    "material": "materials",
+    "scene": "scenes",
+    "source": "images",
+    "index": "textures",
+}
+
+
+def references(gltf: Json) -> dict[str, list[tuple[Any, ...]]]:
+    """The paths of all numbers that refer to something, by ``REFERENCES``; channels apart from others."""
+    found: dict[str, list[tuple[Any, ...]]] = {}
+    for path in places(gltf):
+        names = [key for key in path if isinstance(key, str)]
+        kind = "attributes" if "attributes" in names[-2:] else names[-1]
+        if kind in REFERENCES and type(_at(gltf, path)) is int:
+            found.setdefault("target.node" if names[-2:] == ["target", "node"] else kind, []).append(path)
+    return found
+
+
+def _at(value: Any, path: tuple[Any, ...]) -> Any:
+    for key in path:
+        value = value[key]
+    return value
+
+
+def _dangling(a: Asset, r: Random) -> None:
+    """A reference leads to nothing: each kind as often as any other, however few there are of it."""
+    found = references(a.gltf)
+    kind = r.choice(sorted(found))
+    path = r.choice(found[kind])
+    one_past = len(a.listed(REFERENCES[kind.split(".")[-1]]))
+    _at(a.gltf, path[:-1])[path[-1]] = r.choice([one_past, one_past, 999, -1, 2**31])
+
+
+ODD_WORDS = ["", "SPLINE", "linear", "STEP ", "visibility", "VEC5", "orthogonal", "OPAQU", "é", "a\nb"]
+
+
+def _odd_word(a: Asset, r: Random) -> None:
+    """A word that is none of those that glTF knows there."""
+    animation = a.any_of("animations", r)
+    samplers, channels = animation.get("samplers") or [{}], animation.get("channels") or [{}]
+    owner, key = r.choice(
+        [
+            (r.choice(samplers), "interpolation"),
+            (r.choice(samplers), "interpolation"),
+            (r.choice(channels).get("target", {}), "path"),
+            (a.any_of("accessors", r), "type"),
+            (a.any_of("cameras", r), "type"),
+            (a.any_of("materials", r), "alphaMode"),
+            (a.any_of("images", r), "mimeType"),
+            (a.gltf.get("asset", {}), "version"),
+        ]
+    )
+    owner[key] = r.choice(ODD_WORDS)
+
+
 GENTLE: list[Callable[[Asset, Random], None]] = [
     _name,
     _unname,
@@ -483,6 +556,11 @@ WILD: list[Callable[[Asset, Random], None]] = [
     _extension,
     _cycle,
     _uri,
+    _dangling,
+    _dangling,
+    _dangling,
+    _odd_word,
+    _odd_word,
 ]
 
 

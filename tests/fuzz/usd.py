@@ -306,6 +306,47 @@ def _tokens(layer: Any, r: Random) -> None:
         attribute.default = Vt.TokenArray(items)
 
 
+def _dangling(layer: Any, r: Random) -> None:
+    """An influence, an xform op or a binding names what does not exist."""
+    everything = [a for prim in _specs(layer) for a in prim.attributes]
+    indices = [a for a in everything if a.name.endswith("skel:jointIndices") and a.default]
+    what = r.randrange(3)
+    if what == 0 and indices:
+        attribute = r.choice(indices)
+        items = list(attribute.default)
+        items[r.randrange(len(items))] = r.choice([max(items) + 1, 999, -1, 2**31 - 1])
+        attribute.default = Vt.IntArray(items)
+    elif what == 1:
+        relations = [
+            rel for prim in _specs(layer) for rel in prim.relationships if rel.name.startswith("skel:")
+        ]
+        r.choice(relations).targetPathList.explicitItems = [r.choice(["/nobody", "/nobody/joint", "/"])]
+    else:
+        orders = [a for a in everything if a.name in ("xformOpOrder", "skel:joints") and a.default]
+        attribute = r.choice(orders)
+        attribute.default = Vt.TokenArray([*list(attribute.default)[:-1], "xformOp:nothing"])
+
+
+def _odd_token(layer: Any, r: Random) -> None:
+    """A token that is none of those that the schemas know there; set where nothing is said, too."""
+    kinds = {
+        "skel:skinningMethod": "Mesh",
+        "subdivisionScheme": "Mesh",
+        "orientation": "Mesh",
+        "visibility": "",
+        "purpose": "",
+    }
+    name = r.choice(sorted(kinds))
+    odd = r.choice(["", "smooth", "Y Z", "é", "classiclinear"])
+    prim = r.choice(_specs(layer, kinds[name]))
+    if name not in prim.attributes:
+        Sdf.AttributeSpec(prim, name, Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
+    prim.attributes[name].default = odd
+    animated = [a for a in prim.attributes if a.HasInfo("interpolation")]
+    if animated:
+        r.choice(animated).SetInfo("interpolation", odd)
+
+
 LAYER: list[Callable[[Any, Random], None]] = [
     _length,
     _sample,
@@ -324,6 +365,8 @@ LAYER: list[Callable[[Any, Random], None]] = [
     _matrix,
     _matrix,
     _tokens,
+    _dangling,
+    _odd_token,
 ]
 
 

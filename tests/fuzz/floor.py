@@ -1,0 +1,108 @@
+"""How exact a file can be: how far its points move when every stored number moves by its last bit.
+
+A correct program practically never refuses its own result, so each refusal (exit 6)
+is a finding unless the source explains it: new axes give new numbers, rounded to float32 like
+the old ones. Three things in a source explain one:
+
+* Scales or numbers far beyond the size of what is seen blow those last bits up to a good part of the
+  tolerance: no program could write the file exactly enough.
+* Scales that differ by noise are taken for one number (`rigtri.reframe.SAME_SCALE`); where much hangs
+  on such a joint, that noise is seen.
+* A scale that is next to nothing beside the others of its joint: what is turned out of that direction
+  is lost in the last bits of the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.compare import TOLERANCE, self_check
+from rigtri.formats import Document
+from rigtri.reframe import SAME_SCALE
+from rigtri.rig import Clip, Mesh, Rig, Skin, Track
+from rigtri.scenery import Scenery
+from rigtri.trigonometry import Floats
+
+# Half a step of float32, relative to the largest number beside it: new axes mix the three of a vector.
+STEP = 2.0**-24
+# Rounding goes on along a chain, and one draw of it is not the worst. Sound files stay below 1.2e-6.
+ENOUGH = TOLERANCE / 4
+DRAWS = 3
+
+
+def explains(document: Document) -> bool:
+    """Whether the last bits of the numbers in a file are so large that no result can be exact enough."""
+    if _flat(document.rig):
+        return True
+    for draw in range(DRAWS):
+        found = self_check(document, _Shaken(document, np.random.default_rng(draw)))
+        if not found.deviation <= ENOUGH:
+            return True
+    return False
+
+
+class _Shaken:
+    """A document whose numbers are off by half a step of float32."""
+
+    def __init__(self, document: Document, random: np.random.Generator) -> None:
+        self._document = document
+        self.rig = _shaken(document.rig, random)
+
+    def meshes(self) -> Sequence[Mesh]:
+        return self._document.meshes()
+
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        return self._document.outlines(closely=closely)
+
+    def scenery(self) -> Scenery:
+        return self._document.scenery()
+
+
+def _flat(rig: Rig) -> bool:
+    """Whether a scale that is not zero is less than the last bit of its node's largest, at rest or keyed."""
+    tracks = [track for clip in rig.clips for track in clip.tracks if track.path == "scale"]
+    scales = [rig.scale, *(track.values.reshape(-1, 3) for track in tracks)]
+    rows = np.abs(np.concatenate(scales))
+    return bool(((rows > 0.0) & (rows < STEP * rows.max(axis=1, keepdims=True))).any())
+
+
+def _shaken(rig: Rig, random: np.random.Generator) -> Rig:
+    return replace(
+        rig,
+        translation=_off(rig.translation, random),
+        rotation=_off(rig.rotation, random),
+        scale=_off(_noisy(rig.scale, random), random),
+        matrix=_off(rig.matrix, random),
+        skins=tuple(_skin(skin, random) for skin in rig.skins),
+        clips=tuple(_clip(clip, random) for clip in rig.clips),
+    )
+
+
+def _skin(skin: Skin, random: np.random.Generator) -> Skin:
+    return replace(skin, inverse_bind=_off(skin.inverse_bind, random)) if skin.stored else skin
+
+
+def _clip(clip: Clip, random: np.random.Generator) -> Clip:
+    tracks: list[Track] = []
+    for track in clip.tracks:
+        kept = track.path == "weights"
+        values = _noisy(track.values, random) if track.path == "scale" else track.values
+        tracks.append(track if kept else replace(track, values=_off(values, random)))
+    return replace(clip, tracks=tuple(tracks))
+
+
+def _noisy(scales: Floats, random: np.random.Generator) -> Floats:
+    """Scales that are off by their noise, where it is noise by which their components differ."""
+    largest = np.abs(scales).max(axis=-1, keepdims=True, initial=0.0)
+    spread = np.ptp(scales, axis=-1)[..., np.newaxis]
+    noise = np.where(spread <= SAME_SCALE * largest, spread, 0.0)
+    return np.asarray(scales + noise * random.uniform(-1.0, 1.0, scales.shape))
+
+
+def _off(values: Floats, random: np.random.Generator) -> Floats:
+    """Rows of numbers, each off by up to STEP of the largest of its row."""
+    largest = np.abs(values).max(axis=-1, keepdims=True, initial=0.0)
+    return np.asarray(values + STEP * largest * random.uniform(-1.0, 1.0, values.shape))

@@ -1,0 +1,108 @@
+"""The fuzzer reaches what it says, and says what it has done."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from random import Random
+
+import pytest
+from fuzz import __main__ as program
+from fuzz import cases, floor, gltf
+from gltf_files import character
+from places import SAMPLES
+
+from rigtri.formats import read
+
+
+@pytest.fixture
+def person(tmp_path: Path) -> gltf.Asset:
+    character().glb(tmp_path / "character.glb")
+    return gltf.load(tmp_path / "character.glb")
+
+
+def test_every_kind_of_reference_dangles_in_some_of_five_hundred_draws(person: gltf.Asset) -> None:
+    kinds = gltf.references(person.gltf)
+    assert {"target.node", "sampler", "joints", "inverseBindMatrices", "attributes"} <= kinds.keys()
+    sound = json.dumps(person.gltf)
+    reached: set[str] = set()
+    for seed in range(500):
+        broken = gltf.copied(person)
+        gltf._dangling(broken, Random(seed))
+        if json.dumps(broken.gltf) != sound:
+            changed = {
+                kind
+                for kind, paths in kinds.items()
+                for path in paths
+                if at(person, path) != at(broken, path)
+            }
+            assert len(changed) == 1
+            reached |= changed
+    assert reached == kinds.keys()
+
+
+def at(asset: gltf.Asset, path: tuple[object, ...]) -> object:
+    found: object = asset.gltf
+    for key in path:
+        found = found[key]  # type: ignore[index]
+    return found
+
+
+def test_interpolations_that_nobody_knows_are_among_the_odd_words(person: gltf.Asset) -> None:
+    words: set[str] = set()
+    for seed in range(100):
+        broken = gltf.copied(person)
+        gltf._odd_word(broken, Random(seed))
+        words |= {s.get("interpolation") for a in broken.gltf["animations"] for s in a["samplers"]}
+    assert len(words - {"LINEAR", "STEP", "CUBICSPLINE", None}) >= 3
+
+
+def test_a_sound_file_explains_no_refusal() -> None:
+    for name in ("biped.glb", "biped.usda"):
+        assert not floor.explains(read(SAMPLES / name))
+
+
+@pytest.mark.parametrize(
+    ("what", "values"),
+    [("translation", [0.0, 3e7, 0.0]), ("scale", [1e-12, 1.0, 1.0]), ("scale", [1, 1, 1.000015])],
+)
+def test_numbers_that_float32_cannot_tell_apart_explain_one(
+    what: str, values: list[float], tmp_path: Path
+) -> None:
+    biped = gltf.load(SAMPLES / "biped.glb")
+    joint = biped.gltf["skins"][0]["joints"][0]
+    biped.gltf["nodes"][joint][what] = values
+    assert floor.explains(read(gltf.pack(biped, tmp_path, Random(1))))
+
+
+def test_a_plan_is_what_a_run_does(tmp_path: Path) -> None:
+    character().glb(tmp_path / "character.glb")
+    for number in range(5):
+        planned = cases.plan(3, number, tmp_path, ["character.glb"])
+        ran = cases.run(3, number, tmp_path, ["character.glb"])
+        assert planned.command[0] == ran.command[0]
+        assert planned.done == ran.done
+        assert ran.kind != ""
+
+
+def test_only_shows_a_case_that_is_no_finding(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["fuzz", "--only", "0"])
+    program.main()
+    out = capfd.readouterr().out
+    (shown,) = json.loads(out[out.index("[\n") :])
+    assert shown["case"] == 0
+    assert shown["file"]
+    assert shown["mutations"]
+    assert shown["command"]
+
+
+def test_a_run_with_too_few_outputs_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    tally = program.Tally()
+    tally.add(cases.Found(0, "refused with 3", "rigtri: no"), "gltf")
+    assert program.verdict(tally, 7) == 1
+    assert "0.0% of the cases have a verified output, fewer than 30%" in capsys.readouterr().out
+    tally.add(cases.Found(1, "verified"), "gltf")
+    assert program.verdict(tally, 7) == 0
+    assert capsys.readouterr().out == ""
