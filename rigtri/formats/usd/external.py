@@ -33,8 +33,8 @@ def check(path: Path, *, allow_external: bool) -> list[Any]:
     layers = [root] if root else []
     known = {layer.identifier for layer in layers}
     for layer in layers:
-        for asked, where, composed in _asked(layer):
-            identifier = _identifier(layer, asked, where, folder, allow_external)
+        for wanted, where, composed in asked(layer):
+            identifier = _identifier(layer, wanted, where, folder, allow_external)
             # Layers of value clips are not composed, and opened one by one when needed.
             if not identifier or not composed or identifier in known:
                 continue
@@ -94,7 +94,7 @@ def _lies_outside(resolved: str, folder: Path) -> bool:
     return not Path(os.path.realpath(resolved.partition("[")[0])).is_relative_to(folder)
 
 
-def _asked(layer: Any) -> Iterator[tuple[str, str, bool]]:
+def asked(layer: Any) -> Iterator[tuple[str, str, bool]]:
     """The asset paths of layers that a layer asks for: each with where it does, and whether to compose."""
     for asked in layer.subLayerPaths:
         yield asked, layer.identifier, True
