@@ -22,6 +22,8 @@ from rigtri.errors import FileError, RigtriError, UsageError
 from .words import plain
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rigtri.formats import Options
     from rigtri.pipeline import Outcome
     from rigtri.report import Report
@@ -199,6 +201,7 @@ def run_edit(
             tolerance=values["tolerance"],
             dry_run=values["dry_run"],
             strict=values["strict"],
+            side_files=tuple(_side_files(values).values()),
         )
     except RigtriError:
         if not quiet:
@@ -247,18 +250,31 @@ def refuse_given(options: dict[str, str], why: str) -> None:
             raise UsageError(f"{flag} {why}")
 
 
+def _side_files(values: dict[str, Any]) -> dict[str, Path]:
+    from pathlib import Path
+
+    flags = {"--report": "report_path", "--save-frames": "save_frames"}
+    return {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
+
+
 def check_side_files(values: dict[str, Any]) -> None:
     """Before anything is done: the files beside OUT can be written, and are none of the others."""
     from pathlib import Path
 
-    taken = {Path(values[k]).resolve(): f"{k}" for k in ("source", "target") if str(values[k]) != "-"}
-    for flag, name in (("--report", "report_path"), ("--save-frames", "save_frames")):
-        if values.get(name) is None:
-            continue
-        path = Path(values[name])
-        if path.resolve() in taken:
+    from rigtri.delivery import same_file
+
+    read = {"IN": values["source"], "--like": values.get("like"), "--frames": values.get("frames")}
+    known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
+    if str(values["target"]) != "-":
+        target = Path(values["target"])
+        for flag, path in known.items():
+            if flag != "IN" and same_file(target, path):
+                raise UsageError(f"{target} is the file of {flag}; it would be lost. Give another name")
+        known["OUT"] = target
+    for flag, path in _side_files(values).items():
+        if any(same_file(path, other) for other in known.values()):
             raise UsageError(f"{flag} {path} names a file that is needed for something else")
-        taken[path.resolve()] = flag
+        known[flag] = path
         if path.exists() and not values["overwrite"]:
             raise UsageError(f"{path} exists; it is replaced only with --overwrite")
         if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):

@@ -39,6 +39,18 @@ def commit(part: Path, path: Path) -> None:
     _sync_folder(path.parent)
 
 
+def same_file(one: Path, other: Path) -> bool:
+    """Whether two paths name one file, through links, hard links or letter case too, or one empty place."""
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):  # one of them is not there, or is no name for a file at all
+        pass
+    try:
+        return os.path.normcase(os.path.realpath(one)) == os.path.normcase(os.path.realpath(other))
+    except (OSError, ValueError):
+        return False
+
+
 def sync(path: Path) -> None:
     """Wait until the disk has a file."""
     with path.open("rb+") as file:

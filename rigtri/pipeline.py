@@ -19,7 +19,16 @@ from typing import Any
 import numpy as np
 
 from rigtri.compare import TOLERANCE, Comparison, self_check
-from rigtri.delivery import aimed, beside, commit, discard_stale, replacing, stale_parts, sync
+from rigtri.delivery import (
+    aimed,
+    beside,
+    commit,
+    discard_stale,
+    replacing,
+    same_file,
+    stale_parts,
+    sync,
+)
 from rigtri.errors import DeviationError, FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import Companion, Document, Options, read
 from rigtri.report import Report
@@ -57,14 +66,16 @@ def edit(
     tolerance: float = TOLERANCE,
     dry_run: bool = False,
     strict: bool = False,
+    side_files: Sequence[Path] = (),
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
     ``-`` is standard input or output. The file about to be delivered is re-opened and
     compared with the source first: over ``tolerance`` (a share of the bounding-box
     diagonal) DeviationError is raised and nothing is written. ``strict`` makes
-    any warning a GeometryError. Raises FileError for anything that cannot be read or written,
-    UsageError for an existing target without ``overwrite``.
+    any warning a GeometryError. ``side_files`` are what the caller will write besides.
+    Raises FileError for anything that cannot be read or written, UsageError for an existing
+    target without ``overwrite``, and for a target or side file that the source refers to.
     """
     report = report if report is not None else Report()
     clock = _Clock()
@@ -73,6 +84,9 @@ def edit(
         options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
         document = read(path, options)
+        needed = _needed(document, path, final, options)
+        for place in (*side_files, *(() if to_stdout else (final,))):
+            _spare(place, needed)
         _hear(document, report, strict)
         clock.lap("read")
         rig = step(document.rig, report)
@@ -81,7 +95,7 @@ def edit(
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
             place = folder / final.name
-            written = _Written(place, overwrite)
+            written = _Written(place, overwrite, needed)
             try:
                 result = _deliver(document, path, rig, written, verify, tolerance, clock)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring
@@ -166,8 +180,8 @@ class _Written:
     files are the valid ones, and what a killed run has replaced is put back by the next.
     """
 
-    def __init__(self, final: Path, overwrite: bool) -> None:
-        self.final, self.overwrite = final, overwrite
+    def __init__(self, final: Path, overwrite: bool, needed: Sequence[tuple[Path, str]] = ()) -> None:
+        self.final, self.overwrite, self._needed = final, overwrite, needed
         with _as_file_error(final):
             _recover(final)
         self.part = beside(final)
@@ -190,6 +204,7 @@ class _Written:
                 f"{place} exists and is another file than the one that {self.final.name} needs there; "
                 "it is replaced only with --overwrite"
             )
+        _spare(place, [*self._needed, (self.final, "the output itself")])
         place.parent.mkdir(parents=True, exist_ok=True)
         discard_stale(place)
         backup = _kept(place, os.getpid()) if place.exists() else None
@@ -301,6 +316,26 @@ def _final(path: Path, target: Path | str, overwrite: bool, options: Options) ->
     with _as_file_error(Path(target)):
         # A link stays a link: what it points at is replaced.
         return _allowed(aimed(Path(target)), path, overwrite)
+
+
+def _needed(document: Document, path: Path, final: Path, options: Options) -> list[tuple[Path, str]]:
+    """What the document's output goes on needing: each file, and what it is."""
+    needed = list(document.needed())
+    if not options.from_stream:
+        return needed
+    # What came by a stream stands where its output will.
+    folder, place = path.parent.resolve(), final.parent.resolve()
+    return [
+        (place / file.relative_to(folder) if file.is_relative_to(folder) else file, what)
+        for file, what in needed
+    ]
+
+
+def _spare(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
+    """UsageError where writing to ``place`` would destroy a file that the output needs."""
+    for file, what in needed:
+        if same_file(place, file):
+            raise UsageError(f"{place} is {what}; it would be lost. Give another name")
 
 
 def _allowed(final: Path, path: Path, overwrite: bool) -> Path:

@@ -37,8 +37,8 @@ matching
 moving scenery
 watched
 compare describe changes
-ops formats
 delivery
+ops formats
 checks pipeline difference
 confined
 cli

@@ -7,7 +7,7 @@ does not name is still there and equal, in the same order.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -83,6 +83,9 @@ class Document(Protocol):
 
     def scenery(self) -> Scenery:
         """What the file shows that no pose tells, for comparing."""
+
+    def needed(self) -> Iterator[tuple[Path, str]]:
+        """The files that what `write` writes will go on referring to, each with what it is, in words."""
 
     def reopen(self, part: Path) -> Document:
         """Read what `write` wrote, as it will be seen: an override over its source."""

@@ -5,7 +5,7 @@ Source: glTF 2.0; VRM 0.0 and 1.0; docs/design.md, "How formats fill a Rig".
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
 from rigtri.formats.gltf.meshes import MeshReader
 from rigtri.formats.gltf.nodes import Rest, read_rest, read_tree
+from rigtri.formats.gltf.resources import files
 from rigtri.formats.gltf.scenery import read_scenery
 from rigtri.formats.gltf.skins import read_skins
 from rigtri.formats.gltf.validate import (
@@ -91,6 +92,10 @@ class GltfDocument:
     def scenery(self) -> Scenery:
         """Scenes, lenses, lights and materials of the nodes that show something."""
         return read_scenery(self.container.gltf, self.tree)
+
+    def needed(self) -> Iterator[tuple[Path, str]]:
+        """The files of buffers, images and extensions."""
+        return files(self.container.gltf, self.container.path)
 
     def reopen(self, part: Path) -> GltfDocument:
         """Read what `write` wrote."""

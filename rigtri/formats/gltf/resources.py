@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -35,6 +36,15 @@ def _below(value: Any, path: Pointer) -> Iterator[tuple[Pointer, str]]:
         for number, child in enumerate(value):
             if isinstance(child, dict | list):
                 yield from _below(child, (*path, number))
+
+
+def files(gltf: dict[str, Any], source: Path) -> Iterator[tuple[Path, str]]:
+    """The files that a glTF refers to, there or not, each with what it is."""
+    for path, uri in uris(gltf):
+        if uri and is_file(uri):
+            with suppress(FileError):  # a name of no file, which reading tells where it matters
+                where = _spelled(path)
+                yield file_of(uri, source.parent, where, allow_external=True), f"{where} of {source}"
 
 
 def accompany(gltf: dict[str, Any], source: Path, target: Path) -> list[Companion]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,20 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd
 
+from rigtri.delivery import same_file
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Options
-from rigtri.formats.usd import external, instances, layers, meshes, package, splits, variant_edits, writer
+from rigtri.formats.usd import (
+    external,
+    instances,
+    layers,
+    meshes,
+    needed,
+    package,
+    splits,
+    variant_edits,
+    writer,
+)
 from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
@@ -90,6 +101,16 @@ class UsdDocument:
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
+
+    def needed(self) -> Iterator[tuple[Path, str]]:
+        """Layers and assets of all variants; of an override also what it is for."""
+        source = self._source
+        if self._options.override and not self._is_override():
+            yield source.path, "the file that the override is for"
+        with quiet(f"{source.path}: USD cannot read what it refers to"):
+            files = list(needed.files(source.stage, source.path))
+        # To edit a file in place is no loss, whoever refers to it.
+        yield from (entry for entry in files if not same_file(entry[0], source.path))
 
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""

@@ -17,6 +17,7 @@ from typing import Any
 from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
+from rigtri.formats.usd import crate, package
 
 # A scheme, of two letters at least: C:/hero.usd is a Windows path.
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
@@ -33,15 +34,31 @@ def check(path: Path, *, allow_external: bool) -> list[Any]:
     layers = [root] if root else []
     known = {layer.identifier for layer in layers}
     for layer in layers:
-        for asked, where, composed in _asked(layer):
-            identifier = _identifier(layer, asked, where, folder, allow_external)
-            # Layers of value clips are not composed, and opened one by one when needed.
-            if not identifier or not composed or identifier in known:
+        for wanted, where, composed in asked(layer):
+            identifier = _identifier(layer, wanted, where, folder, allow_external)
+            if not identifier or identifier in known:
                 continue
             known.add(identifier)
-            if (found := _opened(identifier)) is not None:
+            check_content(identifier)
+            # Layers of value clips are not composed, and opened one by one when needed.
+            if composed and (found := _opened(identifier)) is not None:
                 layers.append(found)
     return layers
+
+
+def check_content(identifier: str) -> None:
+    """FileError for binary layers whose tables are damaged, in a package those of all its entries."""
+    file = Path(Sdf.Layer.SplitIdentifier(identifier)[0].partition("[")[0])
+    if not file.is_file():
+        return
+    if file.suffix.lower() != ".usdz":
+        crate.check_file(file)
+        return
+    whole = package.read(file)
+    for entry in whole.entries:
+        content = memoryview(whole.content)[entry.start : entry.start + entry.size]
+        if content[: len(crate.MAGIC)] == crate.MAGIC:
+            crate.check(content, f"{file}[{entry.name}]")
 
 
 def _opened(identifier: str) -> Any:
@@ -94,7 +111,7 @@ def _lies_outside(resolved: str, folder: Path) -> bool:
     return not Path(os.path.realpath(resolved.partition("[")[0])).is_relative_to(folder)
 
 
-def _asked(layer: Any) -> Iterator[tuple[str, str, bool]]:
+def asked(layer: Any) -> Iterator[tuple[str, str, bool]]:
     """The asset paths of layers that a layer asks for: each with where it does, and whether to compose."""
     for asked in layer.subLayerPaths:
         yield asked, layer.identifier, True

@@ -17,7 +17,8 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import external, package
+from rigtri.formats.usd import external
+from rigtri.formats.usd.silence import silent
 from rigtri.formats.usd.value_types import demand
 from rigtri.report import Notice
 
@@ -34,7 +35,7 @@ def quiet(doing: str) -> Iterator[list[str]]:
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         # Where C++ finds no Python type for a value, Python's own complaint goes to stderr.
-        with redirect_stderr(StringIO()):
+        with redirect_stderr(StringIO()), silent():
             yield texts
     except Tf.ErrorException as error:
         raise FileError(f"{doing}: {first_line(error)}") from None
@@ -57,9 +58,8 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
         raise FileError(f"{path}: there is no such file.")
     if path.stat().st_size == 0:
         raise FileError(f"{path}: the file is empty.")
-    if path.suffix.lower() == ".usdz":
-        package.read(path)  # refuses odd packages before pxr maps them
     with quiet(f"{path}: no USD file, or a damaged one") as texts:
+        external.check_content(str(path))
         known = Sdf.Layer.Find(str(path))
         if known is not None:
             # pxr keeps layers that someone holds; the file may have been replaced since.

@@ -1,0 +1,145 @@
+"""No run destroys a file that its output, or the run itself, still needs."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+from usd_files import MESH, animation, save, scene, skeleton
+
+from rigtri.errors import UsageError
+from rigtri.formats import Options
+from rigtri.ops.orient import orient_joints
+from rigtri.pipeline import edit
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+
+def orient(rig: Rig, report: Report) -> Rig:
+    return orient_joints(rig, report=report)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def hero(folder: Path, name: str = "hero.usda") -> Path:
+    return save(folder, scene(skeleton(), animation(), MESH), name)
+
+
+def link(path: Path) -> Path:
+    (path.parent / "link.usda").symlink_to(path)
+    return path.parent / "link.usda"
+
+
+def hard_link(path: Path) -> Path:
+    os.link(path, path.parent / "hard.usda")
+    return path.parent / "hard.usda"
+
+
+def detour(path: Path) -> Path:
+    (path.parent / "sub").mkdir()
+    return path.parent / "sub" / ".." / path.name
+
+
+@pytest.mark.parametrize("override", ["layer", "stage"])
+@pytest.mark.parametrize("spelled", [lambda path: path, link, hard_link, detour])
+def test_an_override_never_replaces_what_it_is_for(spelled, override: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    source = hero(tmp_path)
+    target = spelled(source)
+    before = contents(tmp_path)
+    with pytest.raises(UsageError, match="the override is for"):
+        edit(source, target, orient, options=Options(override=override), overwrite=True)
+    assert contents(tmp_path) == before
+
+
+def test_bare_opinions_are_edited_in_place_but_never_over_their_source(tmp_path: Path) -> None:
+    source, opinions = hero(tmp_path), tmp_path / "opinions.usda"
+    options = Options(override="layer")
+    edit(source, opinions, orient, options=options)
+    edit(opinions, opinions, orient, options=options, overwrite=True)
+    before = contents(tmp_path)
+    with pytest.raises(UsageError, match=r"hero\.usda"):
+        edit(opinions, source, orient, options=options, overwrite=True)
+    assert contents(tmp_path) == before
+
+
+TOP = """#usda 1.0
+(
+    subLayers = [@hero.usda@, @missing.usda@]
+)
+over "Root" (
+    variants = {
+        string look = "plain"
+    }
+    prepend variantSets = "look"
+    payload = @far.usda@</Root>
+)
+{
+    custom asset note = @note.usda@
+    custom asset[] notes.timeSamples = { 1: [@late.usda@] }
+    variantSet "look" = {
+        "plain" {
+        }
+        "other" (references = @variant.usda@</Root>) {
+        }
+    }
+}
+"""
+
+
+@pytest.mark.parametrize("name", ["hero", "missing", "far", "note", "late", "variant", "deep"])
+def test_no_layer_or_asset_of_any_variant_is_replaced(name: str, tmp_path: Path) -> None:
+    hero(tmp_path)
+    top = save(tmp_path, TOP, "top.usda")
+    save(tmp_path, '#usda 1.0\ndef "Root" (references = @deep.usda@</Root>) { }\n', "variant.usda")
+    for other in ("far", "note", "late", "deep"):
+        save(tmp_path, '#usda 1.0\ndef "Root" { }\n', f"{other}.usda")
+    before = contents(tmp_path)
+    with pytest.raises(UsageError, match=rf"{name}\.usda"):
+        edit(top, tmp_path / f"{name}.usda", orient, overwrite=True)
+    assert contents(tmp_path) == before
+    edit(top, tmp_path / "free.usda", orient)
+    edit(top, top, orient, overwrite=True)
+
+
+def test_no_buffer_or_image_of_a_gltf_is_replaced(samples: Path, tmp_path: Path) -> None:
+    shutil.copyfile(samples / "biped.bin", tmp_path / "buffer.gltf")
+    text = (samples / "biped.gltf").read_text("utf-8").replace('"biped.bin"', '"buffer.gltf"')
+    source = save(tmp_path, text, "in.gltf")
+    before = contents(tmp_path)
+    with pytest.raises(UsageError, match=r"buffers\.0\.uri"):
+        edit(source, tmp_path / "buffer.gltf", orient, overwrite=True)
+    assert contents(tmp_path) == before
+
+
+def test_a_report_replaces_no_file_that_the_output_needs(
+    app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    for name in ("biped.gltf", "biped.bin"):
+        shutil.copyfile(samples / name, tmp_path / name)
+    before = contents(tmp_path)
+    arguments = ["orient-joints", str(tmp_path / "biped.gltf"), "-o", str(tmp_path / "out.gltf")]
+    run = CliRunner().invoke(app, [*arguments, "--overwrite", "--report", str(tmp_path / "biped.bin")])
+    assert run.exit_code == 2
+    assert "biped.bin" in run.output
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("flag", ["--like", "--frames"])
+def test_the_output_replaces_no_file_that_the_run_reads(
+    flag: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    other = tmp_path / "other.glb"
+    content = (samples / "biped.glb").read_bytes() if flag == "--like" else b"{}"
+    other.write_bytes(content)
+    before = contents(tmp_path)
+    arguments = ["orient-joints", str(samples / "biped.glb"), "-o", str(other), "--overwrite"]
+    run = CliRunner().invoke(app, [*arguments, flag, str(other)])
+    assert run.exit_code == 2
+    assert flag in run.output
+    assert contents(tmp_path) == before
