@@ -62,5 +62,5 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     elif not values["quiet"]:
         click.echo(plain(result.describe(verbose=values["verbose"])))
     if not passes:
-        one, other = ("standard input" if name == "-" else name for name in (before, after))
-        raise DeviationError(f"{other} looks different from {one}: {result.summary()}")
+        names = ["standard input" if name == "-" else name for name in (after, before)]
+        raise DeviationError(f"{' looks different from '.join(names)}: {result.summary()}")

@@ -115,7 +115,7 @@ def compare_scenery(
             known.add(partner)
             if partner >= 0:
                 found += sides.facts(f" of {rigs[0].title(node)}", facts, there.get(partner, {}))
-        back = {int(now): k for k, now in enumerate(partners.tolist()) if now >= 0}
+        back = {int(now): k for k, now in enumerate(m.node.tolist()) if now >= 0}
         for node in back.keys() & (there.keys() - known):
             found += sides.facts(f" of {rigs[0].title(back[node])}", {}, there[node])
     seen = [text for name, text in found if name not in UNSEEN]

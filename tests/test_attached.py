@@ -55,7 +55,7 @@ FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "*springs gone": (lambda g: _springs(g).update(springs=[]), "VRMC_springBone springs"),
     "*gravity": (_gravity, "gravityDir 0 is 1"),
     "*radius": (lambda g: _sphere(g).update(radius=9.5), "radius is 9.5"),
-    "*bones swapped": (_swap_bones, "humanBones hips node is"),
+    "bones swapped": (_swap_bones, "humanBones hips node is"),
     "*weight": (lambda g: _rule(g, "roll").update(weight=0.125), "weight of"),
     "offset": (lambda g: _sphere(g).update(offset=[9.0, 0.0, 0.0]), "offset of"),
     "roll axis": (
@@ -63,8 +63,8 @@ FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
         "the axis of the roll constraint of",
     ),
     "*look-at": (
-        lambda g: _vrm(g).update(lookAt={"type": "expression"}),
-        "VRMC_vrm lookAt type is expression",
+        lambda g: _vrm(g)["lookAt"].update(type="expression"),
+        "lookAt type is expression",
     ),
 }
 

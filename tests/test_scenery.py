@@ -74,6 +74,10 @@ GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
         "camera perspective yfov of eye is 1.01, was 1",
     ),
     "another light": (lambda g: _lights(g)[0].update(intensity=5), "light intensity of lamp is 5, was 4"),
+    "a light where none was": (
+        lambda g: g["nodes"][1].update(extensions={"KHR_lights_punctual": {"light": 0}}),
+        "light type of joint 1 is spot, was none",
+    ),
     "another colour of light": (
         lambda g: _lights(g)[0].update(color=[1, 0, 0]),
         "light color of lamp is 1, 0, 0, was none",

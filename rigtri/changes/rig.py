@@ -34,7 +34,8 @@ def rig_changes(
 ) -> list[Change]:
     """Everything in which the second rig is not the first, grouped, in the order of the first.
 
-    meshes: of both, for weights and points. scenery: of both, for what is shown and said. tolerance: numbers that differ by less are the same.
+    meshes: of both, for weights and points.
+    scenery: of both, for what is shown and said. tolerance: numbers that differ by less are the same.
     """
     before, after = played_together(before, after, by_key=False)
     m = renamed(before, after, match(before, after, by_key=False))
