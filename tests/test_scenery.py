@@ -160,6 +160,18 @@ def test_faces_and_normals_that_are_only_stored_otherwise_are_the_same(tmp_path:
     assert result.different == ()
 
 
+@pytest.mark.parametrize(("off", "seen"), [(0.01, True), (1e-6, False)])
+def test_offsets_of_a_morph_without_weight_are_compared(off: float, seen: bool, tmp_path: Path) -> None:
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    other = stage_set()
+    offsets = other.accessor([[off, 0, 0], [0, 0, 0], [0, 0, 0]])
+    _primitive(other.gltf)["targets"] = [{"POSITION": offsets}]
+    result = verify(before, read(other.glb(tmp_path / "after.glb")))
+    assert result.deviation == 0
+    assert result.passes() == (not seen)
+    assert [text.split(", ")[0] for text in result.different] == ["the offsets of morph target 0"] * seen
+
+
 def test_names_of_morph_targets_do_not_show_and_are_told(tmp_path: Path) -> None:
     before = read(stage_set().glb(tmp_path / "before.glb"))
     other = stage_set()
@@ -195,12 +207,22 @@ def SphereLight "Lamp"
 def Material "Cloth"
 {
 }
+def Material "Hide"
+{
+    def Shader "Paint"
+    {
+        float inputs:roughness = 0.5
+        asset inputs:file = @./hide.png@
+    }
+}
 """
 MESH = usd_files.MESH.replace(
     "int[] faceVertexCounts",
     'rel material:binding = </Root/Hide>\nuniform token purpose = "default"\ntoken visibility = "inherited"\n'
     'normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1)] (interpolation = "vertex")\n'
     'uniform token orientation = "rightHanded"\n'
+    'color3f[] primvars:displayColor = [(1, 0.5, 0)] (interpolation = "constant")\n'
+    'texCoord2f[] primvars:st = [(0, 0), (1, 0), (0, 1)] (interpolation = "vertex")\n'
     "int[] faceVertexCounts",
 )
 HEAD = "metersPerUnit = 1\ntimeCodesPerSecond = 24\nstartTimeCode = 1\nendTimeCode = 5\n"
@@ -215,6 +237,19 @@ USD_FAULTS = {
     "another up": ('upAxis = "Y"', 'upAxis = "Z"', "up axis is Z, was Y"),
     "*other faces": ("Indices = [0, 1, 2]", "Indices = [0, 2, 1]", "2 of 3 corners of the faces"),
     "*other normals": ("normals = [(0, 0, 1)", "normals = [(0, 0, -1)", "the normals, by up to 2,"),
+    "*another colour": ("(1, 0.5, 0)", "(1, 0.75, 0)", "primvar displayColor, by up to 0.25, of mesh"),
+    "*no colour": (
+        "color3f[] primvars:displayColor",
+        "color3f[] gone",
+        "primvar displayColor, which is gone,",
+    ),
+    "*other texture coordinates": ("(0, 0), (1, 0)", "(0, 0), (0.5, 0)", "primvar st, by up to 0.5, of mesh"),
+    "*another shader": (
+        "roughness = 0.5",
+        "roughness = 0.25",
+        "inputs:roughness of the material of Skin is",
+    ),
+    "*another image": ("@./hide.png@", "@./fur.png@", "inputs:file of the material of Skin is fur.png"),
     "inside out": ('"rightHanded"', '"leftHanded"', "orientation of Skin is leftHanded, was rightHanded"),
 }
 
