@@ -18,6 +18,7 @@ from .options import (
     run_edit,
     source_argument,
     target_option,
+    tell_root,
 )
 
 if TYPE_CHECKING:
@@ -164,6 +165,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         )
         return add_polevector(rig, options=options, report=report)
 
+    if not values["quiet"]:
+        tell_root(str(values["source"]), values["root"])
     run_edit("add-polevector", values, step, given_options(ctx), _summary)
 
 

@@ -11,7 +11,8 @@ import click
 
 from rigtri.errors import RigtriError
 
-from .options import json_option, read_options, reading_options
+from .options import Tolerance, check_streams, json_option, read_options, reading_options, tell_root
+from .words import plain
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.
 DIFFERS, ERROR = 1, 2
@@ -19,7 +20,7 @@ DIFFERS, ERROR = 1, 2
 
 @click.command("diff")
 @click.argument("before", metavar="A", type=click.Path(allow_dash=True))
-@click.argument("after", metavar="B", type=click.Path())
+@click.argument("after", metavar="B", type=click.Path(allow_dash=True))
 @click.option("-q", "--brief", is_flag=True, help="Say only whether they differ.")
 @click.option("--all", "every", is_flag=True, help="Show every line of long groups.")
 @click.option(
@@ -27,7 +28,7 @@ DIFFERS, ERROR = 1, 2
 )
 @click.option(
     "--tolerance",
-    type=click.FloatRange(min=0),
+    type=Tolerance(),
     default=0.0,
     show_default=True,
     help="Numbers that differ by no more are the same; 0 compares every bit and spelling.",
@@ -52,6 +53,7 @@ def command(before: str, after: str, **values: Any) -> None:
     from rigtri.difference import diff
     from rigtri.pipeline import opened
 
+    check_streams(before, after)
     try:
         with opened(before) as one, opened(after) as other:
             found = diff(
@@ -63,16 +65,17 @@ def command(before: str, after: str, **values: Any) -> None:
                 options=read_options(values),
             )
     except (RigtriError, OSError) as error:
-        click.echo(f"rigtri: {error}", err=True)
+        click.echo(f"rigtri: {plain(str(error), one_line=True)}", err=True)
         sys.exit(ERROR)
     if values["as_json"]:
         told = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
         click.echo(json.dumps(told, indent=2, ensure_ascii=False))
     elif values["brief"] and not found.same:
-        click.echo(f"{before} and {after} differ")
+        click.echo(plain(f"{before} and {after} differ", one_line=True))
     elif not found.same:
-        click.echo(found.describe(every=values["every"]))
+        click.echo(plain(found.describe(every=values["every"])))
     if not values["brief"]:
+        tell_root(before, values["root"])
         for notice in found.notices:
-            click.echo(notice, err=True)
+            click.echo(plain(notice, one_line=True), err=True)
     sys.exit(0 if found.same else DIFFERS)

@@ -9,10 +9,10 @@ import click
 
 from .options import (
     json_option,
-    quiet_option,
     read_options,
     reading_options,
     source_argument,
+    tell_root,
 )
 from .words import plain
 
@@ -20,7 +20,7 @@ from .words import plain
 @click.command("inspect")
 @source_argument
 @reading_options
-@quiet_option
+@click.option("-q", "--quiet", is_flag=True, help="Leave out the warnings.")
 @json_option
 def command(source: str, **values: Any) -> None:
     """Show the joints of a file: axes, lengths, bends, skins, clips, warnings.
@@ -45,5 +45,6 @@ def command(source: str, **values: Any) -> None:
             return
         click.echo(plain(describe(rig)))
         if not values["quiet"]:
+            tell_root(source, values["root"])
             for notice in document.warnings:
                 click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)

@@ -11,6 +11,7 @@ output_options      every command: --json, -q, -v
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -27,6 +28,22 @@ if TYPE_CHECKING:
     from rigtri.formats import Options
     from rigtri.pipeline import Outcome
     from rigtri.report import Report
+
+
+class Tolerance(click.FloatRange):
+    """A number from 0 on; nan and inf, with which anything passes, are none."""
+
+    name = "number"
+
+    def __init__(self) -> None:
+        super().__init__(min=0)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is no number that differences can be compared with", param, ctx)
+        return number
+
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -95,6 +112,21 @@ def reading_options(command: F) -> F:
     return command
 
 
+def check_streams(before: str, after: str) -> None:
+    """UsageError where both files are to come from standard input."""
+    if before == after == "-":
+        raise UsageError("standard input is one file; give - for one of the two and a name for the other")
+
+
+def tell_root(source: str, root: str | None) -> None:
+    """Say where --root changes nothing: of a glTF file all nodes are read, below a skin or not."""
+    from rigtri.formats import GLTF_SUFFIXES
+
+    if root is not None and source.lower().endswith(GLTF_SUFFIXES):
+        where = plain(source, one_line=True)
+        click.echo(f"warning: {where}: --root changes nothing here, all nodes of a glTF file count", err=True)
+
+
 json_option = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 
@@ -124,7 +156,7 @@ def edit_options(command: F) -> F:
         ),
         click.option(
             "--tolerance",
-            type=click.FloatRange(min=0, min_open=False),
+            type=Tolerance(),
             default=TOLERANCE,
             show_default=True,
             help="Refuse a result farther off than this share of the bounding-box diagonal.",

@@ -10,16 +10,24 @@ import click
 
 from rigtri.errors import DeviationError
 
-from .options import TOLERANCE, output_options, read_options, reading_options
+from .options import (
+    TOLERANCE,
+    Tolerance,
+    check_streams,
+    output_options,
+    read_options,
+    reading_options,
+    tell_root,
+)
 from .words import plain
 
 
 @click.command("verify")
 @click.argument("before", metavar="BEFORE", type=click.Path(allow_dash=True))
-@click.argument("after", metavar="AFTER", type=click.Path())
+@click.argument("after", metavar="AFTER", type=click.Path(allow_dash=True))
 @click.option(
     "--tolerance",
-    type=click.FloatRange(min=0),
+    type=Tolerance(),
     default=TOLERANCE,
     show_default=True,
     help="Pass up to this share of the bounding-box diagonal.",
@@ -41,14 +49,18 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     from rigtri.formats import read
     from rigtri.pipeline import opened
 
+    check_streams(before, after)
     options = read_options(values)
     with opened(before) as one, opened(after) as other:
         result = verify(read(Path(one), options), read(Path(other), options))
     passes = result.passes(tolerance)
+    if not values["quiet"]:
+        tell_root(before, values["root"])
     if values["as_json"]:
         document = {"before": before, "after": after, "passes": passes, "tolerance": tolerance}
         click.echo(json.dumps(document | result.as_json(), indent=2, ensure_ascii=False))
     elif not values["quiet"]:
         click.echo(plain(result.describe(verbose=values["verbose"])))
     if not passes:
-        raise DeviationError(f"{after} looks different from {before}: {result.summary()}")
+        names = ["standard input" if name == "-" else name for name in (after, before)]
+        raise DeviationError(f"{' looks different from '.join(names)}: {result.summary()}")

@@ -18,6 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from rigtri import pose
+from rigtri.attached import compare_attached
 from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
@@ -61,7 +62,7 @@ class Source(Protocol):
     def rig(self) -> Rig: ...
     def meshes(self) -> Sequence[Mesh]: ...
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]: ...
-    def scenery(self) -> Scenery: ...
+    def scenery(self, *, closely: bool = False) -> Scenery: ...
 
 
 @dataclass(frozen=True)
@@ -194,7 +195,8 @@ def self_check(before: Source, after: Source, *, closely: bool = False) -> Compa
         *frames(mine, matching, meshes, moving, diagonal),
         origins(mine, matching, moving),
     ]
-    different, changed = compare_scenery(mine, before.scenery(), after.scenery(), matching)
+    different, changed = compare_scenery((mine, theirs), before.scenery(), after.scenery(), matching)
+    different += compare_attached(mine, theirs, matching)
     matching = replace(matching, changed=(*matching.changed, *changed))
     kept = [w for w in watched if len(w.titles)]
     compared = _compare(mine, theirs, matching, kept, diagonal, different)
@@ -226,9 +228,10 @@ def verify(before: Source, after: Source) -> Comparison:
     hidden = [k not in read and (skin.drawn or not meshes) for k, skin in enumerate(mine.skins)]
     unseen = replace(matching, skin=np.where(hidden, matching.skin, -1))
     watched += skin_corners(mine, theirs, unseen, [], everything)
-    shown, now = before.scenery(), after.scenery()
-    different, changed = compare_scenery(mine, shown, now, matching)
+    shown, now = before.scenery(closely=True), after.scenery(closely=True)
+    different, changed = compare_scenery((mine, theirs), shown, now, matching)
     if shown.format == now.format:
+        different += compare_attached(mine, theirs, matching)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
     matching = replace(matching, lost=(*matching.lost, *lost), changed=(*matching.changed, *changed))
     return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal, different)

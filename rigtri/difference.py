@@ -38,8 +38,9 @@ class Difference:
 
     @property
     def same(self) -> bool:
-        """Whether nothing differs in the terms that were compared."""
-        return not self.rig and not self.file
+        """Whether nothing differs in the terms that were compared, nor in how they look where that was."""
+        looks_same = self.looks is None or not (self.looks.lost or self.looks.different)
+        return not self.rig and not self.file and looks_same
 
     def describe(self, *, every: bool = False) -> str:
         """All of it for people, by group; ``every`` shows all lines of long groups. "" where all is same."""
@@ -113,7 +114,7 @@ def diff(
     if only != "file":
         documents = _documents(before, after, options, notices, required=file is None)
         if documents is not None:
-            rig, looks = _rig_terms(documents, tolerance, verify, bool(file))
+            rig, looks = _rig_terms(documents, tolerance, verify, only == "rig" or bool(file))
     return Difference(rig, None if file is None else tuple(file), looks, tuple(notices))
 
 
@@ -153,5 +154,6 @@ def _rig_terms(
 ) -> tuple[tuple[Change, ...], Comparison | None]:
     one, other = documents
     meshes = one.meshes(), other.meshes()
-    rig = tuple(rig_changes(one.rig, other.rig, meshes=meshes, tolerance=tolerance))
+    scenery = one.scenery(closely=True), other.scenery(closely=True)
+    rig = tuple(rig_changes(one.rig, other.rig, meshes=meshes, scenery=scenery, tolerance=tolerance))
     return rig, compare(one, other) if verify and (rig or differs) else None

@@ -99,12 +99,14 @@ class Surface(NamedTuple):
 
     kind: what is drawn, e.g. ``triangles``. sizes: corners of each face, (f,), empty
     where ``kind`` says it. corners: point indices. normals: (m, 3), (0, 3) where there are none.
+    values: by name what else points, corners or faces have: colours, texture coordinates, tangents.
     """
 
     kind: str
     sizes: Integers
     corners: Integers
     normals: Floats
+    values: Mapping[str, NDArray[Any]] = {}
 
 
 @dataclass(frozen=True, eq=False)

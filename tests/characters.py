@@ -37,7 +37,7 @@ class Held:
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         return self.drawn
 
-    def scenery(self) -> Scenery:
+    def scenery(self, *, closely: bool = False) -> Scenery:
         return self.shows
 
 

@@ -34,7 +34,7 @@ naming
 limbs
 skeleton bend
 matching
-moving scenery
+moving scenery attached
 watched
 compare describe changes
 delivery

@@ -215,8 +215,8 @@ class Edited:
     def outlines(self, *, closely: bool = False) -> Any:
         return self.document.outlines(closely=closely)
 
-    def scenery(self) -> Any:
-        return self.document.scenery()
+    def scenery(self, *, closely: bool = False) -> Any:
+        return self.document.scenery(closely=closely)
 
 
 ANIMATED = (

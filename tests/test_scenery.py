@@ -31,7 +31,10 @@ def stage_set() -> gltf_files.Builder:
     primitive["material"] = 0
     primitive["targets"] = [{"POSITION": b.accessor(np.zeros((3, 3)))}]
     b.gltf["meshes"][0]["extras"] = {"targetNames": ["smile"]}
-    b.gltf["materials"] = [{"name": "skin"}, {"name": "cloth"}]
+    primitive["attributes"]["TEXCOORD_0"] = b.accessor([[0, 0], [1, 0], [0, 1]])
+    painted = {"baseColorFactor": [1, 1, 1, 1], "baseColorTexture": {"index": 0}}
+    b.gltf["materials"] = [{"name": "skin", "pbrMetallicRoughness": painted}, {"name": "cloth"}]
+    b.gltf["textures"], b.gltf["images"] = [{"source": 0}], [{"uri": "data:image/png;base64,AAAA"}]
     b.gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]
     b.gltf["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 4}]}}
     b.gltf["extensionsUsed"] = ["KHR_lights_punctual"]
@@ -56,9 +59,12 @@ def _primitive(gltf: Any) -> Any:
 GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "out of its scene": (
         lambda g: g["scenes"][0]["nodes"].remove(3),
-        "scenes of body is (), was ('the scene that is shown',)",
+        "scenes of body is none, was the scene that is shown",
     ),
-    "another scene shown": (lambda g: g.update(scene=1), "scenes of body is ('scene #0',)"),
+    "another scene shown": (
+        lambda g: g.update(scene=1),
+        "scenes of body is scene #0, was the scene that is shown",
+    ),
     "hidden": (
         lambda g: g["nodes"][3].update(extensions={"KHR_node_visibility": {"visible": False}}),
         "visibility of body is hidden, was none",
@@ -68,9 +74,13 @@ GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
         "camera perspective yfov of eye is 1.01, was 1",
     ),
     "another light": (lambda g: _lights(g)[0].update(intensity=5), "light intensity of lamp is 5, was 4"),
+    "a light where none was": (
+        lambda g: g["nodes"][1].update(extensions={"KHR_lights_punctual": {"light": 0}}),
+        "light type of joint 1 is spot, was none",
+    ),
     "another colour of light": (
         lambda g: _lights(g)[0].update(color=[1, 0, 0]),
-        "light color of lamp is [1, 0, 0], was none",
+        "light color of lamp is 1, 0, 0, was none",
     ),
     "another material": (
         lambda g: _primitive(g).update(material=1),
@@ -80,6 +90,26 @@ GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "*no normals": (
         lambda g: _primitive(g)["attributes"].pop("NORMAL"),
         "0 normals instead of 3: the normals of mesh body/0",
+    ),
+    "*no morph target": (
+        lambda g: _primitive(g).pop("targets"),
+        "0 morph targets instead of 1: the morph targets of mesh body/0",
+    ),
+    "*no texture coordinates": (
+        lambda g: _primitive(g)["attributes"].pop("TEXCOORD_0"),
+        "TEXCOORD_0, which is gone, of mesh body/0",
+    ),
+    "*another colour of a material": (
+        lambda g: g["materials"][0]["pbrMetallicRoughness"].update(baseColorFactor=[1, 0, 0, 1]),
+        "baseColorFactor of the material of primitive 0 of body is 1, 0, 0, 1, was 1, 1, 1, 1",
+    ),
+    "*another image": (
+        lambda g: g["images"][0].update(uri="data:image/png;base64,AAAB"),
+        "baseColorTexture image of the material of primitive 0 of body is",
+    ),
+    "*another way to blend": (
+        lambda g: g["materials"][0].update(alphaMode="BLEND"),
+        "alphaMode of the material of primitive 0 of body is BLEND, was none",
     ),
     "*lines": (lambda g: _primitive(g).update(mode=3), "line strip instead of triangles: the faces"),
 }
@@ -105,6 +135,8 @@ def test_a_fault_that_no_pose_tells_is_seen_in_gltf(name: str, tmp_path: Path) -
         ([0, 2, 1], "u2", "indices", "2 of 3 corners of the faces"),
         ([0, 1, 2, 0, 2, 1], "u2", "indices", "6 corners instead of 3 corners"),
         ([[0, 0, 1], [0, 0, 1], [0, 0.6, 0.8]], "f4", "NORMAL", "the normals, by up to 0.6,"),
+        ([[0, 0], [1, 0], [0, 0.5]], "f4", "TEXCOORD_0", "TEXCOORD_0, by up to 0.5,"),
+        ([[1, 1, 1, 0.5]] * 3, "f4", "COLOR_0", "COLOR_0, which was not there,"),
     ],
 )
 def test_other_faces_and_normals_are_seen(rows: Any, kind: str, key: str, words: str, tmp_path: Path) -> None:
@@ -128,13 +160,25 @@ def test_faces_and_normals_that_are_only_stored_otherwise_are_the_same(tmp_path:
     assert result.different == ()
 
 
+@pytest.mark.parametrize(("off", "seen"), [(0.01, True), (1e-6, False)])
+def test_offsets_of_a_morph_without_weight_are_compared(off: float, seen: bool, tmp_path: Path) -> None:
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    other = stage_set()
+    offsets = other.accessor([[off, 0, 0], [0, 0, 0], [0, 0, 0]])
+    _primitive(other.gltf)["targets"] = [{"POSITION": offsets}]
+    result = verify(before, read(other.glb(tmp_path / "after.glb")))
+    assert result.deviation == 0
+    assert result.passes() == (not seen)
+    assert [text.split(", ")[0] for text in result.different] == ["the offsets of morph target 0"] * seen
+
+
 def test_names_of_morph_targets_do_not_show_and_are_told(tmp_path: Path) -> None:
     before = read(stage_set().glb(tmp_path / "before.glb"))
     other = stage_set()
     other.gltf["meshes"][0]["extras"]["targetNames"] = ["frown"]
     result = verify(before, read(other.glb(tmp_path / "after.glb")))
     assert result.passes()
-    assert result.changed == ("morph target names of body is ['frown'], was ['smile']",)
+    assert result.changed == ("morph target names of body is frown, was smile",)
 
 
 def test_a_camera_that_moved_to_a_node_of_its_own_keeps_its_lens(tmp_path: Path) -> None:
@@ -163,12 +207,22 @@ def SphereLight "Lamp"
 def Material "Cloth"
 {
 }
+def Material "Hide"
+{
+    def Shader "Paint"
+    {
+        float inputs:roughness = 0.5
+        asset inputs:file = @./hide.png@
+    }
+}
 """
 MESH = usd_files.MESH.replace(
     "int[] faceVertexCounts",
     'rel material:binding = </Root/Hide>\nuniform token purpose = "default"\ntoken visibility = "inherited"\n'
     'normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1)] (interpolation = "vertex")\n'
     'uniform token orientation = "rightHanded"\n'
+    'color3f[] primvars:displayColor = [(1, 0.5, 0)] (interpolation = "constant")\n'
+    'texCoord2f[] primvars:st = [(0, 0), (1, 0), (0, 1)] (interpolation = "vertex")\n'
     "int[] faceVertexCounts",
 )
 HEAD = "metersPerUnit = 1\ntimeCodesPerSecond = 24\nstartTimeCode = 1\nendTimeCode = 5\n"
@@ -183,6 +237,19 @@ USD_FAULTS = {
     "another up": ('upAxis = "Y"', 'upAxis = "Z"', "up axis is Z, was Y"),
     "*other faces": ("Indices = [0, 1, 2]", "Indices = [0, 2, 1]", "2 of 3 corners of the faces"),
     "*other normals": ("normals = [(0, 0, 1)", "normals = [(0, 0, -1)", "the normals, by up to 2,"),
+    "*another colour": ("(1, 0.5, 0)", "(1, 0.75, 0)", "primvar displayColor, by up to 0.25, of mesh"),
+    "*no colour": (
+        "color3f[] primvars:displayColor",
+        "color3f[] gone",
+        "primvar displayColor, which is gone,",
+    ),
+    "*other texture coordinates": ("(0, 0), (1, 0)", "(0, 0), (0.5, 0)", "primvar st, by up to 0.5, of mesh"),
+    "*another shader": (
+        "roughness = 0.5",
+        "roughness = 0.25",
+        "inputs:roughness of the material of Skin is",
+    ),
+    "*another image": ("@./hide.png@", "@./fur.png@", "inputs:file of the material of Skin is fur.png"),
     "inside out": ('"rightHanded"', '"leftHanded"', "orientation of Skin is leftHanded, was rightHanded"),
 }
 

@@ -20,6 +20,7 @@ from rigtri.changes.turns import DERIVED, moved, turn
 from rigtri.matching import Matching, match, played_together
 from rigtri.matrices import inverse, nearest_rotation
 from rigtri.rig import Mesh, Rig, Skin
+from rigtri.scenery import Scenery, compare_scenery
 from rigtri.vectors import length
 
 
@@ -28,11 +29,13 @@ def rig_changes(
     after: Rig,
     *,
     meshes: tuple[Sequence[Mesh], Sequence[Mesh]] = ((), ()),
+    scenery: tuple[Scenery, Scenery] = (Scenery(), Scenery()),
     tolerance: float = 0.0,
 ) -> list[Change]:
     """Everything in which the second rig is not the first, grouped, in the order of the first.
 
-    meshes: of both, for weights and points. tolerance: numbers that differ by less are the same.
+    meshes: of both, for weights and points.
+    scenery: of both, for what is shown and said. tolerance: numbers that differ by less are the same.
     """
     before, after = played_together(before, after, by_key=False)
     m = renamed(before, after, match(before, after, by_key=False))
@@ -45,6 +48,8 @@ def rig_changes(
         *_carried(before, after, m),
         *clip_changes(before, after, m, tolerance),
         *_bound(before, after, m, tolerance),
+        *_constraints(before, after, m, tolerance),
+        *_scenery((before, after), scenery, m, tolerance),
         *_whole(before, after, m),
     ]
 
@@ -211,6 +216,25 @@ def _bound(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[C
     for now in there.values():
         title = f"{_place(now.key)} on {after.title(now.node)}"
         yield Change("colliders and offsets", "added", title, row(now.vector))
+
+
+def _constraints(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+    """Which axis each constraint is about; its kind, source and weight are facts of the file."""
+    there = {(c.kind, c.node, c.source): c for c in after.constraints}
+    for c in before.constraints:
+        now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
+        if now is not None and not same_numbers(c.axis, now.axis, tolerance):
+            title = f"axis of the {c.kind} constraint of {before.title(c.node)}"
+            yield Change("constraints", "changed", title, rows(c.axis, now.axis))
+
+
+def _scenery(
+    rigs: tuple[Rig, Rig], scenery: tuple[Scenery, Scenery], m: Matching, tolerance: float
+) -> Iterator[Change]:
+    """What is shown and said that no joint tells: scenes, lenses, lights, materials, avatars."""
+    for texts in compare_scenery(rigs, *scenery, m, share=0.0, apart=tolerance):
+        for text in texts:
+            yield Change("shown and said", "changed", text)
 
 
 def _place(key: Any) -> str:

@@ -81,8 +81,11 @@ class Document(Protocol):
         closely: boxes of what each joint moves, from all points, instead of those the file states.
         """
 
-    def scenery(self) -> Scenery:
-        """What the file shows that no pose tells, for comparing."""
+    def scenery(self, *, closely: bool = False) -> Scenery:
+        """What the file shows that no pose tells, for comparing.
+
+        closely: also what costs reading: what materials, images and avatars are made of.
+        """
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """The files that what `write` writes will go on referring to, each with what it is, in words."""
@@ -105,7 +108,10 @@ def read(path: Path, options: Options | None = None) -> Document:
     if suffix in GLTF_SUFFIXES:
         from rigtri.formats.gltf.document import GltfDocument
 
-        return GltfDocument.read(path, options)
+        document = GltfDocument.read(path, options)
+        if options.root is not None:
+            document.rig.find(options.root, "node")  # NameNotFoundError, whether a command needs it or not
+        return document
     if suffix in USD_SUFFIXES:
         from rigtri.formats.usd.document import UsdDocument
 

@@ -17,11 +17,14 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animations import ClipReader, animated_nodes
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.mapped import load
+from rigtri.formats.gltf.materials import Materials
 from rigtri.formats.gltf.meshes import MeshReader
 from rigtri.formats.gltf.nodes import Rest, read_rest, read_tree
 from rigtri.formats.gltf.resources import files
 from rigtri.formats.gltf.scenery import read_scenery
 from rigtri.formats.gltf.skins import read_skins
+from rigtri.formats.gltf.uris import decode_data, file_of, is_data
 from rigtri.formats.gltf.validate import (
     check_extensions,
     check_lists,
@@ -32,6 +35,7 @@ from rigtri.formats.gltf.validate import (
 from rigtri.formats.gltf.values import Value
 from rigtri.formats.gltf.writer import write_file
 from rigtri.formats.vrm import read_bindings
+from rigtri.formats.vrm_facts import read_facts
 from rigtri.report import Notice
 from rigtri.rig import Booleans, Bound, Constraint, Mesh, Rig
 from rigtri.scenery import Scenery
@@ -47,8 +51,8 @@ class GltfDocument:
         check_lists(gltf)
         check_references(gltf)
         check_extensions(gltf, self.notices)
-        buffers = Buffers(gltf, container, allow_external=options.allow_external_paths)
-        self.accessors = Accessors(gltf, buffers)
+        self._buffers = Buffers(gltf, container, allow_external=options.allow_external_paths)
+        self.accessors = Accessors(gltf, self._buffers)
         self.tree = read_tree(gltf)
         self._reader = MeshReader(gltf, self.accessors, self.tree, self.notices)
         self._meshes: list[Mesh] | None = None
@@ -89,9 +93,28 @@ class GltfDocument:
             return self.meshes()
         return self._reader.read(self._rig.skins, "closely" if closely else "stated")
 
-    def scenery(self) -> Scenery:
-        """Scenes, lenses, lights and materials of the nodes that show something."""
-        return read_scenery(self.container.gltf, self.tree)
+    def scenery(self, *, closely: bool = False) -> Scenery:
+        """Scenes, lenses, lights and materials of the nodes that show something, and what avatars say."""
+        facts = read_scenery(self.container.gltf, self.tree)
+        if not closely:
+            return facts
+        materials = Materials(self.container.gltf, self._image)
+        nodes = {k: {**own, **materials.of(self.tree.order[k])} for k, own in facts.nodes.items()}
+        avatar, driven = read_facts(self.container.gltf, self.tree.place, self._pointers)
+        return replace(facts, nodes=nodes, whole={**facts.whole, **avatar}, own=driven)
+
+    def _image(self, image: dict[str, object]) -> bytes | memoryview:
+        """The bytes of an image. FileError where they are not to be had."""
+        uri, where = image.get("uri"), f"{self.container.path}: image"
+        if isinstance(uri, str):
+            if is_data(uri):
+                return decode_data(uri, where)
+            allowed = self.options.allow_external_paths
+            return load(file_of(uri, self.container.path.parent, where, allow_external=allowed))
+        gltf = Value(self.container.gltf, f"{self.container.path}:")
+        view = Value(image, where).need("bufferView").index(len(list(gltf.each("bufferViews"))), "bufferView")
+        buffer, start, end = self.accessors.span(view)
+        return self._buffers.content(buffer)[start:end]
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """The files of buffers, images and extensions."""
@@ -130,6 +153,7 @@ class GltfDocument:
         clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
         bindings = read_bindings(gltf, tree.above)
         self.notices += bindings.notices
+        self._pointers = [pointer for _, _, pointer in bindings.bound]
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
         rig = Rig(
             names=tuple(name if isinstance(name, str) else "" for name in names),

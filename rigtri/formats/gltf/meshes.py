@@ -8,7 +8,7 @@ Source: glTF 2.0 §3.7.2 (meshes, morph targets), §3.7.3 (skins).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, Literal
@@ -227,7 +227,7 @@ class MeshReader:
         )
 
     def _surface(self, primitive: Value, points: int) -> Surface | None:
-        """Faces and normals; None where they cannot be read."""
+        """Faces, normals and other values; None where they cannot be read."""
         try:
             mode = primitive.natural("mode", 4)
             kind = MODES[mode] if mode < len(MODES) else f"mode {mode}"
@@ -237,10 +237,21 @@ class MeshReader:
                 corners = self._numbers_of(primitive.need("indices"), 1, None)[:, 0].astype(np.int64)
             if "NORMAL" in primitive.need("attributes").object():
                 normals = self._read(primitive, "NORMAL", 3, None)
+            values = dict(self._values(primitive))
         except FileError as error:
             self._notice(str(error))
             return None
-        return Surface(kind, none, corners, normals)
+        return Surface(kind, none, corners, normals, values)
+
+    def _values(self, primitive: Value) -> Iterator[tuple[str, Floats]]:
+        """Colours, texture coordinates and what else points have, and what morph targets do to them."""
+        holders = [("", primitive.need("attributes"))]
+        holders += [(f" of morph target {k}", x) for k, x in enumerate(primitive.each("targets"))]
+        for of, holder in holders:
+            for name, item in holder.members():
+                moved = name == "POSITION" or (name == "NORMAL" and not of)
+                if not moved and not name.startswith(("JOINTS_", "WEIGHTS_")):
+                    yield f"{name}{of}", self._accessors.read(item.index(len(self._accessors), "accessor"))
 
     def _read(self, primitive: Value, name: str, width: int, some: Some) -> Floats:
         """The numbers of an attribute, (count, width)."""

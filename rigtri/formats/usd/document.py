@@ -76,11 +76,11 @@ class UsdDocument:
         """The same: USD keeps what is drawn in memory anyway."""
         return self.meshes()
 
-    def scenery(self) -> Scenery:
+    def scenery(self, *, closely: bool = False) -> Scenery:
         """Units and range of the stage; visibility, lenses, lights and materials of what it shows."""
         shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.payload >= 0).tolist()}
         with quiet(f"{self._source.path}: USD cannot read what it shows"):
-            return read_scenery(self._source.stage, shown)
+            return read_scenery(self._source.stage, shown, closely=closely)
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file, or with ``override`` only the opinions; see `formats.Document`.

@@ -6,7 +6,7 @@ straight line. Points are those of the Default time, else of the earliest sample
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
@@ -106,7 +106,37 @@ def _surface(prim: Any) -> Surface:
         np.array(sizes, dtype=np.int64).reshape(-1),
         np.array(() if corners is None else corners, dtype=np.int64).reshape(-1),
         np.array(() if normals is None else normals, dtype=np.float64).reshape(-1, 3),
+        {name: values for name, value in _drawn(prim) if (values := _array(value)) is not None},
     )
+
+
+def _drawn(prim: Any) -> Iterator[tuple[str, Any]]:
+    """Primvars such as colours, subsets of faces, and what blend shapes have besides offsets."""
+    for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
+        name = str(primvar.GetPrimvarName())
+        if not name.startswith("skel:") and name != "normals":
+            value = primvar.ComputeFlattened(DEFAULT)
+            value = primvar.ComputeFlattened(EARLIEST) if value is None else value
+            yield f"primvar {name}", value
+            yield f"interpolation of primvar {name}", str(primvar.GetInterpolation())
+    for subset in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim)):
+        yield f"subset {subset.GetPrim().GetName()}", at_start(subset.GetIndicesAttr())
+    shapes = prim.GetRelationship("skel:blendShapeTargets")
+    for number, target in enumerate(shapes.GetForwardedTargets() if shapes else ()):
+        shape = prim.GetStage().GetPrimAtPath(target)
+        for attribute in shape.GetAuthoredAttributes() if shape else ():
+            if attribute.GetName() == "normalOffsets" or attribute.GetName().startswith("inbetweens:"):
+                yield f"{attribute.GetName()} of blend shape {number}", at_start(attribute)
+
+
+def _array(value: Any) -> Any:
+    """Numbers as float64, words as they are; None where there is neither."""
+    if value is None:
+        return None
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.array([str(word) for word in value] if hasattr(value, "__len__") else [str(value)])
 
 
 def _attribute(prim: Any, name: str) -> Any:

@@ -5,6 +5,7 @@ Source: UsdGeomImageable, UsdGeomCamera, UsdLux, UsdShadeMaterialBindingAPI, Usd
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -19,8 +20,11 @@ DRAWN = ("subdivisionScheme", "orientation", "doubleSided")
 BINDING = "material:binding"
 
 
-def read_scenery(stage: Any, shown: Mapping[int, str]) -> Scenery:
-    """Facts of a stage and of its prims that show something. shown: their paths by node."""
+def read_scenery(stage: Any, shown: Mapping[int, str], *, closely: bool = False) -> Scenery:
+    """Facts of a stage and of its prims that show something. shown: their paths by node.
+
+    closely: also what their materials are made of.
+    """
     whole = {
         "up axis": str(UsdGeom.GetStageUpAxis(stage)),
         "metersPerUnit": float(UsdGeom.GetStageMetersPerUnit(stage)),
@@ -30,13 +34,19 @@ def read_scenery(stage: Any, shown: Mapping[int, str]) -> Scenery:
         "end time code": float(stage.GetEndTimeCode()),
     }
     above: dict[Any, tuple[str, str, Any]] = {}
-    nodes = {}
+    nodes: dict[int, dict[str, Any]] = {}
+    materials: dict[str, dict[str, Any]] = {}
     for node, path in shown.items():
         prim = stage.GetPrimAtPath(path)
         if prim:
             visibility, purpose, material = _inherited(prim, above)
             nodes[node] = {"visibility": visibility, "purpose": purpose, "material": material}
             nodes[node].update(_values(prim))
+            for name, at in (_bound_materials(prim, material) if closely else {}).items():
+                if at not in materials:
+                    materials[at] = dict(_network(stage, at))
+                nodes[node] |= {f"{fact} of the {name}": value for fact, value in materials[at].items()}
+                nodes[node][name] = at
     return Scenery("USD", whole, nodes)
 
 
@@ -61,6 +71,29 @@ def _below(prim: Any, visible: str, purpose: str, material: Any) -> tuple[str, s
     return visible, purpose, str(targets[0]) if targets else material
 
 
+def _bound_materials(prim: Any, material: Any) -> dict[str, str]:
+    """The materials of a prim and of its subsets, by what they are to it."""
+    found = {} if material is None else {"material": str(material)}
+    for subset in prim.GetChildren():
+        targets = subset.GetRelationship(BINDING).GetTargets() if subset.HasRelationship(BINDING) else []
+        if subset.GetTypeName() == "GeomSubset" and targets:
+            found[f"material of subset {subset.GetName()}"] = str(targets[0])
+    return found
+
+
+def _network(stage: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """What a material and the shaders below it are set to and connected with."""
+    prim = stage.GetPrimAtPath(path)
+    for below in Usd.PrimRange(prim, Usd.TraverseInstanceProxies()) if prim else ():
+        where = str(below.GetPath())[len(path) :].strip("/")
+        for attribute in below.GetAuthoredAttributes():
+            name = f"{where} {attribute.GetName()}".strip()
+            yield name, _over_time(attribute)
+            sources = attribute.GetConnections()
+            if sources:
+                yield f"connection of {name}", tuple(map(str, sources))
+
+
 def _worded(value: Any) -> str:
     return "" if value is None or value == "inherited" else str(value)
 
@@ -81,6 +114,9 @@ def _over_time(attribute: Any) -> Any:
 
 def _plain(value: Any) -> Any:
     """A value that can be compared and told."""
+    if isinstance(value, Sdf.AssetPath):
+        # In another folder the way to it is another.
+        return re.split(r"[/\\]", value.path)[-1]
     if value is None or isinstance(value, bool | int | float | str):
         return value
     return tuple(map(_plain, value)) if hasattr(value, "__len__") else str(value)

@@ -1,0 +1,163 @@
+"""What a VRM says: `verify` sees each change, the check of each edit those told in the axes of nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import avatars
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from rigtri.attached import compare_attached
+from rigtri.compare import self_check, verify
+from rigtri.difference import diff
+from rigtri.formats import read
+from rigtri.matching import match
+from rigtri.ops.orient import orient_joints
+
+
+def _springs(gltf: Any) -> Any:
+    return gltf["extensions"]["VRMC_springBone"]
+
+
+def _vrm(gltf: Any) -> Any:
+    return gltf["extensions"]["VRMC_vrm"]
+
+
+def _rule(gltf: Any, kind: str) -> Any:
+    rules = (
+        node["extensions"]["VRMC_node_constraint"]["constraint"]
+        for node in gltf["nodes"]
+        if "VRMC_node_constraint" in node.get("extensions", {})
+    )
+    return next(rule[kind] for rule in rules if kind in rule)
+
+
+def _sphere(gltf: Any) -> Any:
+    return next(c["shape"]["sphere"] for c in _springs(gltf)["colliders"] if "sphere" in c["shape"])
+
+
+def _swap_bones(gltf: Any) -> None:
+    bones = _vrm(gltf)["humanoid"]["humanBones"]
+    bones["hips"], bones["head"] = bones["head"], bones["hips"]
+
+
+def _gravity(gltf: Any) -> None:
+    _springs(gltf)["springs"][0]["joints"][0]["gravityDir"] = [1.0, 0.0, 0.0]
+
+
+# Each fault and the words it is told with; those behind an asterisk only by verify.
+FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "*springs gone": (lambda g: _springs(g).update(springs=[]), "VRMC_springBone springs"),
+    "*gravity": (_gravity, "gravityDir 0 is 1"),
+    "*radius": (lambda g: _sphere(g).update(radius=9.5), "radius is 9.5"),
+    "bones swapped": (_swap_bones, "humanBones hips node is"),
+    "*weight": (lambda g: _rule(g, "roll").update(weight=0.125), "weight of"),
+    "offset": (lambda g: _sphere(g).update(offset=[9.0, 0.0, 0.0]), "offset of"),
+    "roll axis": (
+        lambda g: _rule(g, "roll").update(rollAxis="X" if _rule(g, "roll")["rollAxis"] != "X" else "Y"),
+        "the axis of the roll constraint of",
+    ),
+    "*look-at": (
+        lambda g: _vrm(g)["lookAt"].update(type="expression"),
+        "lookAt type is expression",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_change_of_what_an_avatar_says_is_seen(name: str, tmp_path: Path) -> None:
+    fault, words = FAULTS[name]
+    builder = avatars.avatar(1)
+    before = read(builder.glb(tmp_path / "before.vrm"))
+    fault(builder.gltf)
+    after = read(builder.glb(tmp_path / "after.vrm"))
+    result = verify(before, after)
+    assert not result.passes()
+    assert any(words in text for text in result.different), result.different
+    assert self_check(before, after).passes() == name.startswith("*")
+    found = diff(tmp_path / "before.vrm", tmp_path / "after.vrm", only="rig")
+    assert found.rig
+    assert found.looks is not None
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_new_axes_change_numbers_and_nothing_that_an_avatar_says(seed: int, tmp_path: Path) -> None:
+    before = read(avatars.avatar(seed).glb(tmp_path / "before.vrm"))
+    rig = orient_joints(before.rig)
+    before.write(rig, tmp_path / "after.vrm", tmp_path / "after.vrm")
+    after = read(tmp_path / "after.vrm")
+    moved = [
+        not np.array_equal(a.vector, b.vector) for a, b in zip(before.rig.bound, after.rig.bound, strict=True)
+    ]
+    assert any(moved)
+    assert compare_attached(before.rig, after.rig, match(before.rig, after.rig, by_key=True)) == []
+    assert verify(before, after).different == ()
+
+
+def run(app: click.Group, *arguments: Any) -> Any:
+    return CliRunner().invoke(app, list(map(str, arguments)))
+
+
+@pytest.mark.parametrize("command", ["inspect", "verify", "diff", "orient-joints"])
+def test_a_root_that_no_node_has_is_not_found(
+    command: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    path = samples / "biped.glb"
+    others = {"inspect": [], "orient-joints": ["-o", tmp_path / "out.glb"]}.get(command, [path])
+    done = run(app, command, path, *others, "--root", "nope")
+    assert done.exit_code == (2 if command == "diff" else 4)
+    assert "nope" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["inspect", "verify", "diff"])
+def test_a_root_that_changes_nothing_is_said(command: str, app: click.Group, samples: Path) -> None:
+    path = samples / "biped.glb"
+    done = run(app, command, path, *([] if command == "inspect" else [path]), "--root", "hips")
+    assert done.exit_code == 0
+    assert "--root changes nothing here" in done.stderr
+
+
+@pytest.mark.parametrize("tolerance", ["nan", "inf", "-1"])
+@pytest.mark.parametrize("command", ["verify", "diff", "orient-joints"])
+def test_a_tolerance_is_a_number(
+    command: str, tolerance: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    path = samples / "biped.glb"
+    others = ["-o", tmp_path / "out.glb"] if command == "orient-joints" else [path]
+    assert run(app, command, path, *others, "--tolerance", tolerance).exit_code == 2
+
+
+@pytest.mark.parametrize("command", ["verify", "diff"])
+def test_standard_input_is_one_file(command: str, app: click.Group) -> None:
+    done = run(app, command, "-", "-")
+    assert done.exit_code == 2
+    assert "standard input is one file" in done.stderr
+
+
+def test_quiet_inspect_leaves_out_the_warnings(app: click.Group, tmp_path: Path) -> None:
+    builder = avatars.avatar(1)
+    builder.gltf["extensionsUsed"].append("ACME_unknown")
+    builder.gltf["nodes"][0].setdefault("extensions", {})["ACME_unknown"] = {}
+    path = builder.glb(tmp_path / "a.vrm")
+    loud, quiet = (
+        run(app, "inspect", path, "--root", "hips"),
+        run(app, "inspect", path, "--root", "hips", "-q"),
+    )
+    assert "warning" in loud.stderr
+    assert quiet.stderr == ""
+    assert quiet.stdout == loud.stdout
+
+
+def test_a_name_cannot_steer_the_terminal_through_diff(app: click.Group, tmp_path: Path) -> None:
+    builder = avatars.avatar(1)
+    path = builder.glb(tmp_path / "a.vrm")
+    builder.gltf["nodes"][0]["name"] = "a\x1b[2Jb"
+    done = run(app, "diff", path, builder.glb(tmp_path / "b.vrm"))
+    assert done.exit_code == 1
+    assert "\x1b" not in done.output
+    assert run(app, "diff", path, tmp_path / "no\x1bne.glb").stderr.count("\x1b") == 0
