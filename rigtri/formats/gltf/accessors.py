@@ -133,8 +133,6 @@ class Accessors:
 
     def _converted(self, index: int, layout: Layout) -> Floats:
         accessor = self.value(index)
-        if layout.view < 0 and layout.rows * layout.width > MOST_ZEROS:
-            accessor.fail(f"claims {layout.rows} elements without bytes for them")
         numbers = self._elements(layout)
         if layout.sparse:
             numbers = self._replaced(numbers, accessor.need("sparse"), layout)
@@ -167,6 +165,8 @@ class Accessors:
         count = accessor.natural("count") or accessor.need("count").count(1)
         normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
         if raw.get("bufferView") is None:
+            if count * width > MOST_ZEROS:
+                accessor.fail(f"claims {count:g} elements without bytes for them")
             return Layout(component, width, count, normalized, sparse)
         view = accessor.natural("bufferView")
         layout = Layout(component, width, count, normalized, sparse, view)
