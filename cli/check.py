@@ -62,13 +62,15 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     if values["strict"] and values["severity"] == "error":
         raise UsageError("--strict fails on warnings, and --severity error leaves them out; give one of them")
     ignored = matching(values["ignore"])
-    results = {name: _kept(_check(name, values), ignored, values["severity"]) for name in files}
+    every = {name: _check(name, values) for name in files}
+    results = {name: _kept(findings, ignored, values["severity"]) for name, findings in every.items()}
+    left_out = {name: [item for item in every[name] if item not in results[name]] for name in files}
     code = _exit_code(results, strict=values["strict"])
     if values["as_json"]:
-        click.echo(json.dumps(as_json(results, code), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(as_json(results, left_out, code), indent=2, ensure_ascii=False))
     else:
         for name, findings in results.items():
-            _tell(name, findings, verbose=values["verbose"], quiet=values["quiet"])
+            _tell(name, findings, left_out[name], verbose=values["verbose"], quiet=values["quiet"])
     sys.exit(code)
 
 
@@ -101,8 +103,10 @@ def _exit_code(results: dict[str, list[Finding]], *, strict: bool) -> int:
     return int(any(item.severity in bad for item in found))
 
 
-def as_json(results: dict[str, list[Finding]], code: int) -> dict[str, Any]:
-    """The findings of all files as schemas/check.schema.json describes them."""
+def as_json(
+    results: dict[str, list[Finding]], left_out: dict[str, list[Finding]], code: int
+) -> dict[str, Any]:
+    """The findings of all files, and how many were left out, as schemas/check.schema.json describes them."""
     from rigtri import __version__
     from rigtri.checks.catalogue import UNREADABLE
     from rigtri.checks.findings import counts
@@ -118,6 +122,7 @@ def as_json(results: dict[str, list[Finding]], code: int) -> dict[str, Any]:
                 "file": name,
                 "readable": all(item.id != UNREADABLE for item in findings),
                 **counts(findings),
+                "left_out": len(left_out[name]),
                 "findings": [item.as_json() for item in findings],
             }
             for name, findings in results.items()
@@ -125,13 +130,15 @@ def as_json(results: dict[str, list[Finding]], code: int) -> dict[str, Any]:
     }
 
 
-def _tell(name: str, findings: list[Finding], *, verbose: bool, quiet: bool) -> None:
+def _tell(name: str, findings: list[Finding], left_out: list[Finding], *, verbose: bool, quiet: bool) -> None:
     """One file: its findings, of many alike only the first, and how many there are."""
     from rigtri.checks.findings import counts
 
     if quiet and not any(item.severity == "error" for item in findings):
         return
-    click.echo(f"{name}: {_counted(counts(findings))}")
+    shown = _counted(counts(findings)) or ("nothing shown" if left_out else "nothing wrong")
+    rest = f" ({_counted(counts(left_out))} left out)" if left_out else ""
+    click.echo(f"{name}: {shown}{rest}")
     said: dict[str, int] = {}
     for item in findings:
         if quiet and item.severity != "error":
@@ -152,7 +159,7 @@ def _counted(numbers: dict[str, int]) -> str:
     words = [
         f"{count} {key if count != 1 else key.removesuffix('s')}" for key, count in numbers.items() if count
     ]
-    return ", ".join(words) or "nothing wrong"
+    return ", ".join(words)
 
 
 def _list(machine: bool) -> None:

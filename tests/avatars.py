@@ -154,12 +154,12 @@ def _figure(axes: Mapping[str, Floats], random: np.random.Generator) -> Builder:
     nodes[NODES["spine"]]["children"].append(NODES["badge"])
     points = [np.array(position) + random.normal(size=3) * 0.05 for _, position in JOINTS.values()]
     skin = {
-        "POSITION": builder.accessor(points * 3),
+        "POSITION": builder.points(points * 3),
         "JOINTS_0": builder.accessor([[k, 0, 0, 0] for k in range(len(JOINTS))] * 3, "u1"),
         "WEIGHTS_0": builder.accessor([[1, 0, 0, 0]] * (3 * len(JOINTS))),
     }
     target = {"POSITION": builder.accessor([[0, 0.1, 0]] * 3)}
-    prop = {"POSITION": builder.accessor([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])}
+    prop = {"POSITION": builder.points([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])}
     builder.gltf |= {
         "scene": 0,
         "scenes": [{"nodes": [0, NODES["body"]]}],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -105,6 +106,61 @@ def output(rows: Any, **more: Any) -> Make:
 def times(rows: Any, **bounds: Any) -> Make:
     def spoil(g: dict[str, Any], b: Builder) -> None:
         g["animations"][0]["samplers"][0]["input"] = b.accessor(rows, **bounds)
+
+    return spoiled(spoil)
+
+
+def _keyed(g: dict[str, Any], end: str, accessor: int, path: str = "rotation") -> None:
+    """The clip takes its times or values from another accessor."""
+    animation = g["animations"][0]
+    animation["samplers"][0][end] = accessor
+    animation["channels"][0]["target"]["path"] = path
+
+
+# Where an index may stand, and what is put there: a path of keys, the last one behind the index.
+_TEXTURES = ("normalTexture", "occlusionTexture", "emissiveTexture")
+DANGLING: list[tuple[Any, ...]] = [
+    ("meshes", 0, "primitives", 0, "attributes", "POSITION"),
+    ("meshes", 0, "primitives", 0, "attributes", "NORMAL"),
+    ("meshes", 0, "primitives", 0, "targets", 0, "POSITION"),
+    ("meshes", 0, "primitives", 0, "indices"),
+    ("meshes", 0, "primitives", 0, "material"),
+    ("nodes", 2, "camera"),
+    *(("materials", 0, name, "index") for name in _TEXTURES),
+    ("materials", 0, "pbrMetallicRoughness", "baseColorTexture", "index"),
+    ("materials", 0, "pbrMetallicRoughness", "metallicRoughnessTexture", "index"),
+    ("textures", 0, "source"),
+    ("textures", 0, "sampler"),
+    ("images", 0, "bufferView"),
+    ("accessors", 0, "bufferView"),
+    ("accessors", 0, "sparse", "indices", "bufferView"),
+    ("accessors", 0, "sparse", "values", "bufferView"),
+    ("bufferViews", 0, "buffer"),
+    ("nodes", 3, "skin"),
+    ("scenes", 0, "nodes", 0),
+    ("animations", 0, "samplers", 0, "input"),
+]
+
+
+def dangling(*path: Any) -> Make:
+    """The file in which an index at a path points at nothing; what is missing on the way is made."""
+
+    def spoil(g: dict[str, Any], b: Builder) -> None:
+        place: Any = g
+        if path[2:3] == ("sparse",):
+            g["accessors"][0]["sparse"] = {
+                "count": 1,
+                "indices": {"bufferView": 0, "componentType": 5123},
+                "values": {"bufferView": 0},
+            }
+        for key, inner in pairwise(path):
+            empty: Any = [] if isinstance(inner, int) else {}
+            if isinstance(key, int) and len(place) <= key:
+                place.append(empty)
+            place = place[key] if isinstance(key, int) else place.setdefault(key, empty)
+        if isinstance(path[-1], int) and len(place) <= path[-1]:
+            place.append({})
+        place[path[-1]] = 99
 
     return spoiled(spoil)
 
@@ -213,11 +269,14 @@ GLTF: dict[str, list[Make]] = {
         skin(inverseBindMatrices=99),
         spoiled(lambda g, b: g.update(scene=5)),
         sampler(output=999),
+        *(dangling(*place) for place in DANGLING),
     ],
     "gltf.extension.required-unknown": [spoiled(_required)],
     "gltf.extension.undeclared": [
         spoiled(lambda g, b: g.update(extensionsRequired=["KHR_materials_unlit"])),
         spoiled(lambda g, b: g.update(extensions={"ACME_x": {}})),
+        node(2, extensions={"ACME_x": {}}),
+        spoiled(lambda g, b: g.update(materials=[{"normalTexture": {"extensions": {"ACME_x": {}}}}])),
     ],
     "gltf.buffer.outside": [buffer("../x.bin"), buffer("https://example.com/x.bin"), buffer("%2e%2e/x.bin")],
     "gltf.buffer.missing": [buffer("gone.bin")],
@@ -231,7 +290,11 @@ GLTF: dict[str, list[Make]] = {
         spoiled(lambda g, b: g["accessors"].append({"componentType": 1, "count": 1, "type": "VEC3"})),
         spoiled(lambda g, b: b.sparse([[0, 0, 0]], {7: [1, 1, 1]})),
     ],
-    "gltf.accessor.bounds": [times([0, 1], min=[0], max=[2])],
+    "gltf.accessor.bounds": [
+        times([0, 1], min=[0], max=[2]),
+        spoiled(lambda g, b: g["accessors"][0].update(max=[1, 4, 0])),
+        spoiled(lambda g, b: g["accessors"][0].pop("min")),
+    ],
     "gltf.compressed": [spoiled(_draco)],
     "gltf.no-skin": [spoiled(lambda g, b: g.update(skins=[], meshes=[], nodes=g["nodes"][:3], scenes=[]))],
     "gltf.node.cycle": [
@@ -299,6 +362,12 @@ GLTF: dict[str, list[Make]] = {
     "gltf.animation.output-type": [
         output([[0, 0, 0]] * 2),
         times([[0, 0], [1, 1]], min=[0, 0], max=[1, 1]),
+        spoiled(lambda g, b: _keyed(g, "input", b.accessor([0, 1], "u2", min=[0], max=[1]))),
+        spoiled(lambda g, b: _keyed(g, "output", b.accessor([[0, 0, 0, 1]] * 2, "u1"))),
+        spoiled(lambda g, b: _keyed(g, "output", b.accessor([[0, 0, 1]] * 2, "i2"), "translation")),
+        spoiled(
+            lambda g, b: _keyed(g, "output", b.accessor([[127] * 3] * 2, "i1", normalized=True), "scale")
+        ),
     ],
     "gltf.animation.times-nan": [times([0, np.nan], min=[0], max=[1])],
     "gltf.animation.times-order": [times([1, 1], min=[1], max=[1]), times([1, 0], min=[0], max=[1])],

@@ -54,6 +54,12 @@ class Builder:
         self.gltf["accessors"].append(entry)
         return len(self.gltf["accessors"]) - 1
 
+    def points(self, rows: Any) -> int:
+        """An accessor of positions, which need bounds."""
+        array = np.asarray(rows, dtype="<f4")
+        bounds = {"min": array.min(axis=0).tolist(), "max": array.max(axis=0).tolist()}
+        return self.accessor(array, **bounds)
+
     def sparse(self, rows: Any, changed: dict[int, Any]) -> int:
         """An accessor whose rows at some places are replaced."""
         index = self.accessor(rows)
@@ -237,7 +243,7 @@ def small(joints: int = 3) -> Builder:
     nodes = [{"name": f"joint {k}", "translation": [0, 1, 0], "children": [k + 1]} for k in range(joints)]
     del nodes[-1]["children"]
     skin = {
-        "POSITION": b.accessor([[0, 0, 0], [1, 0, 0], [0, 3, 0]]),
+        "POSITION": b.points([[0, 0, 0], [1, 0, 0], [0, 3, 0]]),
         "JOINTS_0": b.accessor([[0, 1, 0, 0]] * 3, "u1"),
         "WEIGHTS_0": b.accessor([[0.5, 0.5, 0, 0]] * 3),
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from places import ROOT
 from second_opinions import validator
 from usd_files import save
 
+import rigtri
 from rigtri.checks.catalogue import RULES, as_markdown
 
 
@@ -119,6 +121,25 @@ def test_what_makes_no_sense_is_refused(
     assert "name a file" in run(code=2).stderr
 
 
+@pytest.mark.parametrize("options", [["--ignore", "*"], ["--severity", "error", "--ignore", "gltf.skin.*"]])
+def test_what_is_left_out_is_counted(options: list[str], run: Any, files: dict[str, Path]) -> None:
+    every = len(rigtri.check(files["wrong"]))
+    assert every
+    words = run(files["wrong"], *options).stdout
+    assert "nothing wrong" not in words
+    assert re.search(r"nothing shown \(\d+ .* left out\)", words)
+    (found,) = json.loads(run(files["wrong"], *options, "--json").stdout)["files"]
+    assert found["left_out"] + len(found["findings"]) == every
+
+
+def test_a_remedy_is_said_once(run: Any, files: dict[str, Path], tmp_path: Path) -> None:
+    path = tmp_path / "cut.glb"
+    path.write_bytes(files["sound"].read_bytes()[:-8])
+    words = run(path, code=3).stdout
+    assert "is cut off" in words
+    assert words.count("again") == 1
+
+
 def test_the_list_has_every_id_for_people_and_machines(run: Any) -> None:
     words = run("--list").stdout
     assert all(f"{rule.id} ({rule.severity})" in words for rule in RULES.values())
@@ -142,6 +163,4 @@ def test_help_has_an_example(run: Any) -> None:
 
 
 def test_the_library_has_the_twin_of_the_command(files: dict[str, Path]) -> None:
-    import rigtri
-
     assert {item.id for item in rigtri.check(files["wrong"])} >= {"gltf.skin.joint-twice"}

@@ -23,6 +23,8 @@ BROKEN = GLTF | VRM | USD
 # What a mistake brings with it: the smallest file with the one has the other, too.
 ALONG = {
     "gltf.accessor.broken": {"gltf.accessor.bounds"},
+    "gltf.reference": {"gltf.accessor.broken"},
+    "vrm.spring.shape": {"gltf.extension.undeclared"},
     "usd.skel.no-joints": {"usd.skel.bind-missing"},
 }
 

@@ -295,6 +295,17 @@ def test_what_is_no_usd_file_is_refused(suffix: str, content: bytes, tmp_path: P
     assert str(path) in error_of(path)
 
 
+def test_a_damaged_text_is_refused_in_a_few_words_with_the_property(tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(), MESH).replace(
+        "matrix4d[] restTransforms", "matrix4d restTransforms"
+    )
+    long = text.replace("restTransforms = [", "restTransforms = [" + f"{ONE}, " * 50)
+    words = error_of(save(tmp_path, long)).replace(str(tmp_path), "")
+    assert len(words) < 300
+    assert "missing []" in words
+    assert words.endswith("in </Root/Skel.restTransforms>")
+
+
 def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.usda").mkdir()
     for name in ("none.usda", "folder.usda"):

@@ -30,7 +30,10 @@ def check(path: Path | str, *, allow_external_paths: bool = False, external: boo
     try:
         _check(path, findings, allow_external_paths, external)
     except FileError as error:
-        findings.add(UNREADABLE, "file", "", str(error).removeprefix(f"{path}: "))
+        # The remedy of the finding says it already.
+        text = str(error).removeprefix(f"{path}: ").rstrip(". ")
+        text = text.removesuffix(RULES[UNREADABLE].remedy.rstrip(".")).rstrip(". ")
+        findings.add(UNREADABLE, "file", "", text)
     return findings.all()
 
 

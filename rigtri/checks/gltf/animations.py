@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rigtri.checks.gltf.view import View, told
+from rigtri.formats.gltf.accessors import FLOAT, FULL
 from rigtri.formats.gltf.animations import INTERPOLATIONS, WIDTH, pointer_of, target_of
 from rigtri.formats.gltf.nodes import NON_UNIT
 from rigtri.quaternions import norm
@@ -128,10 +129,23 @@ def _check_sampler(
         text = f"{channel.path} needs {width} numbers a key, its output has {values.shape[1]}"
         view.add("gltf.animation.output-type", place, f"{where}/output", text)
         return []
+    _check_component(view, sampler["output"], channel, f"{where}/output")
     if times is None or not _count_fits(view, times, values, mode, channel, where) or width is None:
         return []
     per_key = 3 if mode == "CUBICSPLINE" else 1
     return [Keys(channel, f"{where}/output", times, values.reshape(len(times), per_key, width))]
+
+
+def _check_component(view: View, raw: Any, channel: Channel, where: str) -> None:
+    """Places and scales are floats; rotations and weights floats or normalised integers of 8 or 16 bits."""
+    accessor = view.raw_accessor(raw)
+    kind, normalized = accessor.get("componentType"), accessor.get("normalized") is True
+    if kind == FLOAT or (channel.path in ("rotation", "weights") and kind in FULL and normalized):
+        return
+    wanted = "floats" if channel.path in ("translation", "scale") else "floats or normalised integers"
+    text = f"{channel.path} should be {wanted}, its output has the component type {kind}"
+    text += " (normalised)" if normalized else ""
+    view.add("gltf.animation.output-type", channel.place, where, text)
 
 
 def _times(view: View, sampler: dict[str, Any], place: str, where: str, checked: set[int]) -> Floats | None:
@@ -144,6 +158,10 @@ def _times(view: View, sampler: dict[str, Any], place: str, where: str, checked:
         text = f"its times have {numbers.shape[1]} numbers each, not one"
         view.add("gltf.animation.output-type", place, f"{where}/input", text)
         return None
+    kind = view.raw_accessor(raw).get("componentType")
+    if kind != FLOAT:
+        text = f"its times should be floats, and have the component type {kind}"
+        view.add("gltf.animation.output-type", place, f"{where}/input", text)
     times = numbers[:, 0]
     if int(raw or 0) not in checked:
         checked.add(int(raw or 0))

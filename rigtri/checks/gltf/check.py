@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rigtri.checks.findings import Findings
-from rigtri.checks.gltf import animations, meshes, nodes, notes, skins, springs, vrm
+from rigtri.checks.gltf import animations, meshes, nodes, notes, references, skins, springs, vrm
 from rigtri.checks.gltf.view import View, told
 from rigtri.errors import FileError
 from rigtri.formats.gltf.container import Container, open_container
@@ -20,6 +20,7 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
     try:
         view = View(container, findings, allow_external=allow_external)
         _check_extensions(view)
+        references.check(view)
         nodes.check(view)
         skins.check(view)
         animations.check(view)
@@ -55,9 +56,11 @@ def _check_extensions(view: View) -> None:
     for name in sorted(required - used):
         text = f"{name} is required, but not in extensionsUsed"
         view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
-    for name in sorted(set(view.object(view.raw, "extensions", "file", "")) - used - required):
-        text = f"{name} is used, but not in extensionsUsed"
-        view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
+    view.object(view.raw, "extensions", "file", "")
+    for name, where in sorted(references.extensions(view.raw).items()):
+        if name not in used | required:
+            text = f"{name} is used at {where}, but not in extensionsUsed"
+            view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
 
 
 def _texts(view: View, key: str) -> set[str]:

@@ -61,7 +61,8 @@ RULES = (
     Rule(
         "gltf.animation.output-type",
         "error",
-        "The times or values of a channel have the wrong type for what it drives.",
+        "The times are no single floats, or the values have the wrong type for what a channel drives; values "
+        "of pointers are not looked at.",
         _AGAIN,
     ),
     Rule(

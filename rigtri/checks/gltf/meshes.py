@@ -50,6 +50,7 @@ def check(view: View) -> None:
             _check_place(view, node, skin)
         _check_pair(view, node, raw, mesh, mesh is not None and skinned[mesh])
     for number in range(len(meshes)):
+        _check_positions(view, number)
         if skinned[number]:
             _check_mesh(view, number, sorted(shown.get(number, ())))
 
@@ -109,6 +110,25 @@ def _check_mesh(view: View, number: int, using: list[int]) -> None:
             _check_weights(view, primitive)
             for skin in using:
                 _check_joints(view, primitive, skin)
+
+
+def _check_positions(view: View, number: int) -> None:
+    """The min and max of positions, from which loaders take the size of a mesh."""
+    mesh = view.lists["meshes"][number]
+    for k, raw in enumerate(view.objects(mesh, "primitives", _title(view, number), f"/meshes/{number}")):
+        place, pointer = f"{_title(view, number)}, primitive {k}", f"/meshes/{number}/primitives/{k}"
+        if DRACO in view.object(raw, "extensions", place, pointer):
+            continue
+        index = view.object(raw, "attributes", place, pointer).get("POSITION")
+        if type(index) is not int or not 0 <= index < len(view.accessors):
+            continue  # `references` says so
+        accessor = view.raw_accessor(index)
+        missing = [key for key in ("min", "max") if key not in accessor]
+        if missing:
+            text = f"its positions, accessor #{index}, have no {' and no '.join(missing)}"
+            view.add("gltf.accessor.bounds", place, f"/accessors/{index}", text)
+        if len(missing) < 2:
+            view.judge(index)
 
 
 def _influences(view: View, attributes: dict[str, Any], place: str, pointer: str) -> Primitive | None:

@@ -37,7 +37,7 @@ RULES = (
     Rule(
         "gltf.reference",
         "error",
-        "An index points at something that the file does not have.",
+        "An index points at something that the file does not have; those in extensions are not looked at.",
         _AGAIN,
     ),
     Rule(
@@ -49,7 +49,8 @@ RULES = (
     Rule(
         "gltf.extension.undeclared",
         "error",
-        "An extension is required or used, but not listed in extensionsUsed; loaders then pass over it.",
+        "An extension is required, or any object has it, and extensionsUsed does not list it; loaders then "
+        "pass over it.",
         "List it in extensionsUsed.",
     ),
     Rule(
@@ -79,7 +80,8 @@ RULES = (
     Rule(
         "gltf.accessor.bounds",
         "warning",
-        "The min or max of an accessor are not those of its values; loaders trust them.",
+        "The min or max of positions, times, influences or matrices are not those of the values, or "
+        "positions have none; loaders trust them.",
         _AGAIN,
     ),
     Rule(

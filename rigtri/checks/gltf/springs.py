@@ -134,7 +134,9 @@ def _covered(view: View, chain: list[int]) -> list[int]:
 def _check_springs_0(view: View, secondary: dict[str, Any], pointer: str) -> None:
     groups = view.objects(secondary, "colliderGroups", "springs", pointer)
     for k, group in enumerate(groups):
-        _node(view, group.get("node"), f"collider group {k}", f"{pointer}/colliderGroups/{k}/node")
+        place, where = f"collider group {k}", f"{pointer}/colliderGroups/{k}"
+        _node(view, group.get("node"), place, f"{where}/node")
+        view.objects(group, "colliders", place, where)
     for k, group in enumerate(view.objects(secondary, "boneGroups", "springs", pointer)):
         place, where = f"spring #{k}", f"{pointer}/boneGroups/{k}"
         for n, raw in enumerate(view.items(group, "bones", place, where)):

@@ -136,6 +136,11 @@ class View:
             self._numbers[index] = self._read(index)
         return self._numbers[index]
 
+    def judge(self, index: int) -> None:
+        """Judge the min and max of an accessor that nothing else reads; its numbers are not kept."""
+        if index not in self._numbers:
+            self._read(index)
+
     def raw_accessor(self, raw: Any) -> dict[str, Any]:
         """The JSON of an accessor that could be read."""
         return self.lists["accessors"][int(raw)]

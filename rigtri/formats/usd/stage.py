@@ -23,6 +23,8 @@ from rigtri.formats.usd.value_types import demand
 from rigtri.report import Notice
 
 DEFAULT = Usd.TimeCode.Default()
+# Letters of a message of pxr that are shown.
+LONGEST = 240
 
 
 @contextmanager
@@ -81,7 +83,13 @@ def first_line(error: Exception) -> str:
         # pxr quotes the file, and what it quotes may be no text at all.
         text = "it holds bytes that are no text"
     text = text.partition(" : ")[2] or text
-    return re.sub(r"\bpxrInternal\w*::", "", text).strip("' ") or type(error).__name__
+    return _shortened(re.sub(r"\bpxrInternal\w*::", "", text).strip("' ")) or type(error).__name__
+
+
+def _shortened(text: str) -> str:
+    """Both ends of a text: what is wrong, and where; pxr quotes whole arrays between them."""
+    half = LONGEST // 2
+    return text if len(text) <= LONGEST else f"{text[:half].rstrip()} … {text[-half:].lstrip()}"
 
 
 def numbers(attribute: Any, value: Any) -> np.ndarray:

@@ -41,6 +41,7 @@ TYPES: Mapping[str, Expected] = {
     INDICES: Expected(_NAMES.IntArray, _SKIN),
     WEIGHTS: Expected(_NAMES.FloatArray, _SKIN),
     BIND: Expected(_NAMES.Matrix4d, "it counts as identity"),
+    "xformOpOrder": Expected(_NAMES.TokenArray, "the prim has no ops"),
     "points": Expected(_NAMES.Float3Array, "the prim has no points"),
     "offsets": Expected(_NAMES.Float3Array, "the blend shape moves nothing"),
     "pointIndices": Expected(_NAMES.IntArray, "the offsets count as those of all points"),
