@@ -493,11 +493,12 @@ def test_a_fault_in_the_task_itself_is_told_with_its_traceback() -> None:
         child("x", twice, None)
 
 
-def test_points_without_bytes_that_outnumber_their_weights_are_a_notice(tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", [2**31, 3.4e38])
+def test_points_without_bytes_that_outnumber_their_weights_are_a_notice(count: float, tmp_path: Path) -> None:
     builder = small()
     points = builder.gltf["accessors"][builder.gltf["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
     del points["bufferView"]
-    points["count"] = 2**31
+    points["count"] = count
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=Everything(selection=Selection(joints=("*",))), report=report)
