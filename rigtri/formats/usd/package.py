@@ -142,9 +142,7 @@ def _check(path: Path, entries: list[Entry]) -> None:
     for name in names:
         parts = name.replace("\\", "/").split("/")
         if "\0" in name:
-            raise FileError(
-                f"{path}: entry '{name}' has a name with a zero byte in it, which is no file name."
-            )
+            raise FileError(f"{path}: entry '{name}' has a zero byte in its name, which no file can have.")
         if name.startswith(("/", "\\")) or ".." in parts or ":" in parts[0]:
             raise FileError(f"{path}: entry '{name}' leads outside the package.")
     if len(set(names)) != len(names):
