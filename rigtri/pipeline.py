@@ -365,12 +365,10 @@ def _left_behind(
     if final.suffix.lower() != ".gltf" or not same_file(path, final):
         return []
     kept = [file for file, _ in document.reopen(final).needed()]
-    left = [
-        file for file, _ in needed if file.is_file() and not any(same_file(file, other) for other in kept)
-    ]
     return [
         Notice("file-left", f"{file} is no longer referred to by {final.name}; it was left where it is")
-        for file in left
+        for file, _ in needed
+        if file.is_file() and not any(same_file(file, other) for other in kept)
     ]
 
 

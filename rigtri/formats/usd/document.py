@@ -70,7 +70,13 @@ class UsdDocument:
         skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
         tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
         with quiet(f"{source.path}: USD cannot read its meshes"):
-            return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+            found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+        for mesh in found:
+            if mesh.skin is not None and not np.isfinite(mesh.weights).all():
+                text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
+                if (notice := Notice("mesh-unread", text)) not in self._notices:
+                    self._notices.append(notice)
+        return found
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same: USD keeps what is drawn in memory anyway."""
