@@ -57,7 +57,7 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         return None
     if "" in tokens:
         # UsdSkel takes it for a root of its own, and so do we.
-        text = f"Skeleton <{path}>: joint {tokens.index('')} has no name; like UsdSkel, rigtri takes it for a root"
+        text = f"Skeleton <{path}>: joint {tokens.index('')} has no name; it counts as a root, as in UsdSkel"
         warnings.append(Notice("joint-unnamed", text))
     parents = joint_parents(path, tokens)
     bind = _matrices(prim, "bindTransforms", tokens)
