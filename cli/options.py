@@ -348,7 +348,9 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     if outcome.verification is None:
         click.echo("The result was not compared with the source (--no-verify).", err=True)
     else:
-        click.echo(plain(outcome.verification.summary(), one_line=True), err=True)
+        unread = len(outcome.unread)
+        more = f"; {unread} meshes could not be read and were not measured" if unread else ""
+        click.echo(plain(outcome.verification.summary() + more, one_line=True), err=True)
     if values["dry_run"]:
         click.echo(f"{where} was not written (--dry-run).", err=True)
     else:

@@ -30,7 +30,8 @@ def compare_attached(before: Rig, after: Rig, m: Matching) -> list[str]:
     if not (before.bound or after.bound or before.constraints):
         return []
     with np.errstate(all="ignore"):
-        worlds = pose.worlds(before), pose.worlds(after)
+        # Rotations as the format means them: unit, whatever was stored.
+        worlds = pose.worlds(before, pose.rest(before)), pose.worlds(after, pose.rest(after))
         return [
             *_vectors(before, after, m, worlds),
             *_constraints(before, after, m, worlds),

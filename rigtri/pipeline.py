@@ -31,7 +31,8 @@ from rigtri.delivery import (
 )
 from rigtri.errors import DeviationError, FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import Companion, Document, Options, read
-from rigtri.report import Report
+from rigtri.pose import worlds
+from rigtri.report import Notice, Report
 from rigtri.rig import Rig
 
 Step = Callable[[Rig, Report], Rig]
@@ -52,6 +53,11 @@ class Outcome:
     written: bool
     changed: bool
     seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def unread(self) -> list[str]:
+        """Why meshes could not be read, one text for each; how they look was not measured."""
+        return [notice.text for notice in self.report.warnings if notice.code == "mesh-unread"]
 
 
 def edit(
@@ -103,6 +109,7 @@ def edit(
                     _to_stdout(written)
                 elif not dry_run:
                     written.finish()
+                    report.hear(_left_behind(document, path, final, needed))
             except BaseException:  # an interrupt too leaves the folder as it was; it goes on up
                 written.undo()
                 raise
@@ -153,9 +160,29 @@ def _deliver(
     if not result.passes(tolerance):
         raise DeviationError(
             f"The result would look different: {result.summary()}, over the tolerance of "
-            f"{tolerance:g}. Nothing was written."
+            f"{tolerance:g}. Nothing was written.{_why_near(document.rig, result, tolerance)}"
         )
     return result
+
+
+def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
+    """What a user can do where nothing but the rounding of stored numbers can be what differs."""
+    near = result.deviation < 10 * tolerance
+    if result.lost or result.different or not near:
+        return ""
+    depth = max(rig.depth) + 1
+    far = float(np.abs(worlds(rig)[:, 3, :3]).max(initial=0.0)) / (result.diagonal or 1.0)
+    floor = depth * max(far, 1.0) * float(np.finfo(np.float32).eps) / 2
+    return (
+        f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
+        f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
+        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.deviation):g}"
+    )
+
+
+def _rounded_up(value: float) -> float:
+    """A little more, with one digit."""
+    return float(f"{value * 1.5:.0e}")
 
 
 def _checked(
@@ -331,6 +358,20 @@ def _needed(document: Document, path: Path, final: Path, options: Options) -> li
     ]
 
 
+def _left_behind(
+    document: Document, path: Path, final: Path, needed: Sequence[tuple[Path, str]]
+) -> list[Notice]:
+    """Files that a .gltf edited in place referred to before, and does no longer. They are not removed."""
+    if final.suffix.lower() != ".gltf" or not same_file(path, final):
+        return []
+    kept = [file for file, _ in document.reopen(final).needed()]
+    return [
+        Notice("file-left", f"{file} is no longer referred to by {final.name}; it was left where it is")
+        for file, _ in needed
+        if file.is_file() and not any(same_file(file, other) for other in kept)
+    ]
+
+
 def _spare(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
     """UsageError where writing to ``place`` would destroy a file that the output needs."""
     for file, what in needed:
@@ -468,7 +509,7 @@ def report_json(
 
     verification = None
     if outcome.verification is not None:
-        verification = outcome.verification.as_json() | {"tolerance": tolerance}
+        verification = outcome.verification.as_json() | {"tolerance": tolerance, "unread": outcome.unread}
     return {
         "rigtri": __version__,
         "command": command,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -137,7 +139,30 @@ MISTYPED = [
     ("pointIndices", "int[]", "int64[]"),
 ]
 
+
+def packed(change: Callable[[bytes], bytes], name: str = "notes.txt", align: bool = True) -> Make:
+    """A sound character in a package, with a second entry and a change to the whole."""
+
+    def make(folder: Path) -> Path:
+        path = folder / "in.usdz"
+        with zipfile.ZipFile(path, "w") as file:
+            for entry, content in (("in.usda", clean().encode()), (name, b"hello")):
+                info = zipfile.ZipInfo(entry)
+                info.create_system = 3
+                padding = -(file.fp.tell() + 30 + len(entry) + 4) % 64  # type: ignore[union-attr]
+                info.extra = struct.pack("<HH", 0x1986, padding) + bytes(padding) if align else b""
+                file.writestr(info, content)
+        path.write_bytes(change(path.read_bytes()))
+        return path
+
+    return make
+
+
 USD: dict[str, list[Make]] = {
+    "usd.package.checksum": [packed(lambda whole: whole.replace(b"hello", b"jello"))],
+    "usd.package.alignment": [packed(lambda whole: whole, align=False)],
+    "usd.package.junk": [packed(lambda whole: whole + b"junk")],
+    "usd.package.backslash": [packed(lambda whole: whole, "tex\\notes.txt")],
     "usd.layer.missing": [stage(clean().replace("(\n", "(\n    subLayers = [@./gone.usda@]\n", 1))],
     "usd.no-skeleton": [stage(scene('def Xform "A" {}'))],
     "usd.skel.no-joints": [

@@ -99,6 +99,16 @@ def test_new_axes_change_numbers_and_nothing_that_an_avatar_says(seed: int, tmp_
     assert verify(before, after).different == ()
 
 
+def test_rotations_that_are_not_unit_move_nothing_that_an_avatar_says(tmp_path: Path) -> None:
+    builder = avatars.avatar(1)
+    for node in builder.gltf["nodes"]:
+        if "rotation" in node:
+            node["rotation"] = [0.9 * number for number in node["rotation"]]
+    before = read(builder.glb(tmp_path / "before.vrm"))
+    before.write(orient_joints(before.rig), tmp_path / "after.vrm", tmp_path / "after.vrm")
+    assert self_check(before, read(tmp_path / "after.vrm")).passes()
+
+
 def run(app: click.Group, *arguments: Any) -> Any:
     return CliRunner().invoke(app, list(map(str, arguments)))
 

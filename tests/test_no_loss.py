@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from usd_files import MESH, animation, save, scene, skeleton
 
-from rigtri.errors import UsageError
+from rigtri.errors import DeviationError, UsageError
 from rigtri.formats import Options
 from rigtri.ops.orient import orient_joints
 from rigtri.pipeline import edit
@@ -143,3 +144,38 @@ def test_the_output_replaces_no_file_that_the_run_reads(
     assert run.exit_code == 2
     assert flag in run.output
     assert contents(tmp_path) == before
+
+
+def test_a_buffer_that_is_no_longer_referred_to_is_named_and_kept(samples: Path, tmp_path: Path) -> None:
+    for name in ("biped.gltf", "biped.bin"):
+        shutil.copyfile(samples / name, tmp_path / name)
+    content = (tmp_path / "biped.bin").read_bytes()
+    report = Report()
+    edit(tmp_path / "biped.gltf", tmp_path / "biped.gltf", orient, overwrite=True, report=report)
+    referred = 'biped.bin"' in (tmp_path / "biped.gltf").read_text("utf-8")
+    assert ("file-left" in [notice.code for notice in report.warnings]) != referred
+    assert (tmp_path / "biped.bin").read_bytes() == content
+
+
+def test_a_mesh_that_was_not_measured_is_counted(app: click.Group, samples: Path, tmp_path: Path) -> None:
+    document = json.loads((samples / "biped.gltf").read_text("utf-8"))
+    position = document["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
+    document["accessors"][position]["count"] = 2**31
+    shutil.copyfile(samples / "biped.bin", tmp_path / "biped.bin")
+    source = save(tmp_path, json.dumps(document), "in.gltf")
+    arguments = ["orient-joints", str(source), "-o", str(tmp_path / "out.gltf")]
+    run = CliRunner().invoke(app, [*arguments, "--report", str(tmp_path / "report.json")])
+    assert run.exit_code == 0
+    assert "could not be read and were not measured" in run.output
+    written = json.loads((tmp_path / "report.json").read_text("utf-8"))
+    assert written["verification"]["unread"]
+
+
+def test_a_result_just_over_the_tolerance_says_what_rounding_does(samples: Path, tmp_path: Path) -> None:
+    source, out = samples / "biped.glb", tmp_path / "out.glb"
+    outcome = edit(source, out, orient)
+    assert outcome.verification is not None
+    with pytest.raises(DeviationError, match=r"float32.*--tolerance"):
+        edit(source, tmp_path / "two.glb", orient, tolerance=outcome.verification.deviation / 2)
+    with pytest.raises(DeviationError, match=r"Nothing was written\.$"):
+        edit(source, tmp_path / "two.glb", orient, tolerance=outcome.verification.deviation / 20)

@@ -106,7 +106,7 @@ def test_a_name_that_only_the_working_folder_has_is_outside(
     """USD looks for a bare name in the working folder, too: the same file would be read differently."""
     folder, asset = folders
     source = save(folder, ARCS["reference"].format(asked="hero.usda"), "shot.usda")
-    assert "there is no skeleton in it (1 files" in error_of(source)
+    assert "there is no skeleton in it (" in error_of(source)
     monkeypatch.chdir(asset.parent)
     assert "asks for 'hero.usda', which lies outside" in error_of(source)
 

@@ -10,6 +10,7 @@ import pytest
 from pxr import Sdf, Usd
 from usd_files import MESH, animation, deviation, error_of, read, save, scene, skeleton, turned, write
 
+from rigtri.errors import FileError
 from rigtri.formats.usd import package
 
 LAYER = scene(skeleton(), animation(), MESH).encode()
@@ -117,3 +118,34 @@ def test_a_package_that_is_cut_off_is_refused(share: float, tmp_path: Path) -> N
     path = tmp_path / "cut.usdz"
     path.write_bytes(whole[: int(len(whole) * share)])
     assert "cut off" in error_of(path)
+
+
+def test_a_damaged_layer_gets_no_valid_checksum(tmp_path: Path) -> None:
+    source = hero(tmp_path)
+    source.write_bytes(source.read_bytes().replace(b"faceVertexCounts", b"faceVertexCOUNTS", 1))
+    document = read(source)
+    with pytest.raises(FileError, match=r"'hero\.usda' does not have its checksum"):
+        write(document, turned(document.rig), tmp_path / "out.usdz")
+
+
+def test_another_damaged_entry_stays_as_it_is_and_is_named(tmp_path: Path) -> None:
+    source = hero(tmp_path)
+    source.write_bytes(source.read_bytes().replace(b"hello", b"jello", 1))
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usdz")
+    assert [notice.code for notice in document.warnings] == ["package-damaged"]
+    before, after = (package.read(path).entries[2] for path in (source, out))
+    assert before.crc == after.crc
+    assert package.read(out).bytes_of(after) == b"jello"
+    with zipfile.ZipFile(out) as file:
+        assert file.testzip() == "notes.txt"
+
+
+def test_names_and_sizes_that_cannot_be_are_told_as_what_they_are(tmp_path: Path) -> None:
+    whole = hero(tmp_path).read_bytes()
+    path = tmp_path / "bad.usdz"
+    path.write_bytes(whole.replace(b"notes.txt", b"no\0es.txt"))
+    assert "zero byte" in error_of(path)
+    central = whole.index(b"PK\1\2")
+    path.write_bytes(whole[: central + 20] + b"\1\0\0\0" + whole[central + 24 :])
+    assert "two sizes" in error_of(path)

@@ -324,3 +324,17 @@ def test_a_moved_bind_pose_is_not_the_rest_pose(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(bind=bind), animation(), MESH))
     document = read(source)
     assert deviation(source, write(document, turned(document.rig), tmp_path / "out.usda")) < 1e-6
+
+
+def test_a_joint_without_a_name_and_weights_that_are_no_numbers_are_told(tmp_path: Path) -> None:
+    nameless = skeleton(joints='uniform token[] joints = ["", "a", "a/b"]')
+    endless = MESH.replace("jointWeights = [1, 0, 0.5", "jointWeights = [inf, 0, 0.5")
+    document = read(save(tmp_path, scene(nameless, animation(), endless)))
+    document.meshes()
+    assert {"joint-unnamed", "mesh-unread"} <= {notice.code for notice in document.warnings}
+
+
+def test_a_bind_matrix_of_zeros_is_called_singular(tmp_path: Path) -> None:
+    zero = "(" + ", ".join(["(0, 0, 0, 0)"] * 4) + ")"
+    flat = skeleton(bind=f"uniform matrix4d[] bindTransforms = [{zero}, {zero}, {zero}]")
+    assert "is singular" in error_of(save(tmp_path, scene(flat, animation(), MESH)))

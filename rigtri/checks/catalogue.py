@@ -10,7 +10,7 @@ from rigtri.checks.findings import Rule
 from rigtri.checks.gltf import clip_rules
 from rigtri.checks.gltf import rules as gltf
 from rigtri.checks.gltf import vrm_rules as vrm
-from rigtri.checks.usd import binding_rules
+from rigtri.checks.usd import binding_rules, packages
 from rigtri.checks.usd import rules as usd
 from rigtri.errors import UsageError
 
@@ -25,7 +25,15 @@ _FILE = (
 )
 RULES: Mapping[str, Rule] = {
     rule.id: rule
-    for rule in (*_FILE, *gltf.RULES, *clip_rules.RULES, *vrm.RULES, *usd.RULES, *binding_rules.RULES)
+    for rule in (
+        *_FILE,
+        *gltf.RULES,
+        *clip_rules.RULES,
+        *vrm.RULES,
+        *usd.RULES,
+        *binding_rules.RULES,
+        *packages.RULES,
+    )
 }
 
 

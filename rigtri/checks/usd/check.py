@@ -8,7 +8,7 @@ from typing import Any
 
 from rigtri.checks import notes as judged
 from rigtri.checks.findings import Findings
-from rigtri.checks.usd import animations, bindings, blend_shapes, skeletons
+from rigtri.checks.usd import animations, bindings, blend_shapes, packages, skeletons
 from rigtri.checks.usd.scene import Scene
 from rigtri.formats.usd.document import opened
 from rigtri.formats.usd.notes import JOINT_NOTES, read_prim
@@ -22,6 +22,8 @@ def check_usd(
 
     FileError where it is no USD at all.
     """
+    if path.suffix.lower() == ".usdz":
+        packages.check(path, findings)
     stage, _, notices = opened(path, allow_external=allow_external)
     for notice in notices:
         findings.add("usd.layer.missing", "stage", "", notice.text)

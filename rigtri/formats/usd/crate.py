@@ -72,7 +72,8 @@ class _Crate:
         strings = self._told("STRINGS", self._strings)
         if strings is not None:
             _below(strings, tokens, "string")
-        fields = self._told("FIELDS", lambda at, end: self._fields(at, end, tokens)) or 0
+        known = 0 if strings is None else len(strings)
+        fields = self._told("FIELDS", lambda at, end: self._fields(at, end, tokens, known)) or 0
         sets = self._told("FIELDSETS", lambda at, end: self._field_sets(at, end, fields))
         paths = self._told("PATHS", lambda at, end: self._paths(at, end, tokens)) or 0
         self._told("SPECS", lambda at, end: self._specs(at, end, paths, sets))
@@ -122,7 +123,7 @@ class _Crate:
         count = self._number(at)
         return np.frombuffer(self._slice(at + 8, 4 * count, end), dtype="<u4").astype(np.int64)
 
-    def _fields(self, at: int, end: int, tokens: int) -> int:
+    def _fields(self, at: int, end: int, tokens: int, strings: int) -> int:
         count, at = self._count(at, end)
         names, at = self._integers(at, end, count)
         _below(names, tokens, "name")
@@ -130,7 +131,7 @@ class _Crate:
         values = lz4.unpacked(bytes(packed), 8 * count) if count else b""
         if len(values) != 8 * count:
             raise ValueError("it has fewer values than it says")
-        crate_values.check(self.content, np.frombuffer(values, dtype="<u8"), self.version)
+        crate_values.check(self.content, np.frombuffer(values, dtype="<u8"), self.version, tokens, strings)
         return count
 
     def _field_sets(self, at: int, end: int, fields: int) -> Integers:

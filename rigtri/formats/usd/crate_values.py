@@ -14,7 +14,7 @@ from rigtri.formats.usd import lz4
 Words = np.ndarray[tuple[int, ...], np.dtype[np.uint64]]
 
 _ARRAY, _INLINED, _COMPRESSED = 1 << 63, 1 << 62, 1 << 61
-_TIME_SAMPLES = 46
+_STRING, _TOKEN, _ASSET, _TIME_SAMPLES = 10, 11, 12, 46
 # Type → bytes of one item of an array; strings, tokens, paths and expressions are indices.
 _SIZES = {
     1: 1, 2: 1, 3: 4, 4: 4, 5: 8, 6: 8, 7: 2, 8: 4, 9: 8, 10: 4, 11: 4, 12: 4, 13: 32, 14: 72, 15: 128,
@@ -27,9 +27,15 @@ _COUNTED = {31: 12, 40: 4, 41: 4, 45: 8, 48: 8, 49: 16, 50: 4, 58: 8}
 _LISTS = {32: 4, 33: 4, 34: 4, 35: 8, 36: 4, 37: 8, 38: 4, 39: 8, 54: 8, 55: 8}
 
 
-def check(content: memoryview, values: Words, version: tuple[int, int, int]) -> None:
+def check(
+    content: memoryview, values: Words, version: tuple[int, int, int], tokens: int, strings: int
+) -> None:
     """ValueError for a value outside the file, or one that claims more items than it can have."""
     seen: set[int] = set()
+    for kind, most in ((_STRING, strings), (_TOKEN, tokens), (_ASSET, tokens)):
+        mine = values[(values >> np.uint64(48)) & np.uint64(0x80FF) == kind] & np.uint64(0xFFFFFFFF)
+        if len(mine) and int(mine.max()) >= most:
+            raise ValueError(f"a value names text {int(mine.max())} of {most}")
     for value in values.tolist():
         _check(content, value, version, seen)
 

@@ -70,7 +70,13 @@ class UsdDocument:
         skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
         tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
         with quiet(f"{source.path}: USD cannot read its meshes"):
-            return meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+            found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+        for mesh in found:
+            if mesh.skin is not None and not np.isfinite(mesh.weights).all():
+                text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
+                if (notice := Notice("mesh-unread", text)) not in self._notices:
+                    self._notices.append(notice)
+        return found
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same: USD keeps what is drawn in memory anyway."""
@@ -186,6 +192,7 @@ class UsdDocument:
             shutil.copyfile(source.path, part)
         elif packed:
             whole = package.read(source.path)
+            _check_sums(whole, source.path, notices)
             encoding = _by_content(whole.bytes_of(whole.root))
             package.write(whole, layers.to_bytes(layer, encoding), part)
         else:
@@ -277,6 +284,19 @@ def _apply(stage: Any, edits: list[Edit], layer: Any, notices: list[Notice]) -> 
                 inside.append(edit)
     if inside:
         instances.apply(stage, inside, layer, notices)
+
+
+def _check_sums(whole: package.Package, path: Path, notices: list[Notice]) -> None:
+    """FileError for a damaged layer that would get a valid checksum; other entries are kept and noticed."""
+    damaged = [entry for entry in whole.entries if not whole.is_whole(entry)]
+    if whole.root in damaged:
+        raise FileError(
+            f"{path}: entry '{whole.root.name}' does not have its checksum, so it is damaged. "
+            "Copy or export the package again"
+        )
+    for entry in damaged:
+        text = f"entry '{entry.name}' does not have its checksum, so it is damaged; it was kept as it is"
+        notices.append(Notice("package-damaged", text))
 
 
 def _encoding(suffix: str) -> str:

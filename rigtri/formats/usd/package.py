@@ -56,6 +56,8 @@ class Package:
     content: bytes
     entries: tuple[Entry, ...]
     comment: bytes
+    # What follows the end of the package, which its comment is no part of.
+    junk: int = 0
 
     @property
     def root(self) -> Entry:
@@ -63,6 +65,10 @@ class Package:
 
     def bytes_of(self, entry: Entry) -> bytes:
         return self.content[entry.start : entry.start + entry.size]
+
+    def is_whole(self, entry: Entry) -> bool:
+        """Whether an entry's bytes have the checksum that the directory has for them."""
+        return zlib.crc32(memoryview(self.content)[entry.start : entry.start + entry.size]) == entry.crc
 
 
 def read(path: Path) -> Package:
@@ -75,7 +81,7 @@ def read(path: Path) -> Package:
     at = content.rfind(b"PK\5\6", max(0, len(content) - 65557))
     if not content.startswith(b"PK") or at < 0 or at + _END.size > len(content):
         raise FileError(f"{path}: no .usdz package (not a zip file, or cut off at the end).")
-    _, disk, _, _, count, size, start, _ = _END.unpack_from(content, at)
+    _, disk, _, _, count, size, start, comment = _END.unpack_from(content, at)
     if disk or 0xFFFF in (count, disk) or 0xFFFFFFFF in (size, start) or start + size > at:
         raise FileError(f"{path}: its zip directory is damaged or a Zip64 one, which .usdz forbids.")
     entries, offset = [], start
@@ -86,7 +92,8 @@ def read(path: Path) -> Package:
             raise FileError(f"{path}: entry {number + 1} of the package: {error}.") from None
         entries.append(entry)
     _check(path, entries)
-    return Package(content, tuple(entries), content[at + _END.size :])
+    rest = content[at + _END.size :]
+    return Package(content, tuple(entries), rest, len(rest) - comment)
 
 
 def _entry(content: bytes, offset: int, limit: int) -> tuple[Entry, int]:
@@ -99,7 +106,9 @@ def _entry(content: bytes, offset: int, limit: int) -> tuple[Entry, int]:
     central_extra = content[after + name_size : after + name_size + extra_size]
     end = after + name_size + extra_size + comment_size
     name = raw_name.decode("utf-8" if flags & _UTF8 else "cp437")
-    if method != 0 or packed != size:
+    if method == 0 and packed != size:
+        raise ValueError(f"'{name}' has two sizes, {packed} and {size} bytes; the directory is damaged")
+    if method != 0:
         raise ValueError(f"'{name}' is compressed, which .usdz forbids; pack it again without")
     if flags & _ENCRYPTED:
         raise ValueError(f"'{name}' is encrypted")
@@ -132,7 +141,9 @@ def _check(path: Path, entries: list[Entry]) -> None:
     names = [entry.name for entry in entries]
     for name in names:
         parts = name.replace("\\", "/").split("/")
-        if name.startswith(("/", "\\")) or ".." in parts or ":" in parts[0] or "\0" in name:
+        if "\0" in name:
+            raise FileError(f"{path}: entry '{name}' has a zero byte in its name, which no file can have.")
+        if name.startswith(("/", "\\")) or ".." in parts or ":" in parts[0]:
             raise FileError(f"{path}: entry '{name}' leads outside the package.")
     if len(set(names)) != len(names):
         double = next(name for name in names if names.count(name) > 1)

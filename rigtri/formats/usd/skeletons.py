@@ -55,6 +55,10 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
     if not tokens:
         warnings.append(Notice("no-joints", f"Skeleton <{path}> has no joints; it is left alone."))
         return None
+    if "" in tokens:
+        # UsdSkel takes it for a root of its own, and so do we.
+        text = f"Skeleton <{path}>: joint {tokens.index('')} has no name; it counts as a root, as in UsdSkel"
+        warnings.append(Notice("joint-unnamed", text))
     parents = joint_parents(path, tokens)
     bind = _matrices(prim, "bindTransforms", tokens)
     if bind is None:
@@ -136,6 +140,10 @@ def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
         raise FileError(f"<{path}>.{name}: the matrix of joint '{tokens[int(odd.argmax())]}' is not finite.")
     odd = (np.abs(matrices[:, :, 3] - (0.0, 0.0, 0.0, 1.0)) > PERSPECTIVE).any(axis=1)
     if odd.any():
+        if (flat := odd & singular(matrices)).any():
+            raise FileError(
+                f"<{path}>.{name}: the matrix of joint '{tokens[int(flat.argmax())]}' is singular."
+            )
         raise FileError(
             f"<{path}>.{name}: the last column of the matrix of joint '{tokens[int(odd.argmax())]}' "
             "is not 0, 0, 0, 1."

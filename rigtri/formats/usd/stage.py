@@ -116,7 +116,9 @@ def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
     if not names:
         return []
     shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
-    return [Notice("unresolved", f"{len(names)} files that this one refers to were not found: {shown}")]
+    what = "1 file" if len(names) == 1 else f"{len(names)} files"
+    verb = "was" if len(names) == 1 else "were"
+    return [Notice("unresolved", f"{what} that this one refers to {verb} not found: {shown}")]
 
 
 def _seen_from(folder: Path, name: str) -> str:
