@@ -539,3 +539,13 @@ def test_the_program_speaks_json(app: click.Group, samples: Path, tmp_path: Path
         told = json.loads(run(app, samples / "biped.glb", other, "--json").stdout)
         validator("diff").validate(told)
         assert told["same"] == (other == samples / "biped.glb")
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 0.5])
+def test_an_integer_beyond_all_floats_is_told(tolerance: float, tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["extras"] = [1, 2]
+    before = builder.glb(tmp_path / "before.glb")
+    builder.gltf["extras"] = [10**400, 2.5]
+    after = builder.glb(tmp_path / "after.glb")
+    assert [change.where for change in diff(before, after, tolerance=tolerance, only="file").file]

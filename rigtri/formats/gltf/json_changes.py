@@ -107,7 +107,7 @@ class _Walk:
             if not self.tolerance:
                 self._add("changed", pointer, f"spelled {spelled(before)} → {spelled(after)}")
         else:
-            one, other = ([float(x.value) for x in row] for row in (before, after))
+            one, other = ([_float(x.value) for x in row] for row in (before, after))
             self._add("changed", pointer, rows(one, other) if len(one) <= FEW else furthest(one, other))
 
     def _same(self, before: Token, after: Token) -> bool:
@@ -116,7 +116,7 @@ class _Walk:
         one, other = before.value, after.value
         if one == other and before.startswith("-") == after.startswith("-"):
             return True
-        return bool(self.tolerance and abs(one - other) <= self.tolerance)
+        return bool(self.tolerance and abs(_float(one) - _float(other)) <= self.tolerance)
 
     def _numbers(self, before: Token, after: Token, pointer: str) -> None:
         if before == after:
@@ -198,3 +198,11 @@ def spelling_changes(before: str, after: str) -> Iterator[Change]:
         if was != now:
             name = {"end": "blanks at the end", "ascii": "ASCII only"}.get(field.name, field.name)
             yield Change("spelling", "changed", name, f"{was!r} → {now!r}")
+
+
+def _float(number: int | float) -> float:
+    """A number of JSON, which may be an integer of any size, as far as floats go."""
+    try:
+        return float(number)
+    except OverflowError:
+        return float("inf") if number > 0 else float("-inf")
