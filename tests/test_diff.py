@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import usd_files
 from click.testing import CliRunner
+from gltf_files import small
 from places import asset_files, leave_out_refused, sample_files
 from pxr import Sdf
 from second_opinions import validator
