@@ -20,7 +20,7 @@ from rigtri.formats.gltf.rounding import Singles
 from rigtri.formats.gltf.uris import encode_data, escape, is_data
 
 # A view holds one kind only: validators call anything else an override.
-Role = Literal["inverse bind matrices", "animation"]
+Role = Literal["inverse bind matrices", "animation", "shapes"]
 OWN_NAME = "rigtri"
 
 
