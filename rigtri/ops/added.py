@@ -29,6 +29,12 @@ def group(rig: Rig) -> tuple[Rig, int]:
     return add(rig, GROUP, -1, {"v": 1, "type": "group"})
 
 
+def home(rig: Rig) -> tuple[Rig, int]:
+    """The node that new locators and IK controls go under: the root control, else the group."""
+    root = find(rig, type="control", kind="root")
+    return (rig, root) if root is not None else group(rig)
+
+
 def add(rig: Rig, name: str, parent: int, note: Mapping[str, Any]) -> tuple[Rig, int]:
     """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a note; and its index."""
     node = len(rig)
@@ -80,14 +86,17 @@ def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     parent = int(rig.parents[node])
     above = worlds(rig)[parent] if parent >= 0 else identity()
     place = multiply(from_frame(axes, position), inverse(above))
-    return stand_local(rig, node, place)
+    # A place near its parent's keeps the rounding of both in the world.
+    largest = max(float(length(position)), float(length(above[3, :3])))
+    return stand_local(rig, node, place, noise=1e-8 * largest)
 
 
-def stand_local(rig: Rig, node: int, place: Floats) -> Rig:
-    """Give a node a local matrix without shear, (4, 4); bits that only noise would change stay."""
+def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:
+    """Give a node a local matrix without shear, (4, 4); bits that only ``noise`` would change stay."""
     translation, rotation = rig.translation.copy(), rig.rotation.copy()
     turn = from_axes(orthonormal_axes(place))
-    if length(place[3, :3] - translation[node]) > _SAME_PLACE * max(float(length(place[3, :3])), 1e-30):
+    least = max(_SAME_PLACE * float(length(place[3, :3])), noise, 1e-30)
+    if length(place[3, :3] - translation[node]) > least:
         translation[node] = place[3, :3]
     if np.abs(turn - rotation[node]).max() > _SAME_PLACE:
         rotation[node] = turn

@@ -15,7 +15,7 @@ import numpy as np
 from rigtri.bend import Bend, bend, crossings
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import Limb, along, recognise
-from rigtri.ops.added import add, find, free_name, group, noted, plain_name, renamed, stand
+from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference
@@ -260,7 +260,7 @@ def _locator(rig: Rig, limb: Limb, note: dict[str, Any], options: Options) -> tu
     if node is not None:
         rig = rig if options.name is None else renamed(rig, node, options.name)
         return noted(rig, node, note), node
-    rig, parent = group(rig)
+    rig, parent = home(rig)
     return add(rig, options.name or f"{rig.names[limb.middle] or 'limb'}_pole", parent, note)
 
 
