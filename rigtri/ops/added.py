@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.matrices import from_frame, identity, inverse, multiply, orthonormal_axes
-from rigtri.pose import worlds
+from rigtri.matrices import from_frame, inverse, multiply, orthonormal_axes
+from rigtri.pose import world_of
 from rigtri.quaternions import IDENTITY, from_axes
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -83,8 +83,7 @@ def plain_name(wanted: str) -> str:
 
 def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     """Put a node at a place in the world, position (3,) and axes as rows (3, 3), seen from its parent."""
-    parent = int(rig.parents[node])
-    above = worlds(rig)[parent] if parent >= 0 else identity()
+    above = world_of(rig, int(rig.parents[node]))
     place = multiply(from_frame(axes, position), inverse(above))
     # A place near its parent's keeps the rounding of both in the world.
     largest = max(float(length(position)), float(length(above[3, :3])))

@@ -18,11 +18,11 @@ from rigtri.limbs import Limb, recognise
 from rigtri.matrices import nearest_rotation
 from rigtri.naming import Side, side
 from rigtri.ops.added import add, find, group, home, stand
-from rigtri.ops.aims import Aim, Rules, aim_of
+from rigtri.ops.aims import Aim, Rules, aim_of, limb_children
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.polevector import add_polevector
 from rigtri.ops.select import Selection, chosen
-from rigtri.pose import worlds
+from rigtri.pose import world_of, worlds
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.shapes import COLORS, KINDS, Kind, drawn
@@ -101,7 +101,7 @@ class _Builder:
         self.ref: Reference = reference(self.tree, "nodes")
         self.world = worlds(rig)
         self.limbs = (*options.ik, *(recognise(rig) if self._all_limbs else ()))
-        rules = Rules(limbs=self.limbs)
+        rules = Rules(limb_child=limb_children(self.tree, self.limbs))
         self.aims = {joint: aim_of(self.tree, self.ref, joint, rules) for joint in self.tree.joints}
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
@@ -247,7 +247,7 @@ class _Builder:
         )
 
     def _record(self, control: int, kind: str, joint: int) -> None:
-        place = worlds(self.rig)[self.rig.parents[control], 3, :3]
+        place = world_of(self.rig, int(self.rig.parents[control]))[3, :3]
         parent = int(self.rig.parents[self.rig.parents[control]])
         self.report.added.append(
             {
