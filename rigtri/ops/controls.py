@@ -28,6 +28,7 @@ from rigtri.rig import Rig
 from rigtri.shapes import COLORS, KINDS, Kind, drawn
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
 from rigtri.trigonometry import Floats
+from rigtri.vectors import dot
 
 TOKENS = ("joint", "side", "kind")
 NAME = "{joint}_{kind}"
