@@ -520,6 +520,7 @@ def report_json(
         "options": options,
         "joints": outcome.report.joints,
         "limbs": outcome.report.limbs,
+        "added": outcome.report.added,
         "warnings": [
             {"code": n.code, "text": n.text, "joint": n.joint, "geometry": n.geometry}
             for n in outcome.report.warnings

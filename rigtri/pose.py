@@ -35,6 +35,20 @@ def worlds(rig: Rig, local: Floats | None = None) -> Floats:
     return world
 
 
+def world_of(rig: Rig, node: int) -> Floats:
+    """The world matrix of one node at rest, (4, 4), from it and those above it alone; −1: the world's own."""
+    line = []
+    while node >= 0:
+        line.append(node)
+        node = int(rig.parents[node])
+    composed = compose(rig.translation[line], rig.rotation[line], rig.scale[line])
+    composed[rig.has_matrix[line]] = rig.matrix[line][rig.has_matrix[line]]
+    world = np.eye(4)
+    for matrix in composed[::-1]:
+        world = multiply(matrix, world)
+    return world
+
+
 def rest(rig: Rig, *, normalised: bool = True) -> Floats:
     """Local matrices at rest, (n, 4, 4); see `locals_at` for ``normalised``."""
     composed = compose(rig.translation, _as_shown(rig.rotation, normalised), rig.scale)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
+from rigtri.shapes import Shape
 from rigtri.trigonometry import Floats
 
 Integers = NDArray[np.int64]
@@ -174,7 +175,8 @@ class Rig:
     nodes that may stand, all of them, parallel to the world. aside: nodes of ``fixed`` whose
     transform is data and places nothing, so that they are no joints whoever names them.
     whole: why no joint of this file may be split, "" where they may.
-    humanoid: VRM bone names. notes: what rigtri has stored on a node.
+    humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
+    at nodes; what a file has drawn before is payload, and stays as it is.
     facing: the direction the character looks in, where the format prescribes one.
     """
 
@@ -199,6 +201,7 @@ class Rig:
     whole: str = ""
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
+    shapes: Mapping[int, Shape] = field(default_factory=dict)
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
 
@@ -492,6 +495,7 @@ class Rig:
             ),
             humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
             notes={moved(k): note for k, note in self.notes.items()},
+            shapes={moved(k): shape for k, shape in self.shapes.items()},
         )
 
     def with_nodes(

@@ -26,7 +26,7 @@ trigonometry
 vectors
 quaternions
 matrices
-triangle
+triangle shapes
 rig
 pose constraints
 reframe report

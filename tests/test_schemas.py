@@ -66,6 +66,7 @@ def test_a_report_has_exactly_its_keys() -> None:
         "dry_run": False,
         "options": {},
         "joints": [{"joint": "a", "address": "a", "path": "/a", "status": "kept", "reason": "a root joint"}],
+        "added": [{"node": "a_ctl", "type": "control", "new": True}],
         "limbs": [
             {
                 "limb": ["a", "b", "c"],

@@ -6,9 +6,8 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -16,20 +15,17 @@ import numpy as np
 from rigtri.bend import Bend, bend, crossings
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import Limb, along, recognise
-from rigtri.matrices import from_frame, identity, inverse, multiply, orthonormal_axes
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, from_axes
+from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference
 from rigtri.triangle import bend_angle, bend_direction, frame, pole_position
 from rigtri.trigonometry import Floats
-from rigtri.vectors import distance, length, normalise, project
+from rigtri.vectors import distance, normalise, project
 
 # Below this sine (0.1°) a bend plane is float32 noise; below the second (0.6°) it is shaky.
 NO_PLANE = 1.7453283658983088e-3
 SHAKY = 1.0471784116245793e-2
-GROUP = "rigtri_controls"
 
 
 @dataclass(frozen=True)
@@ -88,8 +84,8 @@ def _check_name(rig: Rig, limbs: list[Limb], options: Options) -> None:
     if options.name is None:
         return
     chain = [rig.address(node) for node in limbs[0].triple]
-    own = [k for k, note in rig.notes.items() if note.get("chain") == chain]
-    if _free_name(rig, options.name, own[0] if own else None) != _plain_name(options.name):
+    own = find(rig, type="poleVector", chain=chain)
+    if free_name(rig, options.name, own) != plain_name(options.name):
         raise UsageError(f"--name {options.name}: another node is called so")
 
 
@@ -209,7 +205,7 @@ def _place(rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, 
     note = _note(rig, limb, options, found, degrees)
     _tell(rig, limb, found, degrees, report)
     rig, node = _locator(rig, limb, note, options)
-    rig = _stand(rig, node, position, _axes(points, found, options))
+    rig = stand(rig, node, position, _axes(points, found, options))
     entry: dict[str, Any] = {
         "limb": [rig.title(k) for k in limb.triple],
         "polevector": rig.names[node],
@@ -260,47 +256,12 @@ def _title(rig: Rig, limb: Limb) -> str:
 
 def _locator(rig: Rig, limb: Limb, note: dict[str, Any], options: Options) -> tuple[Rig, int]:
     """The limb's pole vector node, found again by its chain or made new."""
-    for node, known in rig.notes.items():
-        if known.get("type") == "poleVector" and known.get("chain") == note["chain"]:
-            names = list(rig.names)
-            if options.name is not None:
-                names[node] = _free_name(rig, options.name, node)
-            return replace(rig, names=tuple(names), notes={**rig.notes, node: note}), node
-    rig, group = _group(rig)
-    wanted = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
-    name = _free_name(rig, wanted, None)
-    node = len(rig)
-    rig = rig.with_nodes([name], [group], np.zeros((1, 3)), IDENTITY[np.newaxis])
-    return replace(rig, notes={**rig.notes, node: note}), node
-
-
-def _group(rig: Rig) -> tuple[Rig, int]:
-    """The root node that holds everything rigtri adds, at the world's origin."""
-    for node, note in rig.notes.items():
-        if note.get("type") == "group":
-            return rig, node
-    name = _free_name(rig, GROUP, None)
-    node = len(rig)
-    rig = rig.with_nodes([name], [-1], np.zeros((1, 3)), IDENTITY[np.newaxis])
-    return replace(rig, notes={**rig.notes, node: {"v": 1, "type": "group"}}), node
-
-
-def _free_name(rig: Rig, wanted: str, own: int | None) -> str:
-    """A name of letters, digits and underscores that no other node has.
-
-    USD prims allow nothing else, and three.js alters other names.
-    """
-    name = _plain_name(wanted)
-    taken = {known for node, known in enumerate(rig.names) if node != own}
-    free, count = name, 2
-    while free in taken:
-        free, count = f"{name}_{count}", count + 1
-    return free
-
-
-def _plain_name(wanted: str) -> str:
-    name = re.sub(r"[^A-Za-z0-9_]+", "_", wanted).strip("_") or "locator"
-    return f"_{name}" if name[0].isdigit() else name
+    node = find(rig, type="poleVector", chain=note["chain"])
+    if node is not None:
+        rig = rig if options.name is None else renamed(rig, node, options.name)
+        return noted(rig, node, note), node
+    rig, parent = home(rig)
+    return add(rig, options.name or f"{rig.names[limb.middle] or 'limb'}_pole", parent, note)
 
 
 def _axes(points: Floats, found: Bend, options: Options) -> Floats:
@@ -310,27 +271,6 @@ def _axes(points: Floats, found: Bend, options: Options) -> Floats:
     if options.orientation == "aim":
         return frame(-found.direction, found.hinge)
     return np.asarray(np.eye(3))
-
-
-def _stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
-    """Put a node at a place in the world with the given axes, seen from its parent."""
-    parent = int(rig.parents[node])
-    above = worlds(rig)[parent] if parent >= 0 else identity()
-    place = multiply(from_frame(axes, position), inverse(above))
-    translation, rotation = rig.translation.copy(), rig.rotation.copy()
-    turn = from_axes(orthonormal_axes(place))
-    # float32 readers see no difference below these; a second run must change no byte.
-    if length(place[3, :3] - translation[node]) > 1e-7 * max(float(length(place[3, :3])), 1e-30):
-        translation[node] = place[3, :3]
-    if np.abs(turn - rotation[node]).max() > 1e-7:
-        rotation[node] = turn
-    if rig.has_matrix[node]:
-        matrix = rig.matrix.copy()
-        moved = from_frame(orthonormal_axes(place), place[3, :3])
-        if np.abs(moved - matrix[node]).max() > 1e-7 * max(1.0, float(np.abs(moved).max())):
-            matrix[node] = moved
-        return replace(rig, matrix=matrix)
-    return replace(rig, translation=translation, rotation=rotation)
 
 
 def _clips(rig: Rig, limb: Limb) -> list[dict[str, Any]]:

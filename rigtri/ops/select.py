@@ -70,6 +70,17 @@ def select(
     return turning, kept
 
 
+def chosen(tree: Skeleton, selection: Selection) -> list[int]:
+    """The joints that a selection names, parents first, whatever may or may not turn.
+
+    Raises NameNotFoundError for names that the rig does not have, UsageError where none is named.
+    """
+    excluded = {node for glob in selection.exclude for node in tree.rig.match(glob, tree.joints)}
+    within = _of_skin(tree.rig, selection.skin, tree.joints)
+    named = _named(tree, selection) if selection.named else set(tree.joints)
+    return [joint for joint in tree.joints if joint in named & within and joint not in excluded]
+
+
 def _check_named(rig: Rig, selection: Selection) -> None:
     """GeometryError for a joint that the user named by itself and that may not turn."""
     named = [name for name in selection.joints if rig.has(name)]

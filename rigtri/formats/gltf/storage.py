@@ -20,8 +20,9 @@ from rigtri.formats.gltf.rounding import Singles
 from rigtri.formats.gltf.uris import encode_data, escape, is_data
 
 # A view holds one kind only: validators call anything else an override.
-Role = Literal["inverse bind matrices", "animation"]
+Role = Literal["inverse bind matrices", "animation", "shapes"]
 OWN_NAME = "rigtri"
+_ARRAY_BUFFER = 34962
 
 
 @dataclass
@@ -84,7 +85,8 @@ class Storage:
         if role not in self._tails:
             views = self._draft.need("bufferViews", empty=[])
             self._tails[role] = _Tail(len(views))
-            views.append({})
+            # Attributes of vertices that share a view must say their stride.
+            views.append({"byteStride": 12, "target": _ARRAY_BUFFER} if role == "shapes" else {})
         tail = self._tails[role]
         accessor: dict[str, Any] = {key: source[key] for key in ("name", "extras") if key in source}
         accessor |= {

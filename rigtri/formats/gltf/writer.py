@@ -14,6 +14,7 @@ from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.mapped import pour, settling
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.resources import accompany, relink
+from rigtri.formats.gltf.shape_writer import write_shapes
 from rigtri.formats.gltf.storage import Storage
 from rigtri.rig import Rig
 
@@ -36,6 +37,7 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
         nodes = NodeWriter(draft, document.rig, rig)
         clips = ClipWriter(draft, storage, document.accessors, document.rig, rig, nodes.index, nodes.moved)
         nodes.write()
+        write_shapes(draft, storage, rig, nodes.index)
         try:
             clips.write()
         except OverflowError as error:

@@ -10,8 +10,9 @@ from pxr import Sdf, Tf
 from rigtri.errors import FileError
 from rigtri.formats.usd import notes
 from rigtri.formats.usd.reader import GROUP, Source
+from rigtri.formats.usd.shapes import drawing
 from rigtri.formats.usd.stage import why_locked
-from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
+from rigtri.formats.usd.values import Edit, apply_schema, define, kind, parts, set_value
 from rigtri.formats.usd.xform import stand
 from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
@@ -93,8 +94,10 @@ class _Additions:
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
-        found = [_define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
+        found = [define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
         schema = SCHEMAS.get(str(note.get("type")))
+        if node in self.rig.shapes:
+            found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
         return [*found, apply_schema(path, schema)] if schema else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:
@@ -132,7 +135,7 @@ class _Additions:
             self.made[path] = _all(
                 path,
                 [
-                    _define(path, "Scope"),
+                    define(path, "Scope"),
                     *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
                 ],
             )
@@ -149,14 +152,6 @@ def _all(path: Any, steps: list[Edit]) -> Edit:
     def edit(layer: Any) -> None:
         for step in steps:
             step(layer)
-
-    return Edit(path, edit)
-
-
-def _define(path: Any, kind: str) -> Edit:
-    def edit(layer: Any) -> None:
-        spec = Sdf.CreatePrimInLayer(layer, path)
-        spec.specifier, spec.typeName = Sdf.SpecifierDef, kind
 
     return Edit(path, edit)
 

@@ -103,6 +103,16 @@ def set_value(
     return Setting(path.GetPrimPath(), edit, name, value, samples or {}, at)
 
 
+def define(path: Any, type_name: str) -> Edit:
+    """Define a prim of a type."""
+
+    def edit(layer: Any) -> None:
+        spec = Sdf.CreatePrimInLayer(layer, path)
+        spec.specifier, spec.typeName = Sdf.SpecifierDef, type_name
+
+    return Edit(path, edit)
+
+
 def apply_schema(prim: Any, name: str) -> Edit:
     """Add an API schema to a prim's list, behind those it has; nothing where it is there."""
     path = Sdf.Path(prim)

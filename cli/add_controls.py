@@ -1,0 +1,167 @@
+"""rigtri add-controls"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+from rigtri.shapes import KINDS
+
+from .options import (
+    edit_options,
+    facing_option,
+    given_options,
+    output_options,
+    reading_options,
+    run_edit,
+    source_argument,
+    target_option,
+)
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+_SIDES = {"left": "left", "right": "right", "centre": ""}
+
+
+@click.command("add-controls")
+@source_argument
+@target_option
+@click.option(
+    "--whole-character",
+    is_flag=True,
+    help="A root control, an FK control for every joint with weight, IK ends and pole vectors for all limbs.",
+)
+@click.option("--joints", multiple=True, metavar="GLOB", help="An FK control for these joints. Repeatable.")
+@click.option(
+    "--chain", "chains", nargs=2, multiple=True, metavar="START END", help="FK controls along a chain."
+)
+@click.option("--below", multiple=True, metavar="NAME", help="FK controls for this joint and all below it.")
+@click.option("--skin", metavar="NAME", help="Only joints of this skin.")
+@click.option("--exclude", multiple=True, metavar="GLOB", help="No controls for these joints.")
+@click.option("--root-control", is_flag=True, help="A control over all others, on the ground.")
+@click.option(
+    "--ik",
+    nargs=3,
+    multiple=True,
+    metavar="ROOT MIDDLE END",
+    help="An IK control at the end of this limb, and its pole vector. Repeatable.",
+)
+@click.option("--limbs", "auto", type=click.Choice(["auto"]), help="The same for every limb that is known.")
+@click.option(
+    "--shape",
+    "shapes",
+    multiple=True,
+    metavar="[KIND=]SHAPE",
+    help=f"Lines of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}.",
+)
+@click.option(
+    "--size",
+    type=click.FloatRange(min=0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Multiplies the shapes' sizes, which follow the bones' lengths.",
+)
+@click.option(
+    "--color",
+    "colors",
+    multiple=True,
+    metavar="SIDE=R,G,B",
+    help="Linear colour of left, right or centre. [blue, red, yellow]",
+)
+@click.option(
+    "--name",
+    default="{joint}_{kind}",
+    show_default=True,
+    help="Names of the controls; {joint}, {side} and {kind} stand for what they say.",
+)
+@click.option(
+    "--reach",
+    type=click.FloatRange(min=0, min_open=True),
+    default=0.5,
+    show_default=True,
+    help="Distance of pole vectors as a multiple of the limb's length.",
+)
+@facing_option
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
+
+    Each control stands in its joint's frame with zero channels, below an offset, below the
+    control of the joint above. A second run finds its controls again and keeps the values
+    and shapes that were edited.
+
+    \b
+    Examples:
+        rigtri add-controls hero.glb -o out.glb --chain index_1 index_3
+        rigtri add-controls hero.glb -o out.glb --whole-character
+        rigtri add-controls hero.usdz -o out.usdz --below spine --shape cube --size 1.5
+    """
+    from rigtri.limbs import given
+    from rigtri.ops.controls import Options, add_controls
+    from rigtri.ops.polevector import Options as PoleOptions
+    from rigtri.ops.select import Selection
+
+    shapes = dict(pair for text in values["shapes"] for pair in _shapes(text))
+    colors = dict(_color(text) for text in values["colors"])
+
+    def step(rig: Rig, report: Report) -> Rig:
+        options = Options(
+            selection=Selection(
+                joints=values["joints"],
+                chains=values["chains"],
+                below=values["below"],
+                skin=values["skin"],
+                exclude=values["exclude"],
+            ),
+            whole_character=values["whole_character"],
+            root_control=values["root_control"],
+            ik=tuple(given(rig, *names) for names in values["ik"]),
+            ik_auto=values["auto"] == "auto",
+            size=values["size"],
+            name=values["name"],
+            shapes=shapes,
+            colors=colors,
+            root=values["root"],
+            poles=PoleOptions(reach=values["reach"], facing=values["facing"]),
+        )
+        return add_controls(rig, options=options, report=report)
+
+    run_edit("add-controls", values, step, given_options(ctx), _summary)
+
+
+def _shapes(text: str) -> list[tuple[str, Any]]:
+    """One kind of control and its shape, or the shape of FK and IK controls."""
+    kind, mark, shape = text.rpartition("=")
+    if mark and kind not in ("fk", "ik", "root", "pole"):
+        raise UsageError(f"--shape {text}: the kinds of control are fk, ik, root and pole")
+    return [(kind, shape)] if mark else [("fk", shape), ("ik", shape)]
+
+
+def _color(text: str) -> tuple[str, tuple[float, float, float]]:
+    from rigtri.ops.ups import vector
+
+    which, _, numbers = text.partition("=")
+    if which not in _SIDES:
+        raise UsageError(f"--color {text}: give left=R,G,B, right=R,G,B or centre=R,G,B")
+    try:
+        r, g, b = (float(part) for part in vector(numbers))
+    except ValueError as error:
+        raise UsageError(f"--color {text}: {error}") from error
+    if not all(0 <= part <= 1 for part in (r, g, b)):
+        raise UsageError(f"--color {text}: red, green and blue lie between 0 and 1")
+    return _SIDES[which], (r, g, b)
+
+
+def _summary(report: Report) -> str:
+    new = [entry for entry in report.added if entry["new"]]
+    kinds = [entry["kind"] for entry in report.added]
+    counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+    poles = f"; {len(report.limbs)} pole vectors" if report.limbs else ""
+    return f"{len(report.added)} controls ({counts}), {len(new)} of them new{poles}"

@@ -1,0 +1,263 @@
+"""add-controls: a tree of controls over chains of joints, one builder for all of them.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger": for each joint an
+offset at the joint's frame, the control under it with zero channels, the next offset
+under the control.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.limbs import Limb, recognise
+from rigtri.matrices import nearest_rotation
+from rigtri.naming import Side, side
+from rigtri.ops.added import add, find, group, home, stand
+from rigtri.ops.aims import Aim, Rules, aim_of, limb_children
+from rigtri.ops.polevector import Options as PoleOptions
+from rigtri.ops.polevector import add_polevector
+from rigtri.ops.select import Selection, chosen
+from rigtri.pose import world_of, worlds
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.shapes import COLORS, KINDS, Kind, drawn
+from rigtri.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.trigonometry import Floats
+from rigtri.vectors import dot
+
+TOKENS = ("joint", "side", "kind")
+NAME = "{joint}_{kind}"
+# What {kind} stands for in a name, by the kind of control.
+_WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
+_SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
+# The radius of a shape as a share of the bone; bones shorter than this share of the median count as that.
+RADIUS = 0.5
+SHORTEST = 0.5
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `add_controls` can be told; the defaults are the command's.
+
+    selection: the joints that get FK controls. whole_character: all that carry weight, a root
+    control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them.
+    size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}.
+    shapes: by kind of control (fk, ik, root, pole). colors: by side (left, right, "").
+    """
+
+    selection: Selection = Selection()
+    whole_character: bool = False
+    root_control: bool = False
+    ik: tuple[Limb, ...] = ()
+    ik_auto: bool = False
+    size: float = 1.0
+    name: str = NAME
+    shapes: Mapping[str, Kind] = field(default_factory=dict)
+    colors: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    root: str | None = None
+    poles: PoleOptions = field(default_factory=PoleOptions)
+
+    def checked(self) -> Options:
+        """UsageError for what fits no control."""
+        for kind in self.shapes.values():
+            if kind not in KINDS:
+                raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
+        try:
+            self.name.format(**dict.fromkeys(TOKENS, "x"))
+        except (KeyError, IndexError, ValueError, AttributeError) as error:
+            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
+            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
+        if not (self.selection.named or self.whole_character or self.root_control or self.ik or self.ik_auto):
+            raise UsageError(
+                "say which joints get controls: --chain START END, --joints GLOB, --below NAME, "
+                "or --whole-character"
+            )
+        return self
+
+
+def add_controls(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+    """Put controls over joints; a second run finds its controls and sets their offsets anew.
+
+    Each control stands in its joint's frame at rest, its own channels zero; what a user
+    has since set or drawn on it stays. The record of each goes to ``report.added``.
+
+    Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
+    """
+    report = report if report is not None else Report()
+    options.checked()
+    return _Builder(rig, options, report).build()
+
+
+class _Builder:
+    """One run: the rig as it grows, and what is known of its joints from the start."""
+
+    def __init__(self, rig: Rig, options: Options, report: Report) -> None:
+        self.rig, self.options, self.report = rig, options, report
+        self.tree: Skeleton = skeleton(rig, options.root)
+        self.ref: Reference = reference(self.tree, "nodes")
+        self.world = worlds(rig)
+        self.limbs = (*options.ik, *(recognise(rig) if self._all_limbs else ()))
+        rules = Rules(limb_child=limb_children(self.tree, self.limbs))
+        self.aims = {joint: aim_of(self.tree, self.ref, joint, rules) for joint in self.tree.joints}
+        bones = [aim.length for aim in self.aims.values() if aim.length > 0]
+        self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
+        self.controls: dict[int, int] = {}
+
+    @property
+    def _all_limbs(self) -> bool:
+        return self.options.whole_character or self.options.ik_auto
+
+    def build(self) -> Rig:
+        options = self.options
+        self.rig, _ = group(self.rig)
+        if options.root_control or options.whole_character:
+            self._root()
+        for joint in self._joints():
+            self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
+        for limb in dict.fromkeys(self.limbs):
+            chain = [self.rig.address(node) for node in limb.triple]
+            self._control(limb.end, "ik", {"joint": chain[-1], "chain": chain})
+        self._poles()
+        return self.rig
+
+    def _joints(self) -> list[int]:
+        """The joints that get FK controls, parents first."""
+        options = self.options
+        if not (options.selection.named or options.whole_character):
+            return []
+        found = chosen(self.tree, options.selection)
+        return found if options.selection.named else [joint for joint in found if self.tree.carries[joint]]
+
+    def _root(self) -> None:
+        """The control over all: below the first root joint, as low as the lowest joint, along the world."""
+        top = self.tree.roots[0]
+        points = self.ref.world[list(self.tree.joints), 3, :3]
+        up = np.asarray(self.rig.up, dtype=np.float64)
+        place = self.ref.position(top).copy()
+        low = float(dot(points, up).min())
+        place = place + up * (low - float(dot(place, up)))
+        note = {"joint": self.rig.address(top)}
+        control = self._find("root", note)
+        if control is None:
+            self.rig, parent = group(self.rig)
+            control = self._new("root", top, parent, note, self.ref.extent * 0.25, up)
+        self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
+        self._record(control, "root", top)
+
+    def _find(self, kind: str, note: Mapping[str, Any]) -> int | None:
+        return find(self.rig, type="control", kind=kind, **note)
+
+    def _control(self, joint: int, kind: str, note: Mapping[str, Any]) -> int:
+        """The control of a kind over a joint, found again or new, its offset in the joint's frame."""
+        control = self._find(kind, note)
+        axes = nearest_rotation(self.world[joint])
+        if not np.isfinite(axes).all():
+            raise GeometryError(f"'{self.rig.title(joint)}' has no frame: a scale on or above it is zero")
+        parent = self._parent(joint, kind)
+        if control is None:
+            size, normal = self._size(joint)
+            control = self._new(kind, joint, parent, note, size, normal)
+        offset = int(self.rig.parents[control])
+        if int(self.rig.parents[offset]) != parent:
+            self._tell_kept(control)
+        self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
+        self._record(control, kind, joint)
+        return control
+
+    def _new(
+        self, kind: str, joint: int, parent: int, note: Mapping[str, Any], size: float, normal: Floats
+    ) -> int:
+        which = self._side(joint)
+        name = self.options.name.format(
+            joint=self.rig.names[joint] or f"joint_{joint}", side=which, kind=_WORDS[kind]
+        )
+        shape: Kind = self.options.shapes.get(kind, _SHAPES[kind])
+        about = {"v": 1, "type": "control", "kind": kind, **note, "shape": shape, "side": which}
+        offset_note = {"v": 1, "type": "offset", "kind": kind, "joint": note["joint"]}
+        self.rig, offset = add(self.rig, f"{name}_offset", parent, offset_note)
+        self.rig, control = add(self.rig, name, offset, about)
+        self._draw(control, shape, size, normal, which)
+        return control
+
+    def _draw(self, node: int, shape: Kind, size: float, normal: Floats, which: Side) -> None:
+        color = self.options.colors.get(which, COLORS[which])
+        lines = drawn(shape, size=size * self.options.size, normal=normal, color=color)
+        self.rig = replace(self.rig, shapes={**self.rig.shapes, node: lines})
+
+    def _parent(self, joint: int, kind: str) -> int:
+        """The control of the nearest joint above that has one; IK ends hang under the root control."""
+        above = self.tree.above.get(joint, -1) if kind == "fk" else -1
+        while above >= 0:
+            found = self.controls.get(above)
+            found = found if found is not None else self._find("fk", {"joint": self.rig.address(above)})
+            if found is not None:
+                return found
+            above = self.tree.above[above]
+        self.rig, parent = home(self.rig)
+        return parent
+
+    def _size(self, joint: int) -> tuple[float, Floats]:
+        """The radius of a joint's shape, and which of the joint's axes lies along the bone, (3,)."""
+        aim = self.aims.get(joint, Aim("keep"))
+        above = self.aims.get(self.tree.above.get(joint, -1), Aim("keep"))
+        bone = aim.length or 0.5 * above.length
+        direction = aim.direction if aim.direction is not None else above.direction
+        normal = np.array([1.0, 0.0, 0.0])
+        if direction is not None:
+            axis = int(np.argmax(np.abs(direction)))
+            normal = np.where(np.arange(3) == axis, np.sign(direction[axis]), 0.0)
+        return RADIUS * max(bone, SHORTEST * self.typical), normal
+
+    def _side(self, joint: int) -> Side:
+        """The side that a VRM bone or a name says, of the joint or the nearest above that says one."""
+        bones = {node: bone for bone, node in self.rig.humanoid.items()}
+        node = joint
+        while node >= 0:
+            told = side(bones.get(node, "")) or side(self.rig.names[node])
+            if told:
+                return told
+            node = self.tree.above.get(node, -1)
+        return ""
+
+    def _poles(self) -> None:
+        """A pole vector for every IK limb, drawn where it is new."""
+        if not self.limbs:
+            return
+        before = set(self.rig.notes)
+        wanted = replace(self.options.poles, limbs=tuple(dict.fromkeys(self.limbs)), auto=False)
+        self.rig = add_polevector(self.rig, options=wanted, report=self.report)
+        for node, note in list(self.rig.notes.items()):
+            if node in before or note.get("type") != "poleVector":
+                continue
+            middle = self.rig.find(str(note["chain"][1]))
+            shape: Kind = self.options.shapes.get("pole", _SHAPES["pole"])
+            up = np.array([1.0, 0.0, 0.0])
+            self._draw(node, shape, 0.5 * self._size(middle)[0], up, self._side(middle))
+
+    def _tell_kept(self, control: int) -> None:
+        self.report.warn(
+            "control-kept-in-place",
+            f"'{self.rig.names[control]}' was made before the controls above it and stays under "
+            f"'{self.rig.title(int(self.rig.parents[self.rig.parents[control]]))}'; to rebuild the tree, "
+            "strip the file first",
+        )
+
+    def _record(self, control: int, kind: str, joint: int) -> None:
+        place = world_of(self.rig, int(self.rig.parents[control]))[3, :3]
+        parent = int(self.rig.parents[self.rig.parents[control]])
+        self.report.added.append(
+            {
+                "node": self.rig.names[control],
+                "type": "control",
+                "kind": kind,
+                "joint": self.rig.title(joint),
+                "parent": self.rig.names[parent],
+                "new": self.rig.keys[control] is None,
+                "position": [float(x) for x in place],
+            }
+        )

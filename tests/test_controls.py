@@ -1,0 +1,204 @@
+"""add-controls: a tree of controls over joints."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.testing import assert_allclose
+from places import asset_files, sample_files
+from rigs import chain
+from second_opinions import khronos_errors, usd_errors, validator
+
+from rigtri.compare import verify
+from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.formats import Options as ReadOptions
+from rigtri.formats import read
+from rigtri.matrices import nearest_rotation
+from rigtri.ops.controls import Options, add_controls
+from rigtri.ops.select import Selection
+from rigtri.pipeline import edit
+from rigtri.pose import worlds
+from rigtri.quaternions import from_axis_angle
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+# An output in another folder refers back to its source's.
+TRUSTING = ReadOptions(allow_external_paths=True)
+WHOLE = Options(whole_character=True)
+FINGER = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.2), (0, 3, 0.6))
+
+
+def controls(rig: Rig, kind: str = "fk") -> dict[str, int]:
+    """The controls of a kind by their joints."""
+    return {
+        str(note["joint"]): node
+        for node, note in rig.notes.items()
+        if note["type"] == "control" and note["kind"] == kind
+    }
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_one_builder_serves_chains_of_any_length(count: int) -> None:
+    end = "bcd"[count - 1]
+    out = add_controls(FINGER, options=Options(selection=Selection(chains=(("b", end),))))
+    made = controls(out)
+    assert sorted(made) == list("bcd"[:count])
+    for joint, above in zip("cd"[: count - 1], "bc", strict=False):
+        assert out.parents[out.parents[made[joint]]] == made[above]
+
+
+def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
+    turned = replace(FINGER, rotation=np.stack([from_axis_angle([1, 2, 3], k) for k in range(4)]))
+    out = add_controls(turned, options=Options(selection=Selection(joints=("*",))))
+    world = worlds(out)
+    for joint, control in controls(out).items():
+        assert_allclose(world[control], world[out.find(joint)], atol=1e-12)
+        assert not out.translation[control].any()
+        assert out.rotation[control].tolist() == [0, 0, 0, 1]
+
+
+def test_a_scaled_or_mirrored_joint_gives_its_control_no_scale() -> None:
+    scaled = replace(FINGER, scale=FINGER.scale * [[100], [1], [-1], [1]])
+    out = add_controls(scaled, options=Options(selection=Selection(joints=("*",))))
+    world = worlds(out)
+    for joint, control in controls(out).items():
+        assert_allclose(world[control, 3], world[out.find(joint), 3], atol=1e-9)
+        assert_allclose(world[control, :3, :3], nearest_rotation(world[out.find(joint)]), atol=1e-9)
+
+
+def test_a_flat_shape_lies_across_its_bone_and_grows_with_it() -> None:
+    options = Options(selection=Selection(joints=("b", "c")), size=2.0)
+    out = add_controls(FINGER, options=options)
+    for joint, child in (("b", "c"), ("c", "d")):
+        shape = out.shapes[controls(out)[joint]]
+        bone = FINGER.translation[FINGER.find(child)]
+        axis = np.eye(3)[np.argmax(np.abs(bone))]
+        assert_allclose(shape.strips[0] @ axis, 0.0, atol=1e-9)
+        assert_allclose(np.linalg.norm(shape.strips[0], axis=1), np.linalg.norm(bone), rtol=0.2)
+
+
+def test_sides_have_their_colours(samples: Path) -> None:
+    out = add_controls(read(samples / "biped.glb").rig, options=WHOLE)
+    blue, red, yellow = (
+        [s.color for n, s in out.shapes.items() if out.notes[n].get("side") == side]
+        for side in ("left", "right", "")
+    )
+    assert len(set(blue)) == len(set(red)) == len(set(yellow)) == 1
+    assert np.argmax(blue[0]) == 2
+    assert np.argmax(red[0]) == 0
+    assert len(blue) == len(red) > 5
+
+
+def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> None:
+    out = add_controls(read(samples / "biped.glb").rig, options=WHOLE)
+    (root,) = controls(out, "root").values()
+    ik = controls(out, "ik")
+    assert len(ik) == 4
+    poles = [node for node, note in out.notes.items() if note["type"] == "poleVector"]
+    assert {int(out.parents[node]) for node in poles} == {root}
+    assert {int(out.parents[out.parents[node]]) for node in ik.values()} == {root}
+    assert_allclose(worlds(out)[root, :3, :3], np.eye(3), atol=1e-12)
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_controls_change_nothing_and_come_only_once(path: Path, tmp_path: Path) -> None:
+    def step(rig: Rig, report: Report) -> Rig:
+        try:
+            return add_controls(rig, options=WHOLE, report=report)
+        except GeometryError:  # a straight limb that nothing tells of
+            chains = Options(selection=Selection(joints=("*",)))
+            return add_controls(rig, options=chains, report=report)
+
+    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
+    try:
+        outcome = edit(path, once, step, options=TRUSTING)
+    except FileError as error:
+        pytest.skip("this file has no joints that rigtri reads: " + type(error).__name__)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    found = verify(read(path, TRUSTING), read(once, TRUSTING))
+    assert found.deviation == 0.0
+    assert found.lost == ()
+    report = edit(once, twice, step, options=TRUSTING).report
+    assert once.read_bytes() == twice.read_bytes()
+    assert not any(entry["new"] for entry in report.added)
+    says = validator("node")
+    for note in read(once, TRUSTING).rig.notes.values():
+        says.validate(note)
+
+
+def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
+    for name in ("biped.usda", "biped.usdz"):
+        edit(samples / name, tmp_path / name, whole)
+        assert not usd_errors(tmp_path / name) - usd_errors(samples / name)
+    edit(samples / "biped.glb", tmp_path / "biped.glb", whole)
+    before, after = khronos_errors(samples / "biped.glb", tmp_path / "biped.glb")
+    assert not after - before
+
+
+def whole(rig: Rig, report: Report) -> Rig:
+    return add_controls(rig, options=WHOLE, report=report)
+
+
+def test_what_a_user_sets_on_a_control_stays(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.glb", tmp_path / "rig.glb", whole)
+    rig = read(tmp_path / "rig.glb").rig
+    control = next(iter(controls(rig).values()))
+    moved = rig.translation.copy()
+    moved[control] = [1, 2, 3]
+    again = add_controls(replace(rig, translation=moved), options=WHOLE)
+    assert again.translation[control].tolist() == [1, 2, 3]
+    assert not again.shapes
+
+
+def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:
+    rig = add_controls(FINGER, options=Options(selection=Selection(joints=("*",))))
+    turned = replace(rig, rotation=rig.rotation.copy())
+    turned.rotation[1] = from_axis_angle([0, 0, 1], 0.5)
+    out = add_controls(turned, options=Options(selection=Selection(joints=("*",))))
+    assert len(out) == len(rig)
+    for joint, control in controls(out).items():
+        assert_allclose(worlds(out)[control], worlds(out)[out.find(joint)], atol=1e-9)
+
+
+def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
+    rig = replace(FINGER, names=("hand.L", "mixamorig:Index 1", "c", "d"))
+    options = Options(selection=Selection(joints=("*",)), name="{side}_{joint}_{kind}")
+    out = add_controls(rig, options=options)
+    assert "left_hand_L_ctl" in out.names
+    assert "left_mixamorig_Index_1_ctl_offset" in out.names
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (Options(), "which joints"),
+        (Options(whole_character=True, name="{bone}"), "tokens"),
+        (Options(whole_character=True, shapes={"fk": "banana"}), "banana"),  # type: ignore[dict-item]
+    ],
+)
+def test_what_fits_no_control_is_told(options: Options, words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        add_controls(FINGER, options=options)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_the_command_reports_every_control(
+    suffix: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    arguments: list[Any] = ["add-controls", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}"]
+    arguments += ["--whole-character", "--color", "left=0,1,0", "--shape", "fk=sphere", "--json", "-q"]
+    result = CliRunner().invoke(app, list(map(str, arguments)))
+    assert result.exit_code == 0, result.output
+    import json
+
+    document = json.loads(result.stdout)
+    validator("report").validate(document)
+    assert {entry["kind"] for entry in document["added"]} == {"fk", "ik", "root"}
+    assert len(document["limbs"]) == 4
