@@ -77,7 +77,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
 def _check(name: str, values: dict[str, Any]) -> list[Finding]:
     """The findings of one file; - is standard input."""
     from rigtri.checks import check
-    from rigtri.pipeline import opened
+    from rigtri.inputs import opened
 
     options = {key: values[key] for key in ("allow_external_paths", "external")}
     if name != "-":

@@ -51,7 +51,7 @@ def command(before: str, after: str, **values: Any) -> None:
         rigtri diff hero.glb out.glb
     """
     from rigtri.difference import diff
-    from rigtri.pipeline import opened
+    from rigtri.inputs import opened
 
     check_streams(before, after)
     try:

@@ -33,7 +33,7 @@ def command(source: str, **values: Any) -> None:
     """
     from rigtri.describe import as_json, describe
     from rigtri.formats import read
-    from rigtri.pipeline import opened
+    from rigtri.inputs import opened
 
     with opened(source) as path:
         document = read(path, read_options(values))

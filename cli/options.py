@@ -211,7 +211,8 @@ def run_edit(
     """Run an edit with a command's shared options; print and write its report."""
     from pathlib import Path
 
-    from rigtri.pipeline import edit, report_json, write_text
+    from rigtri.outputs import write_text
+    from rigtri.pipeline import edit, report_json
     from rigtri.report import Report
 
     source, target, quiet = values["source"], values["target"], values["quiet"]

@@ -257,7 +257,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     run_edit("orient-joints", values, step, given_options(ctx), _summary)
     if values["save_frames"]:
-        from rigtri.pipeline import write_text
+        from rigtri.outputs import write_text
 
         write_text(Path(values["save_frames"]), json.dumps(saved["frames"], indent=1) + "\n")
 

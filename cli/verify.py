@@ -47,7 +47,7 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     """
     from rigtri.compare import verify
     from rigtri.formats import read
-    from rigtri.pipeline import opened
+    from rigtri.inputs import opened
 
     check_streams(before, after)
     options = read_options(values)

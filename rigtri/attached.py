@@ -15,7 +15,8 @@ from rigtri import pose
 from rigtri.constraints import alike
 from rigtri.matching import Matching
 from rigtri.matrices import nearest_rotation
-from rigtri.rig import Bound, Constraint, Rig
+from rigtri.records import Bound, Constraint
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 

@@ -15,7 +15,8 @@ import numpy as np
 from rigtri.limbs import Limb
 from rigtri.matrices import inverse, transform_directions
 from rigtri.pose import key_times, locals_at, worlds
-from rigtri.rig import Clip, Rig
+from rigtri.records import Clip
+from rigtri.rig import Rig
 from rigtri.triangle import bend_angle, bend_direction, bend_sine, hinge
 from rigtri.trigonometry import Floats, sin_cos
 from rigtri.vectors import cross, dot, length, normalise, perpendicular

@@ -23,7 +23,8 @@ from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
 from rigtri.quaternions import norm
-from rigtri.rig import Mesh, Rig
+from rigtri.records import Mesh
+from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length

@@ -19,7 +19,8 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.quaternions import IDENTITY, between, conjugate, multiply, rotate
-from rigtri.rig import Constraint, Rig
+from rigtri.records import Constraint
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.

@@ -15,8 +15,9 @@ import numpy as np
 from rigtri import pose
 from rigtri.matrices import SKEW, determinant, skew
 from rigtri.quaternions import norm
+from rigtri.records import Booleans, Clip, Constraint, Skin
 from rigtri.report import Report
-from rigtri.rig import Booleans, Clip, Constraint, Rig, Skin
+from rigtri.rig import Rig
 from rigtri.triangle import STRAIGHT_SINE, bend_angle, bend_sine
 from rigtri.trigonometry import Floats
 from rigtri.vectors import angle, length, normalise

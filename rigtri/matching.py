@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rigtri.rig import Clip, Integers, Rig, Track
+from rigtri.records import Clip, Integers, Track
+from rigtri.rig import Rig
 
 # Morph weights that another tool stored again as 16-bit integers differ by less.
 SAME_WEIGHT = 2e-5

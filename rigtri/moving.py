@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from rigtri.matching import Matching, by_target, partner_track
-from rigtri.rig import Booleans, Clip, Integers, Rig, Track
+from rigtri.records import Booleans, Clip, Integers, Track
+from rigtri.rig import Rig
 
 
 def moving_nodes(before: Rig, after: Rig, m: Matching) -> Booleans:

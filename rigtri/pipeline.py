@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import filecmp
-import os
-import re
 import shutil
 import sys
 import tempfile
@@ -21,27 +19,21 @@ import numpy as np
 from rigtri.compare import TOLERANCE, Comparison, self_check
 from rigtri.delivery import (
     aimed,
-    beside,
-    commit,
-    discard_stale,
-    replacing,
     same_file,
-    stale_parts,
     sync,
 )
-from rigtri.errors import DeviationError, FileError, GeometryError, RigtriError, UsageError
-from rigtri.formats import Companion, Document, Options, read
+from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
+from rigtri.formats import Document, Options, read
+from rigtri.inputs import called, opened
+from rigtri.outputs import Written, as_file_error, spare
 from rigtri.pose import worlds
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
 
 Step = Callable[[Rig, Report], Rig]
 
-# The first bytes of a stream tell its format, and with it the suffix that `read` goes by.
-_MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
 # From this size on, reading all of a file and waiting for the disk are worth avoiding.
 _LARGE = 1 << 24
-_OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
 
 
 @dataclass(frozen=True)
@@ -85,14 +77,14 @@ def edit(
     """
     report = report if report is not None else Report()
     clock = _Clock()
-    with _opened(source) as path:
+    with opened(source) as path:
         to_stdout = str(target) == "-"
         options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
         document = read(path, options)
         needed = _needed(document, path, final, options)
         for place in (*side_files, *(() if to_stdout else (final,))):
-            _spare(place, needed)
+            spare(place, needed)
         _hear(document, report, strict)
         clock.lap("read")
         rig = step(document.rig, report)
@@ -101,7 +93,7 @@ def edit(
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
             place = folder / final.name
-            written = _Written(place, overwrite, needed)
+            written = Written(place, overwrite, needed)
             try:
                 result = _deliver(document, path, rig, written, verify, tolerance, clock)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring
@@ -141,14 +133,14 @@ def _deliver(
     document: Document,
     path: Path,
     rig: Rig,
-    written: _Written,
+    written: Written,
     verify: bool,
     tolerance: float,
     clock: _Clock,
 ) -> Comparison | None:
     """Write the part, re-open it, compare it with the source."""
     names = {str(written.part): str(written.final), written.part.name: written.final.name}
-    with _called(names), _as_file_error(written.final):
+    with called(names), as_file_error(written.final):
         for companion in document.write(rig, written.part, written.final):
             written.add(companion)
     clock.lap("write")
@@ -186,13 +178,13 @@ def _rounded_up(value: float) -> float:
 
 
 def _checked(
-    document: Document, path: Path, rig: Rig, written: _Written, names: dict[str, str], tolerance: float
+    document: Document, path: Path, rig: Rig, written: Written, names: dict[str, str], tolerance: float
 ) -> Comparison:
     """Compare the part with the source."""
     small = written.part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, written.part, shallow=False):
         return self_check(document, document)
-    with _called(names):
+    with called(names):
         after = document.reopen(written.part)
         result = self_check(document, after)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
@@ -200,122 +192,7 @@ def _checked(
         return result
 
 
-class _Written:
-    """A part beside its target and the companions placed so far; either all stay or none.
-
-    The rename of the part is the moment that counts: as long as there is a part, the old
-    files are the valid ones, and what a killed run has replaced is put back by the next.
-    """
-
-    def __init__(self, final: Path, overwrite: bool, needed: Sequence[tuple[Path, str]] = ()) -> None:
-        self.final, self.overwrite, self._needed = final, overwrite, needed
-        with _as_file_error(final):
-            _recover(final)
-        self.part = beside(final)
-        self.placed: list[tuple[Path, Path | None]] = []
-        self._orphans = _our_buffers(final)
-
-    def add(self, companion: Companion) -> None:
-        """Put a companion in place, keeping what was there until the whole has passed."""
-        name = Path(companion.name)
-        if name.is_absolute() or ".." in name.parts:
-            raise FileError(
-                f"'{companion.name}' lies outside the folder of the source; it will not be copied "
-                "beside the output. Use --resources relink."
-            )
-        place = self.final.parent / name
-        if place.exists() and _same(companion.content, place):
-            return
-        if place.exists() and not self.overwrite:
-            raise UsageError(
-                f"{place} exists and is another file than the one that {self.final.name} needs there; "
-                "it is replaced only with --overwrite"
-            )
-        _spare(place, [*self._needed, (self.final, "the output itself")])
-        place.parent.mkdir(parents=True, exist_ok=True)
-        discard_stale(place)
-        backup = _kept(place, os.getpid()) if place.exists() else None
-        if backup is not None:
-            _link(place, backup)
-        self.placed.append((place, backup))
-        with replacing(place) as fresh:
-            if isinstance(companion.content, bytes):
-                fresh.write_bytes(companion.content)
-            else:
-                shutil.copyfile(companion.content, fresh)
-
-    def finish(self) -> None:
-        """Rename the part into place; remove buffers of ours that nothing refers to any more."""
-        with _as_file_error(self.final):
-            commit(self.part, self.final)
-        # The new file is there; what cannot be tidied up any more is no reason to fail.
-        with suppress(OSError):
-            for _, backup in self.placed:
-                if backup is not None:
-                    backup.unlink()
-            for orphan in self._orphans - _our_buffers(self.final):
-                orphan.unlink(missing_ok=True)
-
-    def undo(self) -> None:
-        """Leave the folder as it was; nothing to do where the part has become the file."""
-        if self.placed and not self.part.exists():
-            return
-        for place, backup in reversed(self.placed):
-            if backup is not None:
-                _put_back(backup, place)
-            else:
-                place.unlink(missing_ok=True)
-        with suppress(OSError):  # the reason for undoing is told, not this
-            self.part.unlink(missing_ok=True)
-
-
-def _kept(place: Path, process: int) -> Path:
-    """Where a run keeps the file that it replaces."""
-    return place.with_name(f".{place.name}.kept-{process}")
-
-
-def _link(place: Path, backup: Path) -> None:
-    """A second name for a file, or a copy where the file system has no links."""
-    backup.unlink(missing_ok=True)
-    try:
-        os.link(place, backup)
-    except OSError:
-        shutil.copy2(place, backup)
-
-
-def _put_back(backup: Path, place: Path) -> None:
-    os.replace(backup, place)
-    # Of two names of one file the rename drops neither.
-    backup.unlink(missing_ok=True)
-
-
-def _recover(final: Path) -> None:
-    """Finish what killed runs have left: put back what they had replaced, remove their parts.
-
-    A buffer that was new stays: by its name alone nobody knows who else refers to it.
-    """
-    for process in {process for _, process in stale_parts(final)}:
-        for backup in final.parent.rglob(f".*.kept-{process}"):
-            _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
-        for part in final.parent.rglob(f".*.part-{process}*"):
-            part.unlink(missing_ok=True)
-
-
-def _our_buffers(path: Path) -> set[Path]:
-    """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to."""
-    if path.suffix.lower() != ".gltf" or not path.is_file():
-        return set()
-    names = {name.decode("utf-8", "replace") for name in _OURS.findall(path.read_bytes())}
-    return {path.parent / name for name in names if name.startswith(f"{path.stem}.rigtri-")}
-
-
-def _same(content: bytes | Path, place: Path) -> bool:
-    if isinstance(content, bytes):
-        return place.is_file() and place.read_bytes() == content
-    return place.is_file() and filecmp.cmp(content, place, shallow=False)
-
-
-def _to_stdout(written: _Written) -> None:
+def _to_stdout(written: Written) -> None:
     if written.placed:
         names = ", ".join(place.name for place, _ in written.placed[:4])
         raise UsageError(
@@ -340,7 +217,7 @@ def _final(path: Path, target: Path | str, overwrite: bool, options: Options) ->
         # An override is a layer, also where it is of a package.
         layer = bool(options.override) and path.suffix.lower() == ".usdz"
         return Path(path.stem + ".usda" if layer else path.name)
-    with _as_file_error(Path(target)):
+    with as_file_error(Path(target)):
         # A link stays a link: what it points at is replaced.
         return _allowed(aimed(Path(target)), path, overwrite)
 
@@ -372,13 +249,6 @@ def _left_behind(
     ]
 
 
-def _spare(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
-    """UsageError where writing to ``place`` would destroy a file that the output needs."""
-    for file, what in needed:
-        if same_file(place, file):
-            raise UsageError(f"{place} is {what}; it would be lost. Give another name")
-
-
 def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
     """``final``, if a result of ``path`` may be written there."""
     if final.is_dir():
@@ -395,54 +265,6 @@ def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
 
 
 @contextmanager
-def _opened(source: Path | str) -> Iterator[Path]:
-    """The source as a file on disk, and arithmetic that a broken file may not make noisy."""
-    # What leaves float64 becomes inf or NaN; `_check_numbers` and the comparison see it.
-    with np.errstate(all="ignore"), _on_disk(source) as path:
-        yield path
-
-
-@contextmanager
-def _on_disk(source: Path | str) -> Iterator[Path]:
-    """The source as it lies; standard input is spooled, its first bytes say the format."""
-    if str(source) != "-":
-        path = Path(source)
-        if path.is_dir():
-            raise FileError(f"{path} is a folder, not a file")
-        if not path.exists():
-            raise FileError(f"There is no file {path}")
-        if not path.is_file():
-            raise FileError(f"{path} is a device or a pipe; give a plain file, or - for standard input")
-        yield path
-        return
-    start = sys.stdin.buffer.read(16)
-    suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
-        path = Path(folder, f"stdin{suffix}")
-        with path.open("wb") as file:
-            file.write(start)
-            shutil.copyfileobj(sys.stdin.buffer, file)
-        with _called({str(path): "standard input", path.name: "standard input"}):
-            yield path
-
-
-opened = _opened
-
-
-@contextmanager
-def _called(names: dict[str, str]) -> Iterator[None]:
-    """Let errors speak of files by the names that the user gave."""
-    try:
-        yield
-    except RigtriError as error:
-        text = str(error)
-        for name, known in names.items():
-            text = text.replace(name, known)
-        error.args = (text, *error.args[1:])
-        raise
-
-
-@contextmanager
 def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
     """Where the part is written: beside the target, or in a folder that is thrown away."""
     if not elsewhere:
@@ -450,16 +272,6 @@ def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
         return
     with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
         yield Path(folder)
-
-
-@contextmanager
-def _as_file_error(path: Path) -> Iterator[None]:
-    """An error of the operating system, told with the file it concerns."""
-    try:
-        yield
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise FileError(f"{path} cannot be written: {reason}") from error
 
 
 @contextmanager
@@ -528,15 +340,3 @@ def report_json(
         "verification": verification,
         "seconds": {name: round(value, 4) for name, value in outcome.seconds.items()},
     }
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a small text file beside and rename it; FileError when that fails."""
-    with _as_file_error(path):
-        discard_stale(path)
-        with replacing(path) as part:
-            # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
-            part.write_text(text, encoding="utf-8", errors="backslashreplace")
-
-
-__all__: Sequence[str] = ("Outcome", "Step", "edit", "opened", "report_json", "write_text")

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 from rigtri.matrices import compose, inverse, multiply
 from rigtri.quaternions import conjugate, from_axes, norm, rotate, slerp, unit
 from rigtri.quaternions import multiply as product
-from rigtri.rig import Clip, Integers, Interpolation, Mesh, Path, Rig, Skin, Track
+from rigtri.records import Clip, Integers, Interpolation, Mesh, Path, Skin, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 

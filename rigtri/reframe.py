@@ -24,7 +24,8 @@ import numpy as np
 from rigtri.constraints import broken, turned_constraints
 from rigtri.matrices import compose, decompose, determinant, from_frame, turn_after, turn_before
 from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, to_axes
-from rigtri.rig import Booleans, Integers, Rig, Track
+from rigtri.records import Booleans, Integers, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 

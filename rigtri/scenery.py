@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from rigtri.matching import Matching
-from rigtri.rig import Mesh, Rig, Surface
+from rigtri.records import Mesh, Surface
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 # Facts that nobody sees: they are told, and pass.

@@ -12,8 +12,9 @@ from rigtri.errors import FileError, UsageError
 from rigtri.matrices import decompose, from_frame, inverse, local, turn_before
 from rigtri.pose import bind_worlds, key_times, locals_at, worlds
 from rigtri.quaternions import conjugate
+from rigtri.records import Booleans, Skin
 from rigtri.reframe import SAME_SCALE, Scales
-from rigtri.rig import Booleans, Rig, Skin
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 

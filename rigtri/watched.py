@@ -17,7 +17,8 @@ from rigtri import pose
 from rigtri.matching import Matching
 from rigtri.matrices import inverse
 from rigtri.moving import same_array
-from rigtri.rig import Booleans, Clip, Integers, Mesh, Rig, Skin
+from rigtri.records import Booleans, Clip, Integers, Mesh, Skin
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 

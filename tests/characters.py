@@ -11,8 +11,9 @@ from rigs import rig_of
 from rigtri.matrices import inverse
 from rigtri.pose import worlds
 from rigtri.quaternions import unit
+from rigtri.records import Clip, Mesh, Skin, Track
 from rigtri.report import Notice
-from rigtri.rig import Clip, Mesh, Rig, Skin, Track
+from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 from rigtri.trigonometry import Floats
 

@@ -10,7 +10,8 @@ import numpy as np
 from rigtri.matrices import inverse
 from rigtri.pose import worlds
 from rigtri.quaternions import IDENTITY, unit
-from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.records import Clip, Skin, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 

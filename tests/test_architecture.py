@@ -26,7 +26,7 @@ trigonometry
 vectors
 quaternions
 matrices
-triangle shapes
+triangle shapes records
 rig
 pose constraints
 reframe report
@@ -39,6 +39,7 @@ watched
 compare describe changes
 delivery
 ops formats
+inputs outputs
 checks pipeline difference
 confined
 cli

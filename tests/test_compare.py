@@ -24,8 +24,9 @@ from rigtri.compare import (
 from rigtri.errors import FileError
 from rigtri.pose import Motion, worlds
 from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.records import Mesh
 from rigtri.reframe import reframe
-from rigtri.rig import Mesh, Rig
+from rigtri.rig import Rig
 from rigtri.watched import LinearPoints, Moment, Points, points_of
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])

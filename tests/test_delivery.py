@@ -23,7 +23,8 @@ from rigtri import delivery
 from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.formats import Options
 from rigtri.ops.orient import orient_joints
-from rigtri.pipeline import edit, write_text
+from rigtri.outputs import write_text
+from rigtri.pipeline import edit
 from rigtri.report import Report
 from rigtri.rig import Rig
 

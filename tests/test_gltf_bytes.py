@@ -18,8 +18,8 @@ from rigtri.formats.gltf.rounding import Singles, round_spline, round_tracks, un
 from rigtri.formats.gltf.spelling import Spelling, parse
 from rigtri.formats.gltf.uris import escape, file_of, is_own
 from rigtri.quaternions import unit
+from rigtri.records import Track
 from rigtri.reframe import reframe
-from rigtri.rig import Track
 
 TURN = unit([[0.1, 0.2, 0.3, 0.9]])
 

@@ -22,8 +22,9 @@ from rigtri.formats import Companion, Options
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.pose import worlds
 from rigtri.quaternions import IDENTITY, conjugate, unit
+from rigtri.records import Clip, Track
 from rigtri.reframe import reframe, scale_allows
-from rigtri.rig import Clip, Rig, Track
+from rigtri.rig import Rig
 
 FILES = [*sample_files(*GLTF), *asset_files(*GLTF)]
 KINDS: dict[str, Callable[[Builder, Path], Path]] = {

@@ -20,8 +20,9 @@ from rigtri.ops.presets import PRESETS, Style
 from rigtri.ops.select import Selection
 from rigtri.pose import skin_matrices, worlds
 from rigtri.quaternions import conjugate, from_axis_angle, multiply, rotate, unit
+from rigtri.records import Clip, Skin, Track
 from rigtri.report import Report
-from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.rig import Rig
 from rigtri.triangle import axis_of
 from rigtri.trigonometry import Floats
 from rigtri.vectors import cross, normalise

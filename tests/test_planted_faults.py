@@ -36,8 +36,9 @@ from rigtri.compare import self_check, verify
 from rigtri.formats import Document, read
 from rigtri.pose import key_times
 from rigtri.quaternions import from_axis_angle, multiply, unit
+from rigtri.records import Track
 from rigtri.reframe import reframe, scale_allows
-from rigtri.rig import Rig, Track
+from rigtri.rig import Rig
 
 Fault = Callable[[Rig], Rig]
 A_TENTH = from_axis_angle([0.0, 0.6, 0.8], np.radians(0.1))

@@ -16,8 +16,9 @@ from rigtri.matrices import inverse
 from rigtri.ops.polevector import Options, add_polevector
 from rigtri.pose import worlds
 from rigtri.quaternions import from_axis_angle
+from rigtri.records import Clip, Skin, Track
 from rigtri.report import Report
-from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import normalise
 

@@ -12,7 +12,8 @@ from rigs import chain, random_rig, rig_of
 
 from rigtri import pose
 from rigtri.quaternions import IDENTITY, from_axis_angle, unit
-from rigtri.rig import Clip, Mesh, Rig, Track
+from rigtri.records import Clip, Mesh, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 QUARTER = from_axis_angle([0, 0, 1], np.pi / 2)

@@ -15,8 +15,9 @@ from rigtri.matrices import from_frame, multiply
 from rigtri.pose import locals_at, rest, skin_matrices, worlds
 from rigtri.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes
 from rigtri.quaternions import multiply as then
+from rigtri.records import Bound, Clip, Track
 from rigtri.reframe import reframe, scale_allows
-from rigtri.rig import Bound, Clip, Rig, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 seeds = st.integers(0, 2**32 - 1)

@@ -13,7 +13,8 @@ from rigs import chain, random_rig, rig_of
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.pose import worlds
-from rigtri.rig import Rig, Skin
+from rigtri.records import Skin
+from rigtri.rig import Rig
 
 
 def hero() -> Rig:

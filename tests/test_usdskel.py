@@ -12,7 +12,8 @@ from places import NO_SKELETON, SEVERAL_ANIMATIONS, asset_files, leave_out, samp
 from rigtri.errors import FileError
 from rigtri.formats import read
 from rigtri.pose import deformed, locals_at, morph_weights, worlds
-from rigtri.rig import Clip, Mesh, Rig
+from rigtri.records import Clip, Mesh
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 # float32 points and UsdSkel's own float arithmetic, as a share of the largest coordinate.

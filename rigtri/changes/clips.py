@@ -9,7 +9,8 @@ import numpy as np
 from rigtri.changes.change import Change, furthest, same_numbers
 from rigtri.matching import Matching, by_target, partner_track
 from rigtri.quaternions import unit
-from rigtri.rig import Clip, Rig, Track
+from rigtri.records import Clip, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 GROUP = "clips"

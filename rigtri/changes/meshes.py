@@ -9,7 +9,8 @@ import numpy as np
 from rigtri.changes.change import Change, furthest, rows, same_numbers
 from rigtri.changes.turns import moved
 from rigtri.matching import Matching
-from rigtri.rig import Mesh, Rig
+from rigtri.records import Mesh
+from rigtri.rig import Rig
 
 
 def mesh_changes(

@@ -19,7 +19,8 @@ from rigtri.changes.renaming import renamed
 from rigtri.changes.turns import DERIVED, moved, turn
 from rigtri.matching import Matching, match, played_together
 from rigtri.matrices import inverse, nearest_rotation
-from rigtri.rig import Mesh, Rig, Skin
+from rigtri.records import Mesh, Skin
+from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery
 from rigtri.vectors import length
 

@@ -14,8 +14,9 @@ from typing import Protocol
 
 from rigtri.changes.change import Change
 from rigtri.errors import FileError
+from rigtri.records import Mesh
 from rigtri.report import Notice
-from rigtri.rig import Mesh, Rig
+from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")

@@ -17,8 +17,9 @@ from rigtri.errors import GeometryError
 from rigtri.ops.plan import UNCHANGED, Plan
 from rigtri.ops.select import STEADFAST
 from rigtri.quaternions import IDENTITY, conjugate, multiply, to_axes, turn_angle
+from rigtri.records import Constraint
 from rigtri.reframe import stays_diagonal, turned
-from rigtri.rig import Constraint, Rig
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 Policy = Literal["freeze", "error"]

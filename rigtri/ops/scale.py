@@ -25,9 +25,10 @@ from rigtri.quaternions import (
     turn_angle,
     unit,
 )
+from rigtri.records import key_values
 from rigtri.reframe import SAME_SCALE, Scales, stays_diagonal, turned
 from rigtri.report import Report
-from rigtri.rig import Rig, key_values
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats, arc_tangent
 from rigtri.vectors import angle, cross, dot
 

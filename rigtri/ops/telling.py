@@ -13,8 +13,9 @@ from rigtri.ops.plan import Plan
 from rigtri.ops.scale import EXACT, first_uneven
 from rigtri.ops.ups import degrees
 from rigtri.quaternions import conjugate, multiply, to_axes, turn_angle
+from rigtri.records import Booleans
 from rigtri.reframe import turned
-from rigtri.rig import Booleans, Rig
+from rigtri.rig import Rig
 from rigtri.triangle import DEGENERATE_SINE, axis_of
 from rigtri.trigonometry import Floats
 from rigtri.vectors import angle, length

@@ -28,7 +28,7 @@ from rigtri.compare import self_check, verify
 from rigtri.errors import RigtriError
 from rigtri.formats import GLTF_SUFFIXES, Document, Options, read
 from rigtri.ops.presets import PRESETS
-from rigtri.rig import Mesh
+from rigtri.records import Mesh
 
 # One in so many outputs is compared point by point, and made once more.
 SHARE = 4

@@ -21,8 +21,9 @@ import numpy as np
 
 from rigtri.compare import TOLERANCE, self_check
 from rigtri.formats import Document
+from rigtri.records import Clip, Mesh, Skin, Track
 from rigtri.reframe import SAME_SCALE
-from rigtri.rig import Clip, Mesh, Rig, Skin, Track
+from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 from rigtri.trigonometry import Floats
 

@@ -15,8 +15,8 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.nodes import NON_UNIT, Tree
 from rigtri.formats.gltf.values import Value
 from rigtri.quaternions import norm
+from rigtri.records import Clip, Track
 from rigtri.report import Notice
-from rigtri.rig import Clip, Track
 from rigtri.trigonometry import Floats
 
 WIDTH = {"translation": 3, "rotation": 4, "scale": 3}

@@ -19,7 +19,8 @@ from rigtri.formats.gltf.animations import POINTER, pointer_of
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import Singles, round_tracks, to_singles
 from rigtri.formats.gltf.storage import Role, Storage
-from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.records import Clip, Skin, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}

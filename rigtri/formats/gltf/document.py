@@ -36,8 +36,9 @@ from rigtri.formats.gltf.values import Value
 from rigtri.formats.gltf.writer import write_file
 from rigtri.formats.vrm import read_bindings
 from rigtri.formats.vrm_facts import read_facts
+from rigtri.records import Booleans, Bound, Constraint, Mesh
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Bound, Constraint, Mesh, Rig
+from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 
 

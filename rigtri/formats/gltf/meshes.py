@@ -19,8 +19,8 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.nodes import Tree
 from rigtri.formats.gltf.values import Value
+from rigtri.records import Booleans, Integers, Mesh, Skin, Surface
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Integers, Mesh, Skin, Surface
 from rigtri.trigonometry import Floats
 from rigtri.watched import boxes, extent
 

@@ -21,7 +21,8 @@ from rigtri.formats.vrm import mesh_references
 from rigtri.formats.vrm0 import stored_vector
 from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.pose import worlds
-from rigtri.rig import Integers, Rig
+from rigtri.records import Integers
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 PARTS = ("translation", "rotation", "scale")

@@ -13,8 +13,8 @@ import numpy as np
 from rigtri.formats.gltf.values import Value
 from rigtri.matrices import SKEW, decompose, determinant, skew
 from rigtri.quaternions import norm
+from rigtri.records import Booleans
 from rigtri.report import Notice
-from rigtri.rig import Booleans
 from rigtri.trigonometry import Floats
 
 # Rotations further from unit are worth a word: engines differ in what they make of them.

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rigtri.quaternions import norm
-from rigtri.rig import Track
+from rigtri.records import Track
 from rigtri.trigonometry import Floats
 
 Singles = NDArray[np.float32]

@@ -13,8 +13,8 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.nodes import AFFINE, Tree, title
 from rigtri.formats.gltf.values import Value
 from rigtri.matrices import determinant
+from rigtri.records import Booleans, Skin
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Skin
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 

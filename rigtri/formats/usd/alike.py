@@ -14,7 +14,8 @@ import numpy as np
 
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import parts
-from rigtri.rig import Clip, Integers, Path, Rig, Skin, Track
+from rigtri.records import Clip, Integers, Path, Skin, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 # Values that differ by less, as a share of the largest of them, are one value.

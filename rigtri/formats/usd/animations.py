@@ -18,8 +18,8 @@ from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
 from rigtri.formats.usd.value_types import WrongTypeError
 from rigtri.quaternions import norm
+from rigtri.records import Clip, Interpolation, Path, Track
 from rigtri.report import Notice
-from rigtri.rig import Clip, Interpolation, Path, Track
 from rigtri.trigonometry import Floats
 
 # The key of tracks that only show a default during a clip; the default's own clip writes it.

@@ -31,8 +31,9 @@ from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
 from rigtri.formats.usd.values import Edit, kind, parts
+from rigtri.records import Mesh
 from rigtri.report import Notice
-from rigtri.rig import Mesh, Rig
+from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 
 # An override of ours says so here, and a bare one also what it is for; editing it again edits this layer.

@@ -18,7 +18,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.formats.usd.value_types import usable
-from rigtri.rig import Booleans, Integers, Mesh, Surface, Track
+from rigtri.records import Booleans, Integers, Mesh, Surface, Track
 from rigtri.trigonometry import Floats
 
 EARLIEST = Usd.TimeCode.EarliestTime()

@@ -15,8 +15,8 @@ from pxr import UsdGeom, Vt
 
 from rigtri.matrices import SKEW, decompose, skew
 from rigtri.quaternions import IDENTITY
+from rigtri.records import Interpolation, Path, Track
 from rigtri.report import Notice
-from rigtri.rig import Interpolation, Path, Track
 from rigtri.trigonometry import Floats
 
 # The name and key of the clip; the writer leaves it alone.

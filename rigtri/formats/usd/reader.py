@@ -21,8 +21,9 @@ from rigtri.formats.usd.xform_rig import rooted
 from rigtri.matrices import compose, decompose, identity, inverse
 from rigtri.pose import worlds
 from rigtri.quaternions import from_axes, to_axes
+from rigtri.records import Clip, Interpolation, Skin
 from rigtri.report import Notice
-from rigtri.rig import Clip, Interpolation, Rig, Skin
+from rigtri.rig import Rig
 
 # The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
 GROUP = "rigtri"

@@ -15,8 +15,8 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
 from rigtri.matrices import determinant, inverse, multiply
+from rigtri.records import Booleans, Integers
 from rigtri.report import Notice
-from rigtri.rig import Booleans, Integers
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 

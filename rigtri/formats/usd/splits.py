@@ -28,8 +28,9 @@ from rigtri.formats.usd.variants import why_split
 from rigtri.matrices import decompose, from_frame, inverse, local, turn_before
 from rigtri.pose import bind_worlds
 from rigtri.quaternions import conjugate
+from rigtri.records import Clip, Skin, Track
 from rigtri.report import Notice
-from rigtri.rig import Clip, Rig, Skin, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 

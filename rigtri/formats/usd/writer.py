@@ -22,8 +22,9 @@ from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
 from rigtri.matrices import inverse
+from rigtri.records import Clip
 from rigtri.report import Notice
-from rigtri.rig import Clip, Rig
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 # For each property of an animation: column → new samples (k, c), or the new default (1, c).

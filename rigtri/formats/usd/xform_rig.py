@@ -21,8 +21,9 @@ from rigtri.formats.usd.xform import FRAME, PARENT_INVERSE
 from rigtri.matrices import inverse
 from rigtri.pose import worlds
 from rigtri.quaternions import IDENTITY, multiply, rotate
+from rigtri.records import Clip, Interpolation, Path, Skin, Track
 from rigtri.report import Notice
-from rigtri.rig import Clip, Interpolation, Path, Rig, Skin, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 # Op → (track, what it is without a value). The two ops of ours stand outermost and innermost.

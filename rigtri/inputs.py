@@ -1,0 +1,62 @@
+"""The source of a command as a file on disk, also where it comes by a stream."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from rigtri.errors import FileError, RigtriError
+
+# The first bytes of a stream tell its format, and with it the suffix that `read` goes by.
+_MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
+
+
+@contextmanager
+def opened(source: Path | str) -> Iterator[Path]:
+    """The source as a file on disk, and arithmetic that a broken file may not make noisy."""
+    # What leaves float64 becomes inf or NaN; `_check_numbers` and the comparison see it.
+    with np.errstate(all="ignore"), _on_disk(source) as path:
+        yield path
+
+
+@contextmanager
+def _on_disk(source: Path | str) -> Iterator[Path]:
+    """The source as it lies; standard input is spooled, its first bytes say the format."""
+    if str(source) != "-":
+        path = Path(source)
+        if path.is_dir():
+            raise FileError(f"{path} is a folder, not a file")
+        if not path.exists():
+            raise FileError(f"There is no file {path}")
+        if not path.is_file():
+            raise FileError(f"{path} is a device or a pipe; give a plain file, or - for standard input")
+        yield path
+        return
+    start = sys.stdin.buffer.read(16)
+    suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")
+    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+        path = Path(folder, f"stdin{suffix}")
+        with path.open("wb") as file:
+            file.write(start)
+            shutil.copyfileobj(sys.stdin.buffer, file)
+        with called({str(path): "standard input", path.name: "standard input"}):
+            yield path
+
+
+@contextmanager
+def called(names: dict[str, str]) -> Iterator[None]:
+    """Let errors speak of files by the names that the user gave."""
+    try:
+        yield
+    except RigtriError as error:
+        text = str(error)
+        for name, known in names.items():
+            text = text.replace(name, known)
+        error.args = (text, *error.args[1:])
+        raise

@@ -1,0 +1,158 @@
+"""What an edit writes: a part beside its target and what goes with it; either all stay or none."""
+
+from __future__ import annotations
+
+import filecmp
+import os
+import re
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from rigtri.delivery import beside, commit, discard_stale, replacing, same_file, stale_parts
+from rigtri.errors import FileError, UsageError
+from rigtri.formats import Companion
+
+_OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
+
+
+class Written:
+    """A part beside its target and the companions placed so far; either all stay or none.
+
+    The rename of the part is the moment that counts: as long as there is a part, the old
+    files are the valid ones, and what a killed run has replaced is put back by the next.
+    """
+
+    def __init__(self, final: Path, overwrite: bool, needed: Sequence[tuple[Path, str]] = ()) -> None:
+        self.final, self.overwrite, self._needed = final, overwrite, needed
+        with as_file_error(final):
+            _recover(final)
+        self.part = beside(final)
+        self.placed: list[tuple[Path, Path | None]] = []
+        self._orphans = _our_buffers(final)
+
+    def add(self, companion: Companion) -> None:
+        """Put a companion in place, keeping what was there until the whole has passed."""
+        name = Path(companion.name)
+        if name.is_absolute() or ".." in name.parts:
+            raise FileError(
+                f"'{companion.name}' lies outside the folder of the source; it will not be copied "
+                "beside the output. Use --resources relink."
+            )
+        place = self.final.parent / name
+        if place.exists() and _same(companion.content, place):
+            return
+        if place.exists() and not self.overwrite:
+            raise UsageError(
+                f"{place} exists and is another file than the one that {self.final.name} needs there; "
+                "it is replaced only with --overwrite"
+            )
+        spare(place, [*self._needed, (self.final, "the output itself")])
+        place.parent.mkdir(parents=True, exist_ok=True)
+        discard_stale(place)
+        backup = _kept(place, os.getpid()) if place.exists() else None
+        if backup is not None:
+            _link(place, backup)
+        self.placed.append((place, backup))
+        with replacing(place) as fresh:
+            if isinstance(companion.content, bytes):
+                fresh.write_bytes(companion.content)
+            else:
+                shutil.copyfile(companion.content, fresh)
+
+    def finish(self) -> None:
+        """Rename the part into place; remove buffers of ours that nothing refers to any more."""
+        with as_file_error(self.final):
+            commit(self.part, self.final)
+        # The new file is there; what cannot be tidied up any more is no reason to fail.
+        with suppress(OSError):
+            for _, backup in self.placed:
+                if backup is not None:
+                    backup.unlink()
+            for orphan in self._orphans - _our_buffers(self.final):
+                orphan.unlink(missing_ok=True)
+
+    def undo(self) -> None:
+        """Leave the folder as it was; nothing to do where the part has become the file."""
+        if self.placed and not self.part.exists():
+            return
+        for place, backup in reversed(self.placed):
+            if backup is not None:
+                _put_back(backup, place)
+            else:
+                place.unlink(missing_ok=True)
+        with suppress(OSError):  # the reason for undoing is told, not this
+            self.part.unlink(missing_ok=True)
+
+
+def _kept(place: Path, process: int) -> Path:
+    """Where a run keeps the file that it replaces."""
+    return place.with_name(f".{place.name}.kept-{process}")
+
+
+def _link(place: Path, backup: Path) -> None:
+    """A second name for a file, or a copy where the file system has no links."""
+    backup.unlink(missing_ok=True)
+    try:
+        os.link(place, backup)
+    except OSError:
+        shutil.copy2(place, backup)
+
+
+def _put_back(backup: Path, place: Path) -> None:
+    os.replace(backup, place)
+    # Of two names of one file the rename drops neither.
+    backup.unlink(missing_ok=True)
+
+
+def _recover(final: Path) -> None:
+    """Finish what killed runs have left: put back what they had replaced, remove their parts.
+
+    A buffer that was new stays: by its name alone nobody knows who else refers to it.
+    """
+    for process in {process for _, process in stale_parts(final)}:
+        for backup in final.parent.rglob(f".*.kept-{process}"):
+            _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
+        for part in final.parent.rglob(f".*.part-{process}*"):
+            part.unlink(missing_ok=True)
+
+
+def _our_buffers(path: Path) -> set[Path]:
+    """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to."""
+    if path.suffix.lower() != ".gltf" or not path.is_file():
+        return set()
+    names = {name.decode("utf-8", "replace") for name in _OURS.findall(path.read_bytes())}
+    return {path.parent / name for name in names if name.startswith(f"{path.stem}.rigtri-")}
+
+
+def _same(content: bytes | Path, place: Path) -> bool:
+    if isinstance(content, bytes):
+        return place.is_file() and place.read_bytes() == content
+    return place.is_file() and filecmp.cmp(content, place, shallow=False)
+
+
+def spare(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
+    """UsageError where writing to ``place`` would destroy a file that the output needs."""
+    for file, what in needed:
+        if same_file(place, file):
+            raise UsageError(f"{place} is {what}; it would be lost. Give another name")
+
+
+@contextmanager
+def as_file_error(path: Path) -> Iterator[None]:
+    """An error of the operating system, told with the file it concerns."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise FileError(f"{path} cannot be written: {reason}") from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a small text file beside and rename it; FileError when that fails."""
+    with as_file_error(path):
+        discard_stale(path)
+        with replacing(path) as part:
+            # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
+            part.write_text(text, encoding="utf-8", errors="backslashreplace")

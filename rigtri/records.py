@@ -1,0 +1,148 @@
+"""What hangs on the nodes of a rig: tracks and clips, skins, meshes, constraints, as immutable arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rigtri.trigonometry import Floats
+
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+Path = Literal["translation", "rotation", "scale", "weights"]
+Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """One property of one node over the time of a clip.
+
+    times: shape (k,), increasing. values: (k, c), for CUBICSPLINE (k, 3, c):
+    in-tangent, value, out-tangent. Tracks of a clip that share their times
+    share the array, which is what makes sampling them together cheap.
+    """
+
+    node: int
+    path: Path
+    interpolation: Interpolation
+    times: Floats
+    values: Floats
+    key: Hashable = None
+
+
+def key_values(track: Track) -> Floats:
+    """The values of a track at its keys, (k, c), without the tangents of splines."""
+    return track.values[:, 1] if track.interpolation == "CUBICSPLINE" else track.values
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """An animation. What no track drives keeps its rest value during the clip."""
+
+    name: str
+    tracks: tuple[Track, ...]
+    key: Hashable = None
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Joints and the matrices that take bind-pose points into each joint's space.
+
+    joints: node indices, (m,). inverse_bind: (m, 4, 4). ``stored`` is False when
+    the file has no matrices and these are the identity its format prescribes.
+    ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
+    so it is asked only when needed. drawn: something is drawn with it, whether or
+    not its points can be read.
+    """
+
+    name: str
+    joints: Integers
+    inverse_bind: Floats
+    stored: bool = True
+    weigh: Callable[[], Booleans] | None = None
+    key: Hashable = None
+    drawn: bool = False
+
+    @cached_property
+    def weighted(self) -> Booleans:
+        """Which joints move any point, (m,); all of them when nobody can tell."""
+        return np.ones(len(self.joints), dtype=bool) if self.weigh is None else self.weigh()
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """A point or direction that a format keeps in the frame of a node, e.g. a collider's offset."""
+
+    node: int
+    vector: Floats
+    key: Hashable = None
+
+
+class Surface(NamedTuple):
+    """How a mesh is drawn between its points; read only to compare.
+
+    kind: what is drawn, e.g. ``triangles``. sizes: corners of each face, (f,), empty
+    where ``kind`` says it. corners: point indices. normals: (m, 3), (0, 3) where there are none.
+    values: by name what else points, corners or faces have: colours, texture coordinates, tangents.
+    """
+
+    kind: str
+    sizes: Integers
+    corners: Integers
+    normals: Floats
+    values: Mapping[str, NDArray[Any]] = {}
+
+
+@dataclass(frozen=True, eq=False)
+class Constraint:
+    """A node that follows another by a rule that compares their axes.
+
+    kind: ``rotation``, node takes over how source has turned from its rest; ``roll``, of that
+    turn the part about ``axis``, seen from the two parents; ``aim``, ``axis`` points at source;
+    ``tail``, the end of a swinging chain, which hangs as its parent, the source, stands.
+    axis: (3,), one of the six axes of node; zero where the kind has none.
+    """
+
+    kind: Literal["rotation", "roll", "aim", "tail"]
+    node: int
+    source: int
+    axis: Floats
+    key: Hashable = None
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Points that skins or nodes move; read only to measure, never written.
+
+    points: (v, 3). joints, weights: (v, k), indices into the skin's joints; empty
+    (v, 0) for a rigid mesh, whose points are in the space of ``node``. bind: the
+    matrix that takes points into the space of the skin's bind pose. morphs:
+    (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``.
+    ``surface`` reads faces and normals, None where they cannot be read; asked only when needed.
+    box: where ``points`` are only some of many, the lows and highs of all of them wherever
+    morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
+    of the skin moves, (2, m, 3).
+    """
+
+    name: str
+    node: int
+    points: Floats
+    skin: int | None = None
+    joints: Integers = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
+    weights: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    bind: Floats = field(default_factory=lambda: np.eye(4))
+    morphs: Floats = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
+    dual_quaternion: bool = False
+    surface: Callable[[], Surface | None] | None = None
+    box: Floats | None = None
+
+    @cached_property
+    def surface_now(self) -> Surface | None:
+        """Faces and normals; None when nobody can tell."""
+        return None if self.surface is None else self.surface()
