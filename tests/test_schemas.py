@@ -67,6 +67,7 @@ def test_a_report_has_exactly_its_keys() -> None:
         "options": {},
         "joints": [{"joint": "a", "address": "a", "path": "/a", "status": "kept", "reason": "a root joint"}],
         "added": [{"node": "a_ctl", "type": "control", "new": True}],
+        "removed": [],
         "limbs": [
             {
                 "limb": ["a", "b", "c"],

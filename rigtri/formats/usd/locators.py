@@ -28,13 +28,13 @@ def is_ours(rig: Rig, node: int) -> bool:
 
 def edits(source: Source, rig: Rig) -> list[Edit]:
     """New nodes as prims, and prims of ours brought up to date."""
-    return [*_update(source, rig), *_Additions(source, rig).edits()]
+    return [*_update(source, rig), *_Additions(source, rig).edits(), *_removals(source, rig)]
 
 
 def _update(source: Source, rig: Rig) -> list[Edit]:
     before, found, renamed = source.rig, [], []
     for node, key in enumerate(before.keys):
-        if kind(key) != "prim":
+        if kind(key) != "prim" or node in rig.removed:
             continue
         path, note = before.labels[node], rig.notes.get(node, {})
         if dict(note) != dict(before.notes.get(node, {})):
@@ -52,6 +52,30 @@ def _update(source: Source, rig: Rig) -> list[Edit]:
             renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
     # Renaming comes last: all other edits know a prim by the path it had.
     return [*found, *renamed]
+
+
+def _removals(source: Source, rig: Rig) -> list[Edit]:
+    """Prims of ours that go, each with all below it."""
+    gone = [node for node in sorted(rig.removed) if kind(rig.keys[node]) == "prim"]
+    tops = [node for node in gone if int(rig.parents[node]) not in rig.removed]
+    for node in gone:
+        stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
+        for spec in stack[1:]:
+            raise FileError(
+                f"<{rig.labels[node]}> is written in {stack[0].layer.identifier} and in "
+                f"{spec.layer.identifier}, so it cannot be taken out of one of them."
+            )
+    return [_erase(rig.labels[node]) for node in tops]
+
+
+def _erase(path: str) -> Edit:
+    def erase(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is None:
+            raise FileError(f"<{path}> is written in another layer, so it cannot be taken out here.")
+        del spec.nameParent.nameChildren[spec.name]
+
+    return Edit(Sdf.Path(path), erase)
 
 
 class _Additions:
