@@ -18,8 +18,6 @@ from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
 from rigtri.rig import Rig
 
-SCHEMAS = {"poleVector": "RigtriPoleVectorAPI"}
-
 
 def is_ours(rig: Rig, node: int) -> bool:
     """Whether a prim was made by rigtri: it carries a note, and its place is ours to set."""
@@ -119,10 +117,9 @@ class _Additions:
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
         found = [define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
-        schema = SCHEMAS.get(str(note.get("type")))
         if node in self.rig.shapes:
             found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
-        return [*found, apply_schema(path, schema)] if schema else found
+        return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:
         """The prim that a new node goes under, and that prim's world matrix."""
@@ -161,6 +158,7 @@ class _Additions:
                 [
                     define(path, "Scope"),
                     *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
+                    apply_schema(path, notes.api_name("group")),
                 ],
             )
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
