@@ -12,10 +12,11 @@ from rigtri.errors import FileError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of, limb_children
-from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, turn_onto
+from rigtri.ops.frames import like_turns, mirrored_turns, stored_turns, turn_onto
 from rigtri.ops.presets import Style
 from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
 from rigtri.ops.select import Selection, select
+from rigtri.ops.twins import Mirror, Plane
 from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
 from rigtri.reframe import Scales
@@ -58,7 +59,7 @@ class Options:
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mirror: Mirror | None = None
     from_side: Literal["left", "right"] = "left"
-    plane: str = "yz"
+    plane: Plane = "yz"
     root: str | None = None
     like: Rig | None = None
     frames: object = None
