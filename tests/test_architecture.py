@@ -29,7 +29,7 @@ matrices
 triangle shapes records
 rig
 pose constraints
-reframe report
+reframe report reach
 naming
 limbs
 skeleton bend

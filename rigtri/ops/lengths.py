@@ -1,0 +1,76 @@
+"""What a file's numbers leave open: scales that are nearly uniform, rotations that are not unit.
+
+A turn is exact for uniform scales and unit rotations. What falls short of that moves
+something, by a share of how far what hangs at the joint reaches; where that would be
+seen, the joint counts as one of non-uniform scale, or turns as its parent does.
+
+Source: docs/exactness.md, "Scale" and "Quaternions that are not unit".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+
+import numpy as np
+
+from rigtri.quaternions import norm
+from rigtri.reach import bearable
+from rigtri.records import Constraint, key_values
+from rigtri.reframe import SAME_SCALE, Scales
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+# How much of the tolerance of 1e-5 all that is nearly uniform along a line of joints may use
+# up, and all that is nearly unit; the rest is for the rounding of what is written.
+SCALES_MAY, ROTATIONS_MAY = 6e-6, 3e-6
+# Half a unit in the last place of float32 numbers near 1, of squares and of scales.
+ROUNDING = 1.2e-7
+
+Reach = Callable[[], Floats]
+
+
+def same_scales(rig: Rig, joints: Collection[int], scales: Scales, reach: Reach) -> Floats:
+    """How far apart the components of each scale may be to count as one number, (n,).
+
+    reach: how far what hangs at each node reaches, (n,), as a share of the size.
+    """
+    spread = np.zeros(len(rig))
+    spread[list(joints)] = np.where(scales.uneven, 0.0, scales.spread)[list(joints)]
+    if spread.max(initial=0.0) <= ROUNDING:
+        return scales.same
+    far = reach()
+    limit = bearable(rig, spread * far, SCALES_MAY)
+    over = spread * far > limit
+    return np.where(over, np.minimum(scales.same, limit / np.where(over, far, 1.0)), scales.same)
+
+
+def ties(rig: Rig, reach: Reach) -> tuple[Constraint, ...]:
+    """Each node whose rotations are not unit, tied to its parent: they must turn alike.
+
+    A quaternion of length L is the matrix L²·R + (1 − L²)·1 to a viewer that takes it as it is,
+    and the frames C of joint and parent give C·(L²·R + (1 − L²)·1)·Cp⁻¹. That is such a matrix
+    again, of the length L, where C = Cp, and else not. Only of a rig whose format says that
+    viewers do so.
+    """
+    if not rig.raw:
+        return ()
+    off = _off_unit(rig)
+    if off.max(initial=0.0) <= 2 * ROUNDING:
+        return ()
+    effect = 2.0 * off * reach()  # a turn by δ against the parent: 2·sin(δ/2) of it
+    tied = np.flatnonzero(effect > bearable(rig, effect, ROTATIONS_MAY)).tolist()
+    return tuple(Constraint("length", node, int(rig.parents[node]), np.zeros(3)) for node in tied)
+
+
+def _off_unit(rig: Rig) -> Floats:
+    """The largest | |q|² − 1 | of each node's rotations, at rest and at keys, (n,)."""
+    off = np.where(rig.has_matrix, 0.0, _off(rig.rotation))
+    for track in (t for clip in rig.clips for t in clip.tracks if t.path == "rotation"):
+        off[track.node] = max(off[track.node], float(_off(key_values(track)).max(initial=0.0)))
+    return np.asarray(off)
+
+
+def _off(q: Floats) -> Floats:
+    size = norm(q)
+    away = np.abs(size * size - 1.0)
+    return np.where(np.isfinite(away), away, 0.0)
