@@ -23,12 +23,12 @@ from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
 from rigtri.quaternions import norm
+from rigtri.reach import TOLERANCE as TOLERANCE
 from rigtri.reach import fits, size_of
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
 from rigtri.trigonometry import Floats
-from rigtri.vectors import length
 from rigtri.watched import (
     Moment,
     Rows,
@@ -41,9 +41,6 @@ from rigtri.watched import (
     skin_corners,
 )
 
-# Relative to the size of what is seen. Random axes on every joint of real files, stored as
-# float32, move points by less than 8.7e-6; a visible fault by far more.
-TOLERANCE = 1e-5
 # Quaternions stored as float32 are unit within this.
 UNIT = 1e-6
 # Where they are shown as they are: a turn doubles that, and a line of joints adds it up.

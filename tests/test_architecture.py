@@ -30,6 +30,7 @@ triangle shapes records
 rig
 pose constraints
 reframe report reach
+lengths
 naming
 limbs
 skeleton bend

@@ -128,7 +128,10 @@ def _names(rig: Rig, nodes: Sequence[int]) -> str:
 
 
 def _told(rig: Rig, bond: Bond) -> str:
-    said = {"tail": "'{}' is the end of a swinging chain", "length": "rotations of '{}' are not unit"}
+    said = {
+        "tail": "'{}' is the end of a swinging chain",
+        "length": "rotations of '{}' are not unit, which this format shows",
+    }
     words = [
         said.get(c.kind, f"{c.kind} constraint of '{{}}'").format(rig.title(c.node)) for c in bond.constraints
     ]

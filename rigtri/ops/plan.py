@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -9,17 +10,17 @@ from typing import Literal
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
+from rigtri.lengths import same_scales, ties
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of, limb_children
 from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, turn_onto
-from rigtri.ops.lengths import same_scales, ties
 from rigtri.ops.presets import Style
 from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
 from rigtri.ops.select import Selection, select
 from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
-from rigtri.reach import reaches
+from rigtri.reach import TOLERANCE, reaches
 from rigtri.records import Constraint
 from rigtri.reframe import Scales
 from rigtri.report import Report
@@ -66,6 +67,7 @@ class Options:
     like: Rig | None = None
     frames: object = None
     inverse: bool = False
+    tolerance: float = TOLERANCE
 
 
 @dataclass(eq=False)
@@ -174,17 +176,22 @@ class Plan:
     def scales(self) -> Scales:
         """Every scale of the rig, at rest and at keys."""
         rig, scales = self.tree.rig, Scales.of(self.tree.rig)
-        return replace(scales, same=same_scales(rig, self.tree.joints, scales, lambda: self.reach))
+        return replace(scales, same=same_scales(rig, self.tree.joints, scales, *self._faults))
 
     @cached_property
     def reach(self) -> Floats:
         """How far what hangs at each node reaches, (n,), as a share of the size."""
         return reaches(self.tree.rig)
 
+    @property
+    def _faults(self) -> tuple[Callable[[], Floats], float]:
+        """What says how much a small fault of a joint moves, and how much it may."""
+        return lambda: self.reach, self.options.tolerance
+
     @cached_property
     def ties(self) -> tuple[Constraint, ...]:
         """Joints that must turn as their parents do, for their rotations are not unit."""
-        return ties(self.tree.rig, lambda: self.reach)
+        return ties(self.tree.rig, *self._faults)
 
     @cached_property
     def scale_noise(self) -> Floats:
