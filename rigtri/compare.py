@@ -113,8 +113,8 @@ class Comparison:
     @property
     def shown(self) -> float:
         """The largest deviation that any viewer shows who reads the file as its format says."""
-        both = not self.deviation >= self.raw_deviation  # also where the latter is not a number
-        return self.raw_deviation if self.raw_counts and both else self.deviation
+        worse = not self.deviation >= self.raw_deviation  # also where the latter is not a number
+        return self.raw_deviation if self.raw_counts and worse else self.deviation
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""

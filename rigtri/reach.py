@@ -12,7 +12,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.matrices import multiply, transform_directions, transform_points
-from rigtri.pose import deformed, morph_weights
+from rigtri.pose import deformed, morph_weights, rest, worlds
 from rigtri.records import Integers, Mesh
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -25,7 +25,7 @@ TOLERANCE = 1e-5
 
 def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
     """The diagonal of the box of all points at rest, in file units; without points, of joints' origins."""
-    world = rig.world[np.newaxis]
+    world = worlds(rig, rest(rig))[np.newaxis]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -62,10 +62,9 @@ def reaches(rig: Rig) -> Floats:
         meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
     except FileError:
         meshes = []
-    reach = np.zeros(len(rig))
+    reach, world = np.zeros(len(rig)), worlds(rig, rest(rig))
     for mesh in meshes:
-        _own(rig, mesh, reach)
-    world = rig.world
+        _own(rig, world, mesh, reach)
     for level in reversed(rig.levels[1:]):
         parents = rig.parents[level]
         bones = length(world[level, 3, :3] - world[parents, 3, :3])
@@ -73,29 +72,29 @@ def reaches(rig: Rig) -> Floats:
     return reach / size_of(rig, meshes)
 
 
-def _own(rig: Rig, mesh: Mesh, reach: Floats) -> None:
+def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
     """Raise ``reach``, (n,), in file units, to what the points of a mesh ask of the nodes that move them."""
     if mesh.skin is None or not mesh.joints.shape[1]:
-        _raise(reach, np.full(len(mesh.points), mesh.node), mesh.points, rig.world[mesh.node][np.newaxis])
+        _raise(reach, np.full(len(mesh.points), mesh.node), mesh.points, world)
         return
     skin = rig.skins[mesh.skin]
     into = multiply(mesh.bind, skin.inverse_bind)
     for column in range(mesh.joints.shape[1]):
         live = np.flatnonzero(mesh.weights[:, column])
         joint = mesh.joints[live, column]
-        _raise(reach, skin.joints[joint], transform_points(mesh.points[live], into[joint]), rig.world)
+        _raise(reach, skin.joints[joint], transform_points(mesh.points[live], into[joint]), world)
     if mesh.box is not None:
         corners = np.broadcast_to(mesh.box.reshape(2, -1, 3), (2, len(skin.joints), 3))
         for picked in np.ndindex(2, 2, 2):
             corner = np.stack([corners[low, :, axis] for axis, low in enumerate(picked)], axis=1)
-            _raise(reach, skin.joints, transform_points(corner, into), rig.world)
+            _raise(reach, skin.joints, transform_points(corner, into), world)
 
 
 def _raise(reach: Floats, node: Integers, points: Floats, world: Floats) -> None:
     """points: (k, 3), each in the space of its ``node``, (k,)."""
     if len(points):
         with np.errstate(invalid="ignore", over="ignore"):
-            far = length(transform_directions(points, world[node] if len(world) > 1 else world))
+            far = length(transform_directions(points, world[node]))
         np.maximum.at(reach, node, np.where(np.isfinite(far), far, 0.0))
 
 

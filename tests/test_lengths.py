@@ -119,6 +119,16 @@ def test_a_parent_that_stays_holds_a_child_of_such_rotations(tmp_path: Path) -> 
     assert deviation(source, out) < FLOOR
 
 
+def test_a_mirrored_joint_of_such_rotations_holds_its_parent(tmp_path: Path) -> None:
+    limb = Limb(rest={"elbow": (-1, 1, 1)}, keys={"elbow": [(-1, 1, 1)] * 5})
+    limb.turns[:, NAMES.index("elbow")] *= 3
+    source, out = made(tmp_path, limb, ".usda"), tmp_path / "out.usda"
+    said = entries(oriented(source, out))
+    assert "the scale of 'elbow' mirrors it" in said["elbow"]["reason"]
+    assert said["wrist"]["status"] == "turned"
+    assert deviation(source, out) < FLOOR
+
+
 @pytest.mark.parametrize("size", [3.0, 0.7071])
 def test_gltf_means_unit_rotations_whatever_their_length_and_says_what_else_is_shown(
     size: float, tmp_path: Path

@@ -12,6 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from rigtri.constraints import alike, axis_fits, axis_straightened
 from rigtri.errors import GeometryError
 from rigtri.ops.plan import UNCHANGED, Plan
@@ -163,4 +165,7 @@ def _common(
     for node in bond.nodes:
         if node >= 0 and scales.uneven[node] and not scales.keeps(node, to_axes(turn)):
             return IDENTITY, f"the scale of '{rig.title(node)}' is not uniform"
+    for node in (c.node for c in bond.constraints if c.kind == "length" and turned(turn)):
+        if np.ptp(scales.sign[node]):  # its half turn would go into rotations that are not unit
+            return IDENTITY, f"the scale of '{rig.title(node)}' mirrors it"
     return turn, ""
