@@ -161,7 +161,7 @@ def _deliver(
 
 def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
     """What a user can do where nothing but the rounding of stored numbers can be what differs."""
-    near = result.deviation < 10 * tolerance
+    near = result.shown < 10 * tolerance
     if result.lost or result.different or not near:
         return ""
     depth = max(rig.depth) + 1
@@ -170,7 +170,7 @@ def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
     return (
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
-        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.deviation):g}"
+        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.shown):g}"
     )
 
 

@@ -105,10 +105,11 @@ class Constraint:
     kind: ``rotation``, node takes over how source has turned from its rest; ``roll``, of that
     turn the part about ``axis``, seen from the two parents; ``aim``, ``axis`` points at source;
     ``tail``, the end of a swinging chain, which hangs as its parent, the source, stands.
+    ``length``, node's rotations are not unit, and the source is its parent: no constraint of a file.
     axis: (3,), one of the six axes of node; zero where the kind has none.
     """
 
-    kind: Literal["rotation", "roll", "aim", "tail"]
+    kind: Literal["rotation", "roll", "aim", "tail", "length"]
     node: int
     source: int
     axis: Floats

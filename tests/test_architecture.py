@@ -29,7 +29,8 @@ matrices
 triangle shapes records
 rig
 pose constraints
-reframe report
+reframe report reach
+lengths
 naming
 limbs
 skeleton bend

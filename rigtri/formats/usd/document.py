@@ -45,7 +45,8 @@ class UsdDocument:
 
     def __init__(self, source: Source, options: Options, layer: Any) -> None:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
-        self._source, self._options, self._layer = source, options, layer
+        rig = replace(source.rig, drawn=self.outlines)
+        self._source, self._options, self._layer = replace(source, rig=rig), options, layer
         self._notices = list(source.warnings)
 
     @classmethod

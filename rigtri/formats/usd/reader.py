@@ -325,6 +325,7 @@ class _Reader:
             fixed=dict(self.fixed),
             notes=dict(self.notes),
             up=up,
+            raw=True,
         )
 
 
