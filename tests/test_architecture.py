@@ -34,6 +34,7 @@ naming
 limbs
 skeleton bend
 matching
+playing
 moving scenery attached
 watched
 compare describe changes

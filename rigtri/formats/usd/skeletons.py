@@ -48,6 +48,7 @@ class Skeleton:
 def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notice]) -> Skeleton | None:
     """The skeleton of a Skeleton prim whose world matrix is ``world``; None if it has no joints.
 
+    animation: the SkelAnimation prim that is bound to it (`bound_animation`), or None.
     FileError where its joints or matrices break UsdSkel's rules, naming them.
     """
     path = str(prim.GetPath())
@@ -68,9 +69,9 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         )
     _check_bind(path, tokens, bind)
     rest = _matrices(prim, "restTransforms", tokens)
-    found = _animation_of(prim, animation)
+    if rest is None and animation is not None and animation.IsActive():
+        _check_covered(path, tokens, animation)
     if rest is None:
-        _check_covered(path, tokens, found)
         warnings.append(
             Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
         )
@@ -82,7 +83,7 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         rest=_local(bind, parents, world) if rest is None else rest,
         has_rest=rest is not None,
         locked="",
-        animation="" if found is None else str(found.GetPath()),
+        animation="" if animation is None else str(animation.GetPath()),
     )
 
 
@@ -166,23 +167,7 @@ def _check_bind(path: str, tokens: Sequence[str], bind: Floats) -> None:
         )
 
 
-def _animation_of(prim: Any, animation: Any) -> Any:
-    """The SkelAnimation prim that is bound here or above; a target that is none counts as missing."""
-    if animation and animation.GetTypeName() == "SkelAnimation":
-        return animation
-    relation = prim.GetRelationship("skel:animationSource")
-    targets = relation.GetTargets() if relation else []
-    if targets and not animation:
-        raise FileError(
-            f"Skeleton <{prim.GetPath()}> is bound to the animation <{targets[0]}>, which is not there. "
-            "Put the layer that holds it beside the file, or remove the binding."
-        )
-    return None
-
-
 def _check_covered(path: str, tokens: Sequence[str], animation: Any) -> None:
-    if animation is None:
-        return
     driven = set(tokens_of(animation, "joints"))
     missing = [token for token in tokens if token not in driven]
     if missing:
