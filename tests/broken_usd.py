@@ -221,7 +221,17 @@ USD: dict[str, list[Make]] = {
     "usd.anim.no-joints": [moving(joints="")],
     "usd.anim.joint-twice": [moving(joints='uniform token[] joints = ["a/b", "a", "a"]')],
     "usd.anim.joint-unknown": [moving(joints='uniform token[] joints = ["a/b", "a", "other"]')],
-    "usd.anim.incomplete": [moving(scales="")],
+    "usd.anim.incomplete": [
+        moving(scales=""),
+        moving(scales="half3[] scales = []"),
+        moving(scales="half3[] scales.timeSamples = {1: None}"),
+        moving(translations=""),
+        stage(
+            clean()
+            .replace("def SkelAnimation", "class SkelAnimation")
+            .replace("half3[] scales =", "half3[] other =")
+        ),
+    ],
     "usd.anim.length": [moving(scales="half3[] scales = [(1, 1, 1)]")],
     "usd.anim.value-nan": [
         moving(translations="float3[] translations = [(nan, 0, 0), (0, 0, 0), (0, 2, 1)]")
@@ -235,6 +245,9 @@ USD: dict[str, list[Make]] = {
         replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = </Root/Anim>"),
     ],
     "usd.binding.animation": [bones(source="rel skel:animationSource = </Root/Gone>")],
+    "usd.binding.inactive": [
+        stage(clean().replace('def SkelAnimation "Anim"', 'def SkelAnimation "Anim" (active = false)')),
+    ],
     "usd.binding.many-targets": [
         replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = [</Root/Skel>, </Root/Anim>]")
     ],

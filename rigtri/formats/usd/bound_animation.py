@@ -59,9 +59,8 @@ def why_unplayed(holder: Any, target: Any) -> str:
     stage = holder.GetStage()
     found = stage.GetPrimAtPath(target)
     if not found:
-        above = [prim for path in target.GetPrefixes() if (prim := stage.GetPrimAtPath(path))]
-        idle = [prim for prim in above if not prim.IsActive()]
-        return f"<{idle[0].GetPath()}> above it is not active" if idle else ""
+        idle = idle_above(stage, target)
+        return f"<{idle.GetPath()}> above it is not active" if idle else ""
     kind = found.GetTypeName()
     if kind != "SkelAnimation":
         if not kind and (found.HasAuthoredReferences() or found.HasAuthoredPayloads()):
@@ -70,3 +69,9 @@ def why_unplayed(holder: Any, target: Any) -> str:
     if not found.IsActive():
         return "it is not active"
     return "" if holder.HasAPI(UsdSkel.BindingAPI) else f"<{holder.GetPath()}> has no SkelBindingAPI"
+
+
+def idle_above(stage: Any, path: Any) -> Any:
+    """The uppermost prim at or above a path that is not active; None where all are."""
+    above = (stage.GetPrimAtPath(prefix) for prefix in path.GetPrefixes())
+    return next((prim for prim in above if prim and not prim.IsActive()), None)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from pxr import Sdf, UsdSkel, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
@@ -56,10 +57,12 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
     if not tokens:
         warnings.append(Notice("no-joints", f"Skeleton <{path}> has no joints; it is left alone."))
         return None
-    if "" in tokens:
-        # UsdSkel takes it for a root of its own, and so do we.
-        text = f"Skeleton <{path}>: joint {tokens.index('')} has no name; it counts as a root, as in UsdSkel"
-        warnings.append(Notice("joint-unnamed", text))
+    for number, token in enumerate(tokens):
+        if not Sdf.Path.IsValidPathString(token):
+            what = f"is '{token}', which is no path" if token else "has no name"
+            text = f"Skeleton <{path}>: joint {number} {what}; it counts as a root, as in UsdSkel"
+            warnings.append(Notice("joint-unnamed", text))
+            break
     parents = joint_parents(path, tokens)
     bind = _matrices(prim, "bindTransforms", tokens)
     if bind is None:
@@ -112,15 +115,12 @@ def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
 
 
 def nearest_listed(tokens: Sequence[str]) -> Integers:
-    """The index of each joint's nearest listed ancestor, (n,), −1 for roots, in whatever order they are."""
-    index = {token: number for number, token in enumerate(tokens)}
-    parents = np.full(len(tokens), -1, dtype=np.int64)
-    for number, token in enumerate(tokens):
-        above = token.rpartition("/")[0]
-        while above and above not in index:
-            above = above.rpartition("/")[0]
-        parents[number] = index[above] if above else -1
-    return parents
+    """The index of each joint's nearest listed ancestor, (n,), −1 for roots, in whatever order they are.
+
+    A token that is no path (``a/x:y``, ``a//b``, none at all) is a root: UsdSkel itself says so.
+    """
+    parents = UsdSkel.Topology(Vt.TokenArray(list(tokens))).GetParentIndices()
+    return np.array(parents, dtype=np.int64).reshape(-1)
 
 
 def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
