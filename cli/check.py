@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,6 +17,8 @@ from .options import json_option, quiet_option
 if TYPE_CHECKING:
     from rigtri.checks.findings import Finding
 
+# What may be binary USD, which can crash OpenUSD.
+BINARY_USD = (".usd", ".usdc", ".usdz")
 # Findings of one kind in a file that are shown without -v.
 MOST_ALIKE = 4
 
@@ -81,9 +85,25 @@ def _check(name: str, values: dict[str, Any]) -> list[Finding]:
 
     options = {key: values[key] for key in ("allow_external_paths", "external")}
     if name != "-":
-        return check(name, **options)
+        return _apart(Path(name), options) if _may_crash(Path(name)) else check(name, **options)
     with opened(name) as path:
-        return check(path, **options)
+        return _apart(path, options) if _may_crash(path) else check(path, **options)
+
+
+def _may_crash(path: Path) -> bool:
+    return path.suffix.lower() in BINARY_USD and path.is_file()
+
+
+def _apart(path: Path, options: dict[str, Any]) -> list[Finding]:
+    """The findings of a file that may end the process that reads it: OpenUSD crashes on some."""
+    from rigtri.checks import check, unreadable
+    from rigtri.confined import Confined, CrashError
+
+    with Confined() as child:
+        try:
+            return child(str(path), partial(check, **options), path)
+        except CrashError as error:
+            return unreadable(path, error)
 
 
 def _kept(findings: list[Finding], ignored: set[str], severity: str) -> list[Finding]:

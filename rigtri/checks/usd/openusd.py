@@ -26,20 +26,23 @@ def validate(stage: Any, findings: Findings, path: Path) -> None:
         found = UsdValidation.ValidationContext(validators).Validate(stage)
     for error in found:
         sites = [_site(site) for site in error.GetSites()]
-        try:
-            message = str(error.GetMessage())
-        except UnicodeDecodeError:  # it quotes bytes that are no text
-            message = "what it says of the file quotes bytes that are no text"
         findings.add_foreign(
             Finding(
                 id=str(error.GetIdentifier()),
                 severity=_KINDS.get(error.GetType(), "info"),
                 place="OpenUSD",
                 pointer=sites[0] if sites else "",
-                message=" ".join(message.split()),
+                message=" ".join(_message(error).split()),
                 remedy="See the documentation of OpenUSD's validators.",
             )
         )
+
+
+def _message(error: Any) -> str:
+    try:
+        return str(error.GetMessage())
+    except UnicodeDecodeError:
+        return "what it says of the file quotes bytes that are no text"
 
 
 def _site(site: Any) -> str:

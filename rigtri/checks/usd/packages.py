@@ -40,7 +40,7 @@ RULES = (
     Rule(
         "usd.package.backslash",
         "warning",
-        "The name of an entry of a package has a backslash, which is no separator: USD does not find it there.",
+        "The name of an entry of a package has a backslash, which is no separator: USD does not find it.",
         _PACK,
     ),
 )

@@ -70,8 +70,8 @@ class Package:
         return self.content[entry.start : entry.start + entry.size]
 
     def is_whole(self, entry: Entry) -> bool:
-        """Whether an entry's bytes have the checksum that the directory has; what is compressed is not asked."""
-        return entry.method != 0 or zlib.crc32(memoryview(self.content)[entry.start : entry.start + entry.size]) == entry.crc
+        """Whether an entry's bytes have the directory's checksum; compressed ones are not asked."""
+        return entry.method != 0 or zlib.crc32(self.bytes_of(entry)) == entry.crc
 
 
 def read(path: Path) -> Package:
