@@ -37,7 +37,7 @@ matching
 playing
 moving scenery attached
 watched
-compare describe changes
+compare describe description changes
 delivery
 ops formats
 inputs outputs
