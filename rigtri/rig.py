@@ -298,8 +298,8 @@ class Rig:
 
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""
-        for number, clip in enumerate(self.clips):
-            if name in (clip.name, f"#{number}") and not clip.idle:
+        for number, clip in enumerate(self.shown_clips):
+            if name in (clip.name, f"#{number}") and clip in self.clips:  # or its joints stand still
                 return clip
         raise NameNotFoundError("clip", name, [clip.name for clip in self.shown_clips])
 

@@ -81,9 +81,9 @@ def test_what_is_not_played_is_told(name: str, tmp_path: Path) -> None:
 
 
 def activated(path: Path) -> Path:
-    """The file with everything in it active."""
-    path.write_text(path.read_text().replace("active = false", "active = true"))
-    return path
+    """A copy of the file with everything in it active."""
+    text = path.read_text().replace("active = false", "active = true")
+    return save(path.parent, text, f"active_{path.name}")
 
 
 @pytest.mark.parametrize("name", ["not active", "in a variant"])
@@ -94,7 +94,7 @@ def test_an_animation_that_is_not_active_fits_when_it_is(name: str, tmp_path: Pa
     assert out.read_text() != source.read_text()
     assert deviation(source, out) < 1e-6
     assert deviation(activated(source), activated(out)) < 1e-6
-    assert read(out).rig.shown_clips
+    assert read(activated(out)).rig.shown_clips
 
 
 def test_an_animation_in_an_instance_that_is_not_active_is_no_clip(tmp_path: Path) -> None:
@@ -106,6 +106,40 @@ def test_an_animation_in_an_instance_that_is_not_active_is_no_clip(tmp_path: Pat
     assert not document.rig.shown_clips
     assert "animation-inactive" in {notice.code for notice in document.warnings}
     assert deviation(source, write(document, turned(document.rig), tmp_path / "out.usda")) < 1e-6
+
+
+def test_an_animation_of_value_clips_that_is_not_active_fits_when_it_is(tmp_path: Path) -> None:
+    keys = animation(joints="", translations="", scales="")
+    save(tmp_path, f"#usda 1.0\n{keys}\n", "keys.usda")
+    save(tmp_path, '#usda 1.0\ndef SkelAnimation "Anim" {\nquatf[] rotations\n}\n', "manifest.usda")
+    clips = (
+        "clips = { dictionary default = {\nasset[] assetPaths = [@./keys.usda@]\n"
+        'asset manifestAssetPath = @./manifest.usda@\nstring primPath = "/Anim"\n'
+        "double2[] active = [(0, 0)]\ndouble2[] times = [(0, 0), (10, 10)]\n} }"
+    )
+    prim = kind(f'def SkelAnimation "Anim" (active = false\n{clips})', rotations="")
+    source = save(tmp_path, bound(prim))
+    document = read(source)
+    assert not document.rig.shown_clips
+    out = write(document, turned(document.rig), tmp_path / "out.usda")
+    assert deviation(source, out) < 1e-6
+    assert np.abs(places(activated(source), 5.0) - places(source, 5.0)).max() > 0.1
+    assert 0 < deviation(activated(source), activated(out)) < 1e-6
+
+
+def test_an_idle_clip_with_blend_shapes_is_no_motion_of_a_limb(tmp_path: Path, app: click.Group) -> None:
+    blend = (
+        'uniform token[] blendShapes = ["smile"]\nfloat[] blendShapeWeights.timeSamples = {1: [0], 5: [1]}'
+    )
+    path = save(tmp_path, bound(animation(scales="", blend=blend)))
+    rig = read(path).rig
+    assert [clip.name for clip in rig.shown_clips] in ([], ["Anim"])
+    assert all(track.path == "weights" for clip in rig.shown_clips for track in clip.tracks)
+    arguments = ["add-polevector", str(path), "-o", str(tmp_path / "out.usda"), "--limb", "a", "b", "c"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    posed = CliRunner().invoke(app, ["orient-joints", *arguments[1:4], "--pose", "Anim@3", "--overwrite"])
+    assert posed.exit_code == 4, posed.output
 
 
 def test_inspect_does_not_list_what_nothing_plays(tmp_path: Path, app: click.Group) -> None:
