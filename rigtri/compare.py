@@ -22,6 +22,7 @@ from rigtri.attached import compare_attached
 from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
+from rigtri.playing import side_by_side
 from rigtri.quaternions import norm
 from rigtri.reach import TOLERANCE as TOLERANCE
 from rigtri.reach import fits, size_of
@@ -208,7 +209,8 @@ def self_check(before: Source, after: Source, *, closely: bool = False) -> Compa
     different += compare_attached(mine, theirs, matching)
     matching = replace(matching, changed=(*matching.changed, *changed))
     kept = [w for w in watched if len(w.titles)]
-    compared = _compare(mine, theirs, matching, kept, diagonal, different)
+    seen = side_by_side(mine, theirs, matching)
+    compared = _compare(*seen, matching, kept, diagonal, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
     return replace(compared, boxed=() if closely else boxed)
 
@@ -243,7 +245,8 @@ def verify(before: Source, after: Source) -> Comparison:
         different += compare_attached(mine, theirs, matching)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
     matching = replace(matching, lost=(*matching.lost, *lost), changed=(*matching.changed, *changed))
-    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal, different)
+    seen = side_by_side(mine, theirs, matching, added=True)
+    return _compare(*seen, matching, [w for w in watched if len(w.titles)], diagonal, different)
 
 
 @dataclass
@@ -282,13 +285,14 @@ def _compare(
     diagonal: float,
     different: Sequence[str],
 ) -> Comparison:
+    """Compare all that is watched, at rest and in each clip of two rigs with the same clips."""
     was, now = denormalisation(before), denormalisation(after)
     tally = _Tally(watched)
-    _run(before, after, m, tally, normalised=True)
+    _run(before, after, tally, normalised=True)
     raw = tally.largest
     if max(was, now) > (UNIT_AS_SHOWN if before.raw else UNIT):
         unscaled = _Tally(watched)
-        _run(before, after, m, unscaled, normalised=False)
+        _run(before, after, unscaled, normalised=False)
         raw = unscaled.largest
     lost = m.lost
     # Normalising hides it, but a renderer that does not normalise would show it.
@@ -312,7 +316,7 @@ def _compare(
     )
 
 
-def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: bool) -> None:
+def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
     """Evaluate both rigs at rest and in all clips, a block of times at once, for the tally."""
     if not tally.watched:
         return
@@ -320,8 +324,7 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
     still = [pose.worlds(rig, pose.rest(rig, normalised=normalised))[np.newaxis] for rig in (before, after)]
     tally.add(Moment(still[0], still[1], (None, None), np.zeros(1)), "")
     size = max(map(_times_at_once, (before, after)))
-    for k in np.flatnonzero(m.clip >= 0).tolist():
-        clips = before.clips[k], after.clips[m.clip[k]]
+    for clips in zip(before.clips, after.clips, strict=True):
         motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
         times = between_keys(np.union1d(*map(pose.key_times, clips)))
         for start in range(0, len(times), size):
@@ -329,7 +332,7 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
             worlds = [
                 pose.worlds(motion.rig, motion.locals_at(some, normalised=normalised)) for motion in motions
             ]
-            tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name or f"#{k}")
+            tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name)
 
 
 def _times_at_once(rig: Rig) -> int:

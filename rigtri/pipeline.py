@@ -25,7 +25,7 @@ from rigtri.delivery import (
     sync,
 )
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
-from rigtri.formats import Document, Options, read
+from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
 from rigtri.outputs import Written, as_file_error, spare
 from rigtri.pose import worlds
@@ -83,6 +83,8 @@ def edit(
         to_stdout = str(target) == "-"
         options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
+        if not to_stdout:
+            _check_suffix(path, final, options)
         document = read(path, options)
         needed = _needed(document, path, final, options)
         for place in (*side_files, *(() if to_stdout else (final,))):
@@ -259,6 +261,14 @@ def _left_behind(
         for file, _ in needed
         if file.is_file() and not any(same_file(file, other) for other in kept)
     ]
+
+
+def _check_suffix(path: Path, final: Path, options: Options) -> None:
+    """UsageError for an output of another format, before anything is read; writers know it more closely."""
+    fits = output_suffixes(path, options)
+    if fits and final.suffix.lower() not in fits:
+        what = "an override is a layer" if options.override else "the output has the format of the input"
+        raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
 
 
 def _allowed(final: Path, path: Path, overwrite: bool) -> Path:

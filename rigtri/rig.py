@@ -302,10 +302,15 @@ class Rig:
 
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""
-        for number, clip in enumerate(self.clips):
-            if name in (clip.name, f"#{number}"):
+        for number, clip in enumerate(self.shown_clips):
+            if name in (clip.name, f"#{number}") and clip in self.clips:  # or its joints stand still
                 return clip
-        raise NameNotFoundError("clip", name, [clip.name for clip in self.clips])
+        raise NameNotFoundError("clip", name, [clip.name for clip in self.shown_clips])
+
+    @property
+    def shown_clips(self) -> tuple[Clip, ...]:
+        """The clips that move anything, without what is idle in them."""
+        return tuple(clip.played for clip in self.clips if not clip.idle or clip.played.tracks)
 
     @cached_property
     def frame_of(self) -> dict[int, int]:

@@ -35,6 +35,7 @@ naming
 limbs
 skeleton bend
 matching
+playing
 moving scenery attached
 watched
 compare describe description changes

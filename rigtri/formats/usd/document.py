@@ -252,7 +252,8 @@ def opened(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]
 
 def _source_of(layer: Any, path: Path) -> Path | None:
     """The file that bare opinions of ours are for; None for any other layer, or one put above it."""
-    mark = dict(layer.customLayerData.get(MARK, {}))
+    with quiet(f"{path}: USD cannot read it"):
+        mark = dict(layer.customLayerData.get(MARK, {}))
     if mark.get("override") != "layer" or list(layer.subLayerPaths):
         return None
     if "source" not in mark:
