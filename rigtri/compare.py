@@ -375,12 +375,18 @@ def denormalisation(rig: Rig) -> float:
 
 
 def _fitting(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
-    """The meshes that can be evaluated; none where they cannot be read."""
+    """The meshes that can be evaluated; none where they cannot be read.
+
+    Not the lines of controls: what rigtri itself has added may move.
+    """
     try:
         meshes = read()
     except FileError:
         return []
-    return [mesh for mesh in meshes if fits(mesh, source.rig)]
+    own = source.rig.own
+    return [
+        mesh for mesh in meshes if fits(mesh, source.rig) and (mesh.skin is not None or mesh.node not in own)
+    ]
 
 
 def _mesh_pairs(

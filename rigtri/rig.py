@@ -25,6 +25,10 @@ from rigtri.trigonometry import Floats
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
 # would need n² characters.
 DEEPEST_PATH = 256
+# Notes on nodes that are there only because rigtri has added them.
+ADDED = ("control", "group", "offset", "poleVector")
+# The child that shows the lines of a control in formats that keep what is drawn apart.
+_DRAWING = "shape"
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +132,18 @@ class Rig:
             mask[skin.joints] = True
         mask[list(self.holders)] = False
         return mask
+
+    @cached_property
+    def own(self) -> frozenset[int]:
+        """Nodes that rigtri has added, those that show the lines of its controls included."""
+        made = {node for node, note in self.notes.items() if note.get("type") in ADDED}
+        drawings = (
+            child
+            for node in made
+            for child in self.children[node]
+            if self.names[child] == _DRAWING and self.payload[child] == child and not self.children[child]
+        )
+        return frozenset(made.union(drawings))
 
     def below(self, node: int) -> list[int]:
         """A node and everything under it, parents first."""
