@@ -48,9 +48,13 @@ def spliced(content: bytes, before: Any, wanted: Any) -> bytes:
             raise UnknownTextError("USD does not read the changed text") from error
         layer.Export(str(seen))
         # The first line has the version of the format, which the source keeps.
-        if seen.read_bytes().partition(b"\n")[2] != told.partition(b"\n")[2]:
+        if _behind_first_line(seen.read_bytes()) != _behind_first_line(told):
             raise UnknownTextError("USD reads something else from the changed text")
         return text
+
+
+def _behind_first_line(text: bytes) -> memoryview:
+    return memoryview(text)[text.find(b"\n") + 1 :]
 
 
 class _Splice:

@@ -15,24 +15,19 @@ from dataclasses import dataclass
 
 Span = tuple[int, int]
 
-# Each alternative starts with a letter of its own, which lets the search skip all other bytes.
 _STRINGS = (
     rb'(?s:"""[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"""|"[^"\\]*(?:\\.[^"\\]*)*"'
     rb"|\'\'\'[^'\\]*(?:(?:\\.|'(?!''))[^'\\]*)*\'\'\'|'[^'\\]*(?:\\.[^'\\]*)*'"
     rb"|@@@(?:\\@@@|(?!@@@).)*@@@@{0,2}|@[^@\r\n]*@)"
 )
 _COMMENTS = rb"\#[^\r\n]*|//[^\r\n]*|(?s:/\*.*?\*/)"
-_BROKEN = rb"\"|'|@|/\*"
 _STRING = re.compile(_STRINGS)
 _COMMENT = re.compile(_COMMENTS)
 
 
-def _marks(opening: bytes, closing: bytes) -> re.Pattern[bytes]:
-    """Where brackets of a kind stand, with the strings and comments in which they count for nothing."""
-    return re.compile(b"|".join((opening, closing, _STRINGS, _COMMENTS, _BROKEN)))
-
-
-_BRACES, _BRACKETS, _PARENTHESES = _marks(rb"\{", rb"\}"), _marks(rb"\[", rb"\]"), _marks(rb"\(", rb"\)")
+# Where brackets of a kind may stand, or strings and comments, in which they count for nothing.
+_BRACES, _BRACKETS = re.compile(rb"[{}\"'@#/]"), re.compile(rb"[\[\]\"'@#/]")
+_PARENTHESES = re.compile(rb"[()\"'@#/]")
 # An array without strings, comments and arrays in it.
 _FLAT = re.compile(rb"\[[^\[\]\"'@#/]*\]")
 _SPACE, _INLINE = re.compile(rb"[\s;]*"), re.compile(rb"[ \t]*")
@@ -119,19 +114,32 @@ class Text:
         """For each brace that opens, where the one that closes it stands."""
         found: dict[int, int] = {}
         opened: list[int] = []
-        for mark in _BRACES.finditer(self.content):
-            text = mark[0]
-            if text == b"{":
-                opened.append(mark.start())
-            elif text == b"}":
-                if not opened:
-                    raise self.unknown(mark.start(), "a brace that nothing opens")
-                found[opened.pop()] = mark.start()
-            elif (len(text) == 1 and text != b"#") or text == b"/*":
-                raise self.unknown(mark.start(), "a string or comment that does not end")
+        for at, mark in self._marks(0, _BRACES):
+            if mark == b"{":
+                opened.append(at)
+                continue
+            if not opened:
+                raise self.unknown(at, "a brace that nothing opens")
+            found[opened.pop()] = at
         if opened:
             raise self.unknown(opened[-1], "a brace that nothing closes")
         return found
+
+    def _marks(self, at: int, pattern: re.Pattern[bytes]) -> Iterator[tuple[int, bytes]]:
+        """Where the brackets of a pattern stand, outside of strings and comments."""
+        content = self.content
+        while mark := pattern.search(content, at):
+            start, text = mark.start(), mark[0]
+            if text in b"{}[]()":
+                at = start + 1
+                yield start, text
+            elif text == b"/" and content[start + 1 : start + 2] not in (b"/", b"*"):
+                at = start + 1
+            else:
+                within = (_COMMENT if text in b"#/" else _STRING).match(content, start)
+                if within is None:
+                    raise self.unknown(start, "a string or comment that does not end")
+                at = within.end()
 
     def _starts(self, at: int, what: bytes) -> bool:
         return self.content.startswith(what, at)
@@ -245,14 +253,10 @@ class Text:
     def _bracket(self, at: int, marks: re.Pattern[bytes]) -> int:
         """Where the bracket that opens at ``at`` is closed, one behind it."""
         depth, opening = 0, self.content[at : at + 1]
-        closing = {b"(": b")", b"[": b"]"}[opening]
-        for mark in marks.finditer(self.content, at):
-            if mark[0] == opening:
-                depth += 1
-            elif mark[0] == closing:
-                depth -= 1
-                if depth == 0:
-                    return mark.end()
+        for place, mark in self._marks(at, marks):
+            depth += 1 if mark == opening else -1
+            if depth == 0:
+                return place + 1
         raise self.unknown(at, "a bracket that nothing closes")
 
 
