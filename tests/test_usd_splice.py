@@ -149,7 +149,7 @@ def test_a_text_that_says_something_else_than_its_layer_is_not_spliced() -> None
         ("one = 1", "won = 1", "no statement 'one' in line 25"),
         ("    def", "    {def", "a brace that nothing closes in line 11"),
         ("@./a#{b.png@", "@./a#{b.png", "does not end in line 19"),
-        ('def "Inner"', "def Inner", "in line 23"),
+        ('def "Inner"', "def Inner", "USD does not read"),
     ):
         with pytest.raises(UnknownTextError, match=why):
             splice.spliced(ODD.replace(old, new).encode(), *layers)
