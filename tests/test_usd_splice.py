@@ -14,7 +14,8 @@ import usd_files
 from pxr import Gf, Sdf, Vt
 from test_lossless_usd import EDITS, HEAD, MAY_CHANGE, PRIMS, SUB, packed
 
-from rigtri.formats.usd import splice
+from rigtri.formats import Options
+from rigtri.formats.usd import splice, text
 from rigtri.formats.usd.text import UnknownTextError
 from rigtri.ops.orient import orient_joints
 from rigtri.pipeline import edit
@@ -196,7 +197,27 @@ def test_every_line_without_an_edited_value_stays_in_its_order(action: str, tmp_
     assert path.with_stem("again").read_bytes() == after
 
 
-def test_the_text_in_a_package_and_an_override_keep_their_bytes(tmp_path: Path) -> None:
+def test_a_block_of_too_many_statements_is_left_to_usd(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(text, "MOST", 6)
+    with pytest.raises(UnknownTextError, match="more than 6 statements in one block in line 21"):
+        changed(ODD, put("/B.tail", 8))
+
+
+def test_an_override_that_somebody_wrote_into_keeps_what_they_wrote(tmp_path: Path) -> None:
+    path, over = rich(tmp_path), tmp_path / "over.usda"
+    edit(path, over, EDITS["orient-joints"], options=Options(override="layer"))
+    mine = over.read_bytes() + b"# a note of mine\n"
+    over.write_bytes(mine)
+    edit(over, tmp_path / "out.usda", EDITS["add-polevector"])
+    after = (tmp_path / "out.usda").read_bytes()
+    assert b"PoleVectorAPI" in after
+    assert after.endswith(b"# a note of mine\n")
+    lines, lost = kept_lines(mine, after)
+    assert lines
+    assert lost == []
+
+
+def test_the_text_in_a_package_keeps_its_bytes(tmp_path: Path) -> None:
     path = rich(tmp_path)
     package = packed(path)
     edit(package, package.with_stem("out"), EDITS["orient-joints"])

@@ -38,6 +38,8 @@ _COMMAS = re.compile(rb"[\s,]*")
 # What a value consists of beside brackets and separators; comments have no group.
 _ATOM = re.compile(rb"(" + _STRINGS + rb"|<[^<>\r\n]*>|[^\s,;:=()\[\]{}\"'@#<>/]+)|" + _COMMENTS)
 
+# Statements of one block; more would take too much memory.
+MOST = 500_000
 _PRIMS = (b"def", b"over", b"class")
 _LISTS = (b"add", b"prepend", b"append", b"delete", b"reorder")
 
@@ -94,8 +96,11 @@ class Text:
         """The statements in a block: of a ``body``, ``meta``, a ``set`` of variants, or ``samples``."""
         at, end = span
         blank = self._commas if kind == "samples" else self._blank
-        at = blank(at, end)
+        at, count = blank(at, end), 0
         while at < end:
+            count += 1
+            if count > MOST:
+                raise self.unknown(at, f"more than {MOST} statements in one block")
             item = self._sample(at) if kind == "samples" else self._item(at, end, kind)
             if item.end > end:
                 raise self.unknown(at, "a statement that does not end in its block")
