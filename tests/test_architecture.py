@@ -38,7 +38,7 @@ moving scenery attached
 watched
 compare describe changes
 delivery
-ops formats
+ahead ops formats
 inputs outputs
 checks pipeline difference
 confined
