@@ -44,6 +44,7 @@ class Rig:
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
     at nodes; what a file has drawn before is payload, and stays as it is.
+    removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
     """
 
@@ -69,6 +70,7 @@ class Rig:
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     shapes: Mapping[int, Shape] = field(default_factory=dict)
+    removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
 
@@ -365,6 +367,7 @@ class Rig:
             humanoid={bone: at[k] for bone, k in self.humanoid.items()},
             notes={at[k]: note for k, note in self.notes.items()},
             shapes={at[k]: shape for k, shape in self.shapes.items()},
+            removed=frozenset(at[k] for k in self.removed),
         )
 
     def with_nodes(

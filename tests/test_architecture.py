@@ -36,7 +36,7 @@ skeleton bend
 matching
 moving scenery attached
 watched
-compare describe changes
+compare describe description changes
 delivery
 ahead ops formats
 inputs outputs
