@@ -17,6 +17,7 @@ _WHERE = {
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "add_controls": "rigtri.ops.controls",
+    "mirror": "rigtri.ops.mirror",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -37,6 +38,7 @@ __all__ = [
     "describe",
     "diff",
     "edit",
+    "mirror",
     "orient_joints",
     "read",
     "strip",
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     from rigtri.errors import RigtriError
     from rigtri.formats import read
     from rigtri.ops.controls import add_controls
+    from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.strip import strip

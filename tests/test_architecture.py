@@ -29,11 +29,13 @@ matrices
 triangle shapes records
 rig
 pose constraints
-reframe report
+reframe report reach
+lengths
 naming
 limbs
 skeleton bend
 matching
+playing
 moving scenery attached
 watched
 compare describe description changes
