@@ -16,6 +16,7 @@ _WHERE = {
     "edit": "rigtri.pipeline",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
+    "constrain": "rigtri.ops.constrain",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
@@ -31,6 +32,7 @@ __all__ = [
     "RigtriError",
     "add_polevector",
     "check",
+    "constrain",
     "describe",
     "diff",
     "edit",
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.constrain import constrain
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.pipeline import edit

@@ -26,9 +26,11 @@ trigonometry
 vectors
 quaternions
 matrices
-triangle shapes records
+euler triangle shapes records
 rig
-pose constraints
+pose constraints rules
+following
+dependence
 reframe report
 naming
 limbs
