@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rigtri import pose
-from rigtri.constraints import alike
+from rigtri.constraints import alike, told_by_rules
 from rigtri.matching import Matching
 from rigtri.matrices import nearest_rotation
 from rigtri.records import Bound, Constraint
@@ -79,7 +79,7 @@ def _row(vector: Floats) -> str:
 
 def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Floats]) -> Iterator[str]:
     """Constraints whose axis points elsewhere, or whose nodes have turned apart (`rigtri.constraints`)."""
-    ours, new = _told_by_us(before), _told_by_us(after)
+    ours, new = told_by_rules(before), told_by_rules(after)
     axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
     there = {(c.kind, c.node, c.source): c for c in after.constraints}
     for c in before.constraints:
@@ -87,7 +87,7 @@ def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Flo
             continue  # no rule of the file: what hangs there is where points and origins are
         now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
         title = f"the {c.kind} constraint of {before.title(c.node)}"
-        if now is None and (c.kind, c.node) in ours:
+        if now is None and ours.get(c.node) == c.kind:
             continue  # a rule of ours that was told so before, and no longer is
         if now is None:
             yield f"{title} by {before.title(c.source)} is gone"
@@ -98,20 +98,8 @@ def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Flo
 
     was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.constraints}
     for c in after.constraints:
-        if c.kind != "tail" and (c.kind, c.node, c.source) not in was and (c.kind, c.node) not in new:
+        if c.kind != "tail" and (c.kind, c.node, c.source) not in was and new.get(c.node) != c.kind:
             yield f"the {c.kind} constraint of {after.title(c.node)} by {after.title(c.source)} is new"
-
-
-def _told_by_us(rig: Rig) -> set[tuple[str, int]]:
-    """Kind and node of the constraints that rules of rigtri's are also told by: they are meant to move.
-
-    The note of such a rule says so by ``vrm``.
-    """
-    return {
-        (str(note["vrm"]), rig.find(str(note["child"]), "node"))
-        for note in rig.notes.values()
-        if note.get("type") == "constraint" and "vrm" in note and rig.has(str(note["child"]))
-    }
 
 
 def _axis_kept(c: Constraint, now: Constraint, axes: tuple[Floats, Floats]) -> bool:

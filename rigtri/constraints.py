@@ -73,5 +73,18 @@ def turned_constraints(rig: Rig, turn: Floats) -> tuple[Constraint, ...]:
     )
 
 
+def told_by_rules(rig: Rig) -> dict[int, str]:
+    """The nodes that follow a rule of rigtri's which is also told as a constraint, and of which kind.
+
+    The rule's note says so by ``vrm``: such a constraint is meant to move its node, and comes and
+    goes with the note.
+    """
+    return {
+        rig.find(str(note["child"]), "node"): str(note["vrm"])
+        for note in rig.notes.values()
+        if note.get("type") == "constraint" and "vrm" in note and rig.has(str(note.get("child", "")))
+    }
+
+
 def _seen(constraint: Constraint, turn: Floats) -> Floats:
     return rotate(conjugate(turn), constraint.axis)
