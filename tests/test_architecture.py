@@ -31,6 +31,7 @@ rig
 pose constraints rules
 following
 dependence
+turned_rules
 reframe report
 naming
 limbs
