@@ -16,7 +16,9 @@ _WHERE = {
     "edit": "rigtri.pipeline",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
+    "add_controls": "rigtri.ops.controls",
     "constrain": "rigtri.ops.constrain",
+    "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
@@ -30,6 +32,7 @@ __all__ = [
     "Report",
     "Rig",
     "RigtriError",
+    "add_controls",
     "add_polevector",
     "check",
     "constrain",
@@ -38,6 +41,7 @@ __all__ = [
     "edit",
     "orient_joints",
     "read",
+    "strip",
     "verify",
 ]
 
@@ -49,8 +53,10 @@ if TYPE_CHECKING:
     from rigtri.errors import RigtriError
     from rigtri.formats import read
     from rigtri.ops.constrain import constrain
+    from rigtri.ops.controls import add_controls
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
+    from rigtri.ops.strip import strip
     from rigtri.pipeline import edit
     from rigtri.report import Report
     from rigtri.rig import Rig

@@ -44,6 +44,7 @@ class Rig:
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
     at nodes; what a file has drawn before is payload, and stays as it is.
+    removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
     """
 
@@ -69,6 +70,7 @@ class Rig:
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     shapes: Mapping[int, Shape] = field(default_factory=dict)
+    removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
 
@@ -363,6 +365,7 @@ class Rig:
             humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
             notes={moved(k): note for k, note in self.notes.items()},
             shapes={moved(k): shape for k, shape in self.shapes.items()},
+            removed=frozenset(map(moved, self.removed)),
         )
 
     def with_nodes(

@@ -19,7 +19,6 @@ from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
 from rigtri.rig import Rig
 
-SCHEMAS = {"poleVector": "RigtriPoleVectorAPI", "constraint": "RigtriConstraintAPI"}
 # What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
 SOURCE = "rigtri:source"
 
@@ -33,13 +32,13 @@ def edits(source: Source, rig: Rig) -> list[Edit]:
     """New nodes as prims, and prims of ours brought up to date."""
     if any(c.key is None and c.kind != "tail" for c in rig.constraints):
         raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
-    return [*_update(source, rig), *_Additions(source, rig).edits()]
+    return [*_update(source, rig), *_Additions(source, rig).edits(), *_removals(source, rig)]
 
 
 def _update(source: Source, rig: Rig) -> list[Edit]:
     before, found, renamed = source.rig, [], []
     for node, key in enumerate(before.keys):
-        if kind(key) != "prim":
+        if kind(key) != "prim" or node in rig.removed:
             continue
         path, note = before.labels[node], rig.notes.get(node, {})
         if dict(note) != dict(before.notes.get(node, {})):
@@ -58,6 +57,30 @@ def _update(source: Source, rig: Rig) -> list[Edit]:
             renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
     # Renaming comes last: all other edits know a prim by the path it had.
     return [*found, *renamed]
+
+
+def _removals(source: Source, rig: Rig) -> list[Edit]:
+    """Prims of ours that go, each with all below it."""
+    gone = [node for node in sorted(rig.removed) if kind(rig.keys[node]) == "prim"]
+    tops = [node for node in gone if int(rig.parents[node]) not in rig.removed]
+    for node in gone:
+        stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
+        for spec in stack[1:]:
+            raise FileError(
+                f"<{rig.labels[node]}> is written in {stack[0].layer.identifier} and in "
+                f"{spec.layer.identifier}, so it cannot be taken out of one of them."
+            )
+    return [_erase(rig.labels[node]) for node in tops]
+
+
+def _erase(path: str) -> Edit:
+    def erase(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is None:
+            raise FileError(f"<{path}> is written in another layer, so it cannot be taken out here.")
+        del spec.nameParent.nameChildren[spec.name]
+
+    return Edit(Sdf.Path(path), erase)
 
 
 class _Additions:
@@ -102,10 +125,9 @@ class _Additions:
         note = self.rig.notes.get(node, {})
         found = [define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
         found += _relations(path, note, _prims(self.rig, note, self.paths))
-        schema = SCHEMAS.get(str(note.get("type")))
         if node in self.rig.shapes:
             found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
-        return [*found, apply_schema(path, schema)] if schema else found
+        return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:
         """The prim that a new node goes under, and that prim's world matrix."""
@@ -145,6 +167,7 @@ class _Additions:
                 [
                     define(path, "Scope"),
                     *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
+                    apply_schema(path, notes.api_name("group")),
                 ],
             )
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
