@@ -18,6 +18,7 @@ _WHERE = {
     "add_polevector": "rigtri.ops.polevector",
     "add_controls": "rigtri.ops.controls",
     "constrain": "rigtri.ops.constrain",
+    "mirror": "rigtri.ops.mirror",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -39,6 +40,7 @@ __all__ = [
     "describe",
     "diff",
     "edit",
+    "mirror",
     "orient_joints",
     "read",
     "strip",
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
     from rigtri.formats import read
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
+    from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.strip import strip

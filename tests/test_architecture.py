@@ -32,11 +32,13 @@ pose constraints rules
 following
 dependence
 turned_rules
-reframe report
+reframe report reach
+lengths
 naming
 limbs
 skeleton bend
 matching
+playing
 moving scenery attached
 watched
 compare describe description changes
