@@ -79,11 +79,13 @@ def told_by_rules(rig: Rig) -> dict[int, str]:
     The rule's note says so by ``vrm``: such a constraint is meant to move its node, and comes and
     goes with the note.
     """
-    return {
-        rig.find(str(note["child"]), "node"): str(note["vrm"])
-        for note in rig.notes.values()
-        if note.get("type") == "constraint" and "vrm" in note and rig.has(str(note.get("child", "")))
-    }
+    found = {}
+    for note in rig.notes.values():
+        if note.get("type") == "constraint" and "vrm" in note:
+            child = rig.known(note.get("child"))
+            if child is not None:
+                found[child] = str(note["vrm"])
+    return found
 
 
 def _seen(constraint: Constraint, turn: Floats) -> Floats:

@@ -7,13 +7,13 @@ its child; a node waits for its parent.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from rigtri.following import evaluate
 from rigtri.matrices import identity
 from rigtri.pose import worlds
 from rigtri.rig import Rig
-from rigtri.rules import ROTATION, TRANSLATION, Rule, rule_of
+from rigtri.rules import ROTATION, TRANSLATION, Rule, rules_of
 from rigtri.trigonometry import Floats
 
 Waits = dict[int, set[int]]
@@ -23,31 +23,21 @@ def waits_for(rig: Rig, without: int | None = None) -> Waits:
     """For each node those that must stand before it does. without: a node whose note does not count."""
     waits: Waits = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
 
-    def wait(names: Iterable[str], sources: Iterable[int]) -> None:
-        # A note may name what has since been renamed: then it moves nothing.
-        for name in names:
-            for node in _known(rig, [name]):
-                waits.setdefault(node, set()).update(sources)
-
     for node, note in rig.notes.items():
-        if node == without:
-            continue
-        kind = note.get("type")
-        if kind == "control" and note.get("kind") == "fk":
-            wait([note["joint"]], [node])
-        elif kind in ("control", "poleVector") and "chain" in note:
-            wait(note["chain"], [node])
-        elif kind == "constraint":
-            sources = _known(rig, [*note["drivers"], note.get("worldUpObject", "")])
-            wait(note.get("chain", [note["child"]]), sources)
+        if note.get("type") in ("control", "poleVector") and node != without:
+            named = note.get("chain") or ([note.get("joint")] if note.get("kind") == "fk" else [])
+            for name in named if isinstance(named, list | tuple) else []:
+                joint = rig.known(name)  # a note may name what has since been renamed
+                if joint is not None:
+                    waits.setdefault(joint, set()).add(node)
+    for node, rule in rules_of(rig).items():
+        if node != without:
+            for child in rule.chain or (rule.child,):
+                waits.setdefault(child, set()).update(rule.sources)
     for constraint in rig.constraints:
         if constraint.kind != "tail":
             waits.setdefault(constraint.node, set()).add(constraint.source)
     return waits
-
-
-def _known(rig: Rig, names: Iterable[str]) -> list[int]:
-    return [rig.find(name, "node") for name in names if rig.has(name)]
 
 
 def circle(waits: Waits, children: Sequence[int], sources: Sequence[int]) -> list[int]:
@@ -73,7 +63,7 @@ def rules_in_order(rig: Rig) -> list[Rule]:
 
     Of one child those that set its translation come before those that turn it, scale is last.
     """
-    rules = [rule_of(rig, note) for note in rig.notes.values() if note.get("type") == "constraint"]
+    rules = list(rules_of(rig).values())
     waits = waits_for(rig)
     done: dict[int, int] = {}
     for start in {node for rule in rules for node in (*rule.sources, rule.child)}:

@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from rigtri.euler import Order
+from rigtri.euler import ORDERS, Order
 from rigtri.quaternions import IDENTITY
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -110,6 +110,57 @@ def note_of(rig: Rig, rule: Rule) -> dict[str, Any]:
         if rule.up_object >= 0:
             note["worldUpObject"] = rig.address(rule.up_object)
     return note
+
+
+def rules_of(rig: Rig) -> dict[int, Rule]:
+    """The rules of a rig by the nodes that keep them; what is no whole rule, or of no node here, is none.
+
+    Notes are what a file says: another program, or somebody, may have changed them.
+    """
+    found = {}
+    for node, note in rig.notes.items():
+        if note.get("type") == "constraint" and _whole(note):
+            names = (note["child"], *note["drivers"], *note.get("chain", ()))
+            names += (note["worldUpObject"],) if "worldUpObject" in note else ()
+            if all(rig.known(name) is not None for name in names):
+                found[node] = rule_of(rig, note)
+    return found
+
+
+def _whole(note: Mapping[str, Any]) -> bool:
+    """Whether a note says all that a rule needs, as schemas/node.schema.json has it."""
+    kind, drivers = note.get("kind"), note.get("drivers")
+    if kind not in KINDS or not _words(drivers) or not drivers:
+        return False
+    roll = note.get("space") == "roll"
+    return (
+        isinstance(note.get("child"), str)
+        and _row(note.get("weights"), len(drivers))
+        and min(note["weights"]) >= 0
+        and _row(note.get("offsets"), 16 * (1 if kind == "aim" else len(drivers)))
+        and _words(note.get("skip", []))
+        and note.get("rotateOrder", "xyz") in ORDERS
+        and note.get("space", "world") in get_args(Space)
+        and note.get("rollAxis", "") in (("x", "y", "z") if roll else ("",))
+        and note.get("worldUp", "none") in WORLD_UPS
+        and all(_row(note[key], 4) for key in ("jointOrient", "rest") if key in note)
+        and all(_row(note[key], 3) for key in ("aim", "up", "worldUpVector") if key in note)
+        and _words(note.get("chain", []))
+        and (kind != "polevector" or len(note.get("chain", ())) == 3)
+    )
+
+
+def _words(value: Any) -> bool:
+    return isinstance(value, list | tuple) and all(isinstance(item, str) for item in value)
+
+
+def _row(value: Any, count: int) -> bool:
+    """Whether a value is a list of so many finite numbers."""
+    return (
+        isinstance(value, list | tuple)
+        and len(value) == count
+        and all(isinstance(x, int | float) and abs(x) < 1e300 for x in value)
+    )
 
 
 def rule_of(rig: Rig, note: Mapping[str, Any]) -> Rule:

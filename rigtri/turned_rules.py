@@ -19,7 +19,7 @@ import numpy as np
 from rigtri.matrices import turn_after, turn_before
 from rigtri.quaternions import IDENTITY, conjugate, multiply, rotate
 from rigtri.rig import Rig
-from rigtri.rules import Rule, note_of, rule_of
+from rigtri.rules import Rule, note_of, rules_of
 from rigtri.trigonometry import Floats
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
@@ -31,7 +31,7 @@ _TURNED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "roll
 def turned_notes(rig: Rig, turn: Floats) -> Mapping[int, Mapping[str, Any]]:
     """The notes of a rig, with its rules told in the frames that turn by ``turn``, (n, 4)."""
     notes = dict(rig.notes)
-    for node, rule in _rules(rig).items():
+    for node, rule in rules_of(rig).items():
         if _touched(rig, rule, turn) and not _lost(rig, rule, turn):
             told = note_of(rig, _turned(rig, rule, turn))
             notes[node] = {**notes[node], **{key: told[key] for key in _TURNED if key in told}}
@@ -40,18 +40,7 @@ def turned_notes(rig: Rig, turn: Floats) -> Mapping[int, Mapping[str, Any]]:
 
 def lost_rules(rig: Rig, turn: Floats) -> list[int]:
     """The nodes of rules that mean something else after the turns, (n, 4), and have to be set again."""
-    return [node for node, rule in _rules(rig).items() if _lost(rig, rule, turn)]
-
-
-def _rules(rig: Rig) -> dict[int, Rule]:
-    """The rules of a rig whose nodes are all there."""
-    found = {}
-    for node, note in rig.notes.items():
-        if note.get("type") == "constraint":
-            names = (note["child"], *note["drivers"], note.get("worldUpObject", note["child"]))
-            if all(map(rig.has, (*names, *note.get("chain", ())))):
-                found[node] = rule_of(rig, note)
-    return found
+    return [node for node, rule in rules_of(rig).items() if _lost(rig, rule, turn)]
 
 
 def _of(turn: Floats, node: int) -> Floats:

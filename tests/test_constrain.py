@@ -39,7 +39,7 @@ from rigtri.records import Constraint
 from rigtri.reframe import reframe
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.rules import KINDS, Kind, rule_of
+from rigtri.rules import KINDS, Kind, rule_of, rules_of
 from rigtri.trigonometry import Floats
 from rigtri.turned_rules import lost_rules
 
@@ -729,3 +729,37 @@ def test_notes_are_what_they_were(
     if pytestconfig.getoption("--update-golden"):
         golden.write_text(text, "utf-8", newline="\n")
     assert text == golden.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"kind": "rope"},
+        {"child": 4},
+        {"child": "gone"},
+        {"drivers": []},
+        {"drivers": "driver"},
+        {"weights": [1.0]},
+        {"weights": [1.0, float("nan")]},
+        {"weights": [1.0, -1.0]},
+        {"offsets": [0.0] * 31},
+        {"offsets": None},
+        {"rotateOrder": "xxx"},
+        {"space": "roll"},
+        {"jointOrient": [0, 0, 1]},
+        {"skip": 7},
+    ],
+    ids=str,
+)
+def test_a_note_that_is_no_whole_rule_moves_nothing(wrong: dict[str, Any]) -> None:
+    """As another program may have left it."""
+    rig = constrain(random_pose(1), options=options("orient", "driver", "other"))
+    node = len(rig) - 1
+    assert set(rules_of(rig)) == {node}
+    broken = replace(rig, notes={**rig.notes, node: {**rig.notes[node], **wrong}})
+    assert not rules_of(broken)
+    local = rest(broken)[np.newaxis]
+    assert followed(broken, local).tolist() == local.tolist()
+    turns = np.tile([0.5, 0.5, 0.5, 0.5], (len(rig), 1))
+    assert reframe(broken, turns).notes == broken.notes
+    assert len(constrain(broken, options=options("point", "driver"))) == len(rig) + 1

@@ -18,7 +18,7 @@ from rigtri.euler import ORDERS, Order, from_angles
 from rigtri.following import factored, rotate_of
 from rigtri.limbs import given
 from rigtri.matrices import SKEW, skew
-from rigtri.ops.added import add, find, group, noted, renamed
+from rigtri.ops.added import add, group, noted, renamed
 from rigtri.ops.measured import measured
 from rigtri.ops.node_constraint import say, unsay
 from rigtri.pose import rest, worlds
@@ -36,6 +36,7 @@ from rigtri.rules import (
     Rule,
     WorldUp,
     note_of,
+    rules_of,
 )
 from rigtri.vectors import cross, length, normalise
 
@@ -191,9 +192,9 @@ def _chain(rig: Rig, options: Options) -> tuple[int, ...]:
         return given(rig, *options.limb).triple
     child, chains = rig.find(options.child, "node"), set()
     for node, note in rig.notes.items():
-        if note.get("type") in ("control", "poleVector") and "chain" in note:
-            chain = tuple(rig.find(name) for name in note["chain"])
-            if child == node or child in chain:
+        if note.get("type") in ("control", "poleVector"):
+            chain = tuple(k for name in note.get("chain", ()) if (k := rig.known(name)) is not None)
+            if len(chain) == 3 and (child == node or child in chain):
                 chains.add(chain)
     if len(chains) != 1:
         raise UsageError(
@@ -205,16 +206,9 @@ def _chain(rig: Rig, options: Options) -> tuple[int, ...]:
 
 def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
     """The node of the constraint that this one replaces; None where it is a new one."""
-    address = rig.address(rule.child)
-    same = find(rig, type="constraint", kind=rule.kind, child=address)
-    others = [
-        node
-        for node, note in rig.notes.items()
-        if note.get("type") == "constraint"
-        and note.get("child") == address
-        and node != same
-        and (frozenset(CHANNELS[note["kind"]]) - set(note.get("skip", ()))) & rule.sets
-    ]
+    of_child = {node: old for node, old in rules_of(rig).items() if old.child == rule.child}
+    same = next((node for node, old in of_child.items() if old.kind == rule.kind), None)
+    others = [node for node, old in of_child.items() if node != same and old.sets & rule.sets]
     if same is None and len(others) == 1:
         report.warn(
             "constraint-replaced",

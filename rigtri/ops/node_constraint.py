@@ -60,9 +60,9 @@ def unsay(rig: Rig, node: int) -> Rig:
     The note says by ``vrm`` that there is one, and of which kind.
     """
     note = rig.notes[node]
-    if "vrm" not in note or not rig.has(note["child"]):
+    child = rig.known(note.get("child"))
+    if "vrm" not in note or child is None:
         return rig
-    child = rig.find(note["child"], "node")
     kept = tuple(c for c in rig.constraints if (c.kind, c.node) != (note["vrm"], child))
     return replace(rig, constraints=kept)
 

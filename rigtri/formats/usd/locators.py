@@ -179,10 +179,10 @@ def _prims(rig: Rig, note: Mapping[str, Any], made: Mapping[int, Any]) -> list[A
     """The prims among a constraint's drivers."""
     found = []
     for name in note.get("drivers", ()):
-        node = rig.find(name, "node") if rig.has(name) else -1
-        if node in made:
+        node = rig.known(name)
+        if node is not None and node in made:
             found.append(made[node])
-        elif node >= 0 and kind(rig.keys[node]) == "prim":
+        elif node is not None and kind(rig.keys[node]) == "prim":
             found.append(Sdf.Path(rig.labels[node]))
     return found
 
