@@ -177,6 +177,8 @@ def _check(values: dict[str, Any]) -> None:
         refuse_given(_AIM_ONLY, f"means nothing for --type {kind}")
     if kind not in ("parent", "orient", "aim"):
         refuse_given(_ROTATION_ONLY, f"means nothing for --type {kind}, which does not turn its child")
+    if values["world_up"] == "none":
+        refuse_given({"--up-axis": "up_axis"}, "means nothing with --world-up none")
     if str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz")):
         refuse_given({"--vrm-constraints": "vrm"}, "means nothing for USD files")
 

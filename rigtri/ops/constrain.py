@@ -124,6 +124,8 @@ class Options:
     def _check_aim(self) -> None:
         if self.kind != "aim":
             return
+        if self.up_vector is not None and self.world_up not in ("vector", "objectrotation"):
+            raise UsageError(f"--up-vector means nothing with --world-up {self.world_up}")
         if self.world_up not in WORLD_UPS:
             raise UsageError(f"there is no --world-up {self.world_up}; choose of {', '.join(WORLD_UPS)}")
         if not (length(self.aim) > 0 and length(self.up) > 0):
@@ -189,7 +191,12 @@ def _asked(rig: Rig, options: Options) -> Rule:
 def _chain(rig: Rig, options: Options) -> tuple[int, ...]:
     """The limb of a pole vector: named, or the one of an IK control or pole vector that has the child."""
     if options.limb is not None:
-        return given(rig, *options.limb).triple
+        triple = given(rig, *options.limb).triple
+        if options.child and rig.find(options.child) not in triple:
+            raise UsageError(
+                f"--child {options.child} is no joint of the limb; leave it out, --limb says which"
+            )
+        return triple
     child, chains = rig.find(options.child, "node"), set()
     for node, note in rig.notes.items():
         if note.get("type") in ("control", "poleVector"):
