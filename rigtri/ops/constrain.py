@@ -194,7 +194,7 @@ def _chain(rig: Rig, options: Options) -> tuple[int, ...]:
         triple = given(rig, *options.limb).triple
         if options.child and rig.find(options.child) not in triple:
             raise UsageError(
-                f"--child {options.child} is no joint of the limb; leave it out, --limb says which"
+                f"--child {options.child} is no joint of the limb; --limb alone is enough"
             )
         return triple
     child, chains = rig.find(options.child, "node"), set()
