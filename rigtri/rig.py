@@ -25,6 +25,10 @@ from rigtri.trigonometry import Floats
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
 # would need n² characters.
 DEEPEST_PATH = 256
+# Notes on nodes that are there only because rigtri has added them.
+ADDED = ("constraint", "control", "group", "offset", "poleVector")
+# The child that shows the lines of a control in formats that keep what is drawn apart.
+_DRAWING = "shape"
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +132,18 @@ class Rig:
             mask[skin.joints] = True
         mask[list(self.holders)] = False
         return mask
+
+    @cached_property
+    def own(self) -> frozenset[int]:
+        """Nodes that rigtri has added, those that show the lines of its controls included."""
+        made = {node for node, note in self.notes.items() if note.get("type") in ADDED}
+        drawings = (
+            child
+            for node in made
+            for child in self.children[node]
+            if self.names[child] == _DRAWING and self.payload[child] == child and not self.children[child]
+        )
+        return frozenset(made.union(drawings))
 
     def below(self, node: int) -> list[int]:
         """A node and everything under it, parents first."""
@@ -336,26 +352,33 @@ class Rig:
         """The nodes that hold the axes of a joint below them."""
         return frozenset(self.frame_of.values())
 
-    def insert_above(self, node: int, name: str) -> Rig:
-        """This rig with a new node (key None) between a node and its parent, at ``node``'s place.
+    def insert_above(self, above: Mapping[int, str]) -> Rig:
+        """This rig with new nodes (key None) between nodes and their parents, at the nodes' places.
 
-        It stands on its parent; what it is to hold is the caller's to say. All indices from
-        ``node`` on grow by one.
+        above: nodes, each with the name of the new one. It stands on the parent; what it is to
+        hold is the caller's to say. Node k comes to k + the number of such nodes up to k, k
+        included; its new one stands right before it.
         """
-
-        def moved(index: int) -> int:
-            return index + (index >= node)
+        places = np.array(sorted(above), dtype=np.int64)
+        names = [above[node] for node in places.tolist()]
+        index = np.arange(len(self)) + np.searchsorted(places, np.arange(len(self)), "right")
+        at = index.tolist()
 
         def rows(array: NDArray[Any], row: Any) -> NDArray[Any]:
-            return np.insert(array, node, row, axis=0)
+            return np.insert(array, places, row, axis=0)
 
-        parents = np.where(self.parents >= node, self.parents + 1, self.parents)
-        parents = rows(parents, parents[node])
-        parents[node + 1] = node
-        payload = np.where(self.payload >= node, self.payload + 1, self.payload)
+        def entries(old: tuple[Any, ...], new: Sequence[Any]) -> tuple[Any, ...]:
+            whole = [*old, *new]
+            order = np.insert(np.arange(len(old)), places, len(old) + np.arange(len(new)))
+            return tuple(whole[k] for k in order.tolist())
+
+        parents = np.where(self.parents >= 0, index[self.parents], -1)
+        parents = rows(parents, parents[places])
+        parents[index[places]] = index[places] - 1
+        payload = np.where(self.payload >= 0, index[self.payload], -1)
         return replace(
             self,
-            names=(*self.names[:node], name, *self.names[node:]),
+            names=entries(self.names, names),
             parents=parents,
             translation=rows(self.translation, 0.0),
             rotation=rows(self.rotation, (0.0, 0.0, 0.0, 1.0)),
@@ -363,28 +386,23 @@ class Rig:
             matrix=rows(self.matrix, np.eye(4)),
             has_matrix=rows(self.has_matrix, False),
             payload=rows(payload, -1),
-            keys=(*self.keys[:node], None, *self.keys[node:]),
-            labels=(*self.labels[:node], f"+{name}", *self.labels[node:]),
-            skins=tuple(
-                replace(skin, joints=np.where(skin.joints >= node, skin.joints + 1, skin.joints))
-                for skin in self.skins
-            ),
+            keys=entries(self.keys, [None] * len(names)),
+            labels=entries(self.labels, [f"+{name}" for name in names]),
+            skins=tuple(replace(skin, joints=index[skin.joints]) for skin in self.skins),
             clips=tuple(
-                replace(clip, tracks=tuple(replace(t, node=moved(t.node)) for t in clip.tracks))
+                replace(clip, tracks=tuple(replace(t, node=at[t.node]) for t in clip.tracks))
                 for clip in self.clips
             ),
-            bound=tuple(replace(b, node=moved(b.node)) for b in self.bound),
-            fixed={moved(k): reason for k, reason in self.fixed.items()},
-            parallel=frozenset(map(moved, self.parallel)),
-            aside=frozenset(map(moved, self.aside)),
-            constraints=tuple(
-                replace(c, node=moved(c.node), source=moved(c.source)) for c in self.constraints
-            ),
-            humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
-            notes={moved(k): note for k, note in self.notes.items()},
-            shapes={moved(k): shape for k, shape in self.shapes.items()},
-            drawn=lambda: [replace(mesh, node=moved(mesh.node)) for mesh in self.drawn()],
-            removed=frozenset(map(moved, self.removed)),
+            bound=tuple(replace(b, node=at[b.node]) for b in self.bound),
+            fixed={at[k]: reason for k, reason in self.fixed.items()},
+            parallel=frozenset(at[k] for k in self.parallel),
+            aside=frozenset(at[k] for k in self.aside),
+            constraints=tuple(replace(c, node=at[c.node], source=at[c.source]) for c in self.constraints),
+            humanoid={bone: at[k] for bone, k in self.humanoid.items()},
+            notes={at[k]: note for k, note in self.notes.items()},
+            shapes={at[k]: shape for k, shape in self.shapes.items()},
+            drawn=lambda: [replace(mesh, node=at[mesh.node]) for mesh in self.drawn()],
+            removed=frozenset(at[k] for k in self.removed),
         )
 
     def with_nodes(

@@ -22,8 +22,6 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
-# What rigtri adds to a file, by the type in its note; the rest of a file it must not move.
-OWN = ("poleVector", "group")
 # Where no points can be read: how thick a body is at least, as a share of its longest side.
 THICKNESS = 0.1
 # Points moved in one matrix product; of a skin with more joints than that, only so many:
@@ -341,8 +339,8 @@ def rigid_corners(before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Bool
 def frames(
     before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
 ) -> Iterator[Rows]:
-    """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such."""
-    drawn = {mesh.node for mesh in meshes}
+    """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such not ours."""
+    drawn = {mesh.node for mesh in meshes} | before.own
     showing = np.flatnonzero(before.payload >= 0).tolist()
     nodes = [node for node in showing if node not in drawn and _to_watch(node, m, moving)]
     if nodes:
@@ -364,9 +362,9 @@ def _framed(nodes: Sequence[int], m: Matching, points: Floats, titles: list[str]
 
 
 def origins(before: Rig, m: Matching, moving: Booleans) -> Rows:
-    """Where nodes are; locators that rigtri itself has added may move."""
+    """Where nodes are; what rigtri itself has added may move."""
     watched = moving & (m.node >= 0)
-    watched[[node for node, note in before.notes.items() if note.get("type") in OWN]] = False
+    watched[list(before.own)] = False
     nodes = np.flatnonzero(watched)
     points = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(nodes), 1, 4))
     titles = [f"origin of {before.title(node)}" for node in nodes.tolist()]

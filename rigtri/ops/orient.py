@@ -73,9 +73,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     record(plan, wanted, turns, parted)
     _tell_rules(rig, exact, report)
     out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
-    for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
-        out = split(out, joint, parted[joint])
-    return out
+    return split(out, parted)
 
 
 def _tell_rules(rig: Rig, turns: Floats, report: Report) -> None:
