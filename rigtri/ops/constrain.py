@@ -193,9 +193,7 @@ def _chain(rig: Rig, options: Options) -> tuple[int, ...]:
     if options.limb is not None:
         triple = given(rig, *options.limb).triple
         if options.child and rig.find(options.child) not in triple:
-            raise UsageError(
-                f"--child {options.child} is no joint of the limb; --limb alone is enough"
-            )
+            raise UsageError(f"--child {options.child} is no joint of the limb; --limb alone is enough")
         return triple
     child, chains = rig.find(options.child, "node"), set()
     for node, note in rig.notes.items():
