@@ -17,6 +17,7 @@ _WHERE = {
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "add_controls": "rigtri.ops.controls",
+    "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
@@ -35,6 +36,7 @@ __all__ = [
     "add_controls",
     "add_polevector",
     "check",
+    "constrain",
     "describe",
     "diff",
     "edit",
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
     from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
