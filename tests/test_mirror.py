@@ -1,0 +1,212 @@
+"""mirror: one side gets what the other has; joints stay in place and nothing else moves."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.testing import assert_allclose
+from places import asset_files, leave_out_refused, sample_files
+
+from rigtri.cli.main import program
+from rigtri.errors import FileError, GeometryError, NameNotFoundError
+from rigtri.formats import Options as Reading
+from rigtri.formats import read
+from rigtri.limbs import given
+from rigtri.matrices import from_frame, nearest_rotation
+from rigtri.ops.asymmetry import asymmetry
+from rigtri.ops.controls import Options as ControlOptions
+from rigtri.ops.controls import add_controls
+from rigtri.ops.mirror import Options, mirror
+from rigtri.ops.polevector import Options as PoleOptions
+from rigtri.ops.polevector import add_polevector
+from rigtri.ops.select import Selection
+from rigtri.ops.twins import Mirror, mirrored_axes, reflection, side_of, twin_of
+from rigtri.pipeline import edit
+from rigtri.pose import worlds
+from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+TRUSTING = Reading(lenient=True, allow_external_paths=True)
+MODES: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
+REFLECT = reflection("yz")
+
+
+def mirrored(rig: Rig, report: Report) -> Rig:
+    return mirror(rig, report=report)
+
+
+@pytest.mark.parametrize(
+    ("mode", "x", "y", "z"),
+    [
+        # A left upper arm that aims +x with y up and z forward, and its right twin by hand.
+        ("behavior", (1, 0, 0), (0, -1, 0), (0, 0, -1)),
+        ("orientation", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+        ("blender", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    ],
+)
+def test_the_twin_of_the_world_s_axes_by_hand(mode: Mirror, x: list[int], y: list[int], z: list[int]) -> None:
+    assert_allclose(mirrored_axes(np.eye(3), mode, REFLECT), [x, y, z])
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_mirroring_twice_gives_the_axes_back(mode: Mirror) -> None:
+    axes = nearest_rotation(np.random.default_rng(1).normal(size=(9, 3, 3)))
+    once = mirrored_axes(axes, mode, REFLECT)
+    assert_allclose(mirrored_axes(once, mode, REFLECT), axes)
+    assert_allclose(np.linalg.det(once), 1.0)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("mode", MODES)
+def test_the_axes_of_twins_are_mirror_images(samples: Path, name: str, mode: Mirror) -> None:
+    options = Options(mode=mode)
+    out = mirror(read(samples / name).rig, options=options)
+    found = asymmetry(out, options=options)
+    assert len(found.pairs) == 9
+    assert not found.worse(tolerance=1e-5, degrees=1e-4)
+
+
+def test_equal_turns_of_behaviour_mirrored_joints_give_a_mirrored_skin(samples: Path) -> None:
+    """The law of the mode: the same delta in both joints' frames mirrors every point that they carry."""
+    out = mirror(read(samples / "biped.glb").rig)
+    joints = [k for k in np.flatnonzero(out.is_joint).tolist() if side_of(out, k) == "left"]
+    twins = [twin_of(out, joint) for joint in joints]
+    turns = np.random.default_rng(7)
+    rotation = out.rotation.copy()
+    for joint, other in zip(joints, twins, strict=True):
+        assert other is not None
+        delta = from_axis_angle(turns.normal(size=3), 0.8)
+        rotation[joint], rotation[other] = (multiply(rotation[k], delta) for k in (joint, other))
+    posed = worlds(replace(out, rotation=rotation))
+    here, there = posed[joints, 3, :3], posed[twins, 3, :3]  # type: ignore[index]
+    assert np.ptp(here - out.world[joints, 3, :3]) > 0.1
+    assert_allclose(here * REFLECT, there, atol=1e-6)
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_a_second_run_changes_nothing_and_nothing_else_moves(path: Path, tmp_path: Path) -> None:
+    def build(rig: Rig, report: Report) -> Rig:
+        try:
+            return add_controls(rig, options=ControlOptions(whole_character=True), report=report)
+        except GeometryError:  # a straight limb that nothing tells of
+            chains = ControlOptions(selection=Selection(joints=("*",)))
+            return add_controls(rig, options=chains, report=report)
+
+    built, once, twice = (tmp_path / f"{name}{path.suffix}" for name in ("built", "once", "twice"))
+    try:
+        edit(path, built, build, options=TRUSTING)
+        outcome = edit(built, once, mirrored, options=TRUSTING)
+    except FileError as error:
+        leave_out_refused(path, error)
+    except GeometryError as error:
+        assert "says left or right" in str(error)
+        rig = read(built, TRUSTING).rig
+        assert not any(side_of(rig, node) for node in np.flatnonzero(rig.is_joint).tolist())
+        return
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 2e-6
+    edit(once, twice, mirrored, options=TRUSTING)
+    assert twice.read_bytes() == once.read_bytes()
+
+
+def left_arm(rig: Rig) -> Rig:
+    limb = given(rig, "upper_arm_L", "forearm_L", "hand_L")
+    options = ControlOptions(
+        selection=Selection(chains=(("clavicle_L", "hand_L"),)),
+        ik=(limb,),
+        shapes={"fk": "square"},
+        poles=PoleOptions(reach=1.25),
+    )
+    return add_controls(rig, options=options)
+
+
+def test_what_one_arm_has_the_other_gets(samples: Path) -> None:
+    out = mirror(left_arm(read(samples / "biped.glb").rig))
+    for name in ("clavicle", "upper_arm", "forearm", "hand"):
+        control = out.find(f"{name}_R_ctl", "node")
+        note = out.notes[control]
+        assert (note["joint"], note["side"], note["shape"]) == (f"{name}_R", "right", "square")
+        joint = out.world[out.find(f"{name}_R")]
+        assert_allclose(worlds(out)[control, 3, :3], joint[3, :3], atol=1e-6)
+    assert out.notes[out.find("hand_R_ik_ctl", "node")]["chain"] == ["upper_arm_R", "forearm_R", "hand_R"]
+    here, there = (worlds(out)[out.find(f"forearm_{s}_pole", "node")] for s in "LR")
+    assert out.notes[out.find("forearm_R_pole", "node")]["reach"] == 1.25
+    assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
+
+
+def test_what_an_animator_has_set_is_mirrored(samples: Path) -> None:
+    rig = mirror(left_arm(read(samples / "biped.glb").rig))
+    control = rig.find("upper_arm_L_ctl", "node")
+    rotation, translation = rig.rotation.copy(), rig.translation.copy()
+    rotation[control] = from_axis_angle(np.array([0.2, 1.0, -0.4]), 0.7)
+    translation[control] = (0.05, 0.02, -0.01)
+    out = mirror(replace(rig, rotation=rotation, translation=translation))
+    posed = worlds(out)
+    for name in ("upper_arm_{}_ctl", "forearm_{}_ctl", "hand_{}_ctl"):
+        here, there = (posed[out.find(name.format(s), "node")] for s in "LR")
+        assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
+        wanted = mirrored_axes(nearest_rotation(here), "behavior", REFLECT)
+        assert_allclose(nearest_rotation(there), wanted, atol=1e-6)
+    assert posed[control, 3, 0] != rig.world[control, 3, 0]
+    again = mirror(out)
+    assert np.array_equal(again.rotation, out.rotation)
+    assert np.array_equal(again.translation, out.translation)
+
+
+def test_the_other_way_round_and_in_another_plane() -> None:
+    frame = from_frame(np.eye(3), np.array([1.0, 2.0, 3.0]))
+    assert_allclose(frame[3, :3] * reflection("xz"), [1, -2, 3])
+    assert_allclose(frame[3, :3] * reflection("xy"), [1, 2, -3])
+
+
+def test_from_the_right_the_left_is_turned(samples: Path) -> None:
+    report = Report()
+    mirror(read(samples / "biped.glb").rig, options=Options(from_side="right"), report=report)
+    turned = {entry["joint"] for entry in report.joints if entry["status"] == "turned"}
+    assert turned
+    assert all(name.endswith("_L") for name in turned)
+
+
+def test_only_what_is_named_is_mirrored(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    report = Report()
+    mirror(rig, options=Options(selection=Selection(joints=("thigh_L",))), report=report)
+    assert [e["joint"] for e in report.joints if e["status"] == "turned"] == ["thigh_R"]
+    pole = add_polevector(rig, options=PoleOptions(limbs=(given(rig, "thigh_L", "shin_L", "foot_L"),)))
+    out = mirror(pole, options=Options(what=("polevectors",)))
+    assert np.array_equal(out.rotation[: len(rig)], rig.rotation)
+    assert out.has("shin_R_pole")
+
+
+def test_names_that_are_not_there_and_files_without_sides_are_errors(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    with pytest.raises(NameNotFoundError):
+        mirror(rig, options=Options(selection=Selection(joints=("thigh_X",))))
+    with pytest.raises(GeometryError, match="says left or right"):
+        mirror(read(samples / "tail.glb").rig)
+
+
+def test_check_reports_what_is_not_symmetric(samples: Path, tmp_path: Path) -> None:
+    plain, out = str(samples / "biped.glb"), str(tmp_path / "out.glb")
+    before = CliRunner().invoke(program, ["mirror", plain, "--check", "--json"])
+    assert before.exit_code == 1
+    said = json.loads(before.stdout)
+    assert not said["symmetric"]
+    assert {pair["node"] for pair in said["asymmetric"]} >= {"thigh_L", "upper_arm_L"}
+    assert CliRunner().invoke(program, ["mirror", plain, "-o", out]).exit_code == 0
+    after = CliRunner().invoke(program, ["mirror", out, "--check", "--json"])
+    assert after.exit_code == 0
+    assert json.loads(after.stdout)["symmetric"]
+
+
+def test_a_run_says_where_to_write_or_checks(samples: Path, tmp_path: Path) -> None:
+    plain = str(samples / "biped.glb")
+    assert CliRunner().invoke(program, ["mirror", plain]).exit_code == 2
+    both = ["mirror", plain, "--check", "-o", str(tmp_path / "out.glb")]
+    assert CliRunner().invoke(program, both).exit_code == 2
