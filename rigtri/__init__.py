@@ -16,6 +16,7 @@ _WHERE = {
     "edit": "rigtri.pipeline",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
+    "make_limb": "rigtri.ops.limb",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
@@ -34,6 +35,7 @@ __all__ = [
     "describe",
     "diff",
     "edit",
+    "make_limb",
     "orient_joints",
     "read",
     "verify",
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.limb import make_limb
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.pipeline import edit

@@ -11,6 +11,7 @@ import numpy as np
 from rigtri.matrices import inverse, multiply
 from rigtri.ops.added import add, stand
 from rigtri.pose import world_of
+from rigtri.quaternions import unit
 from rigtri.records import Booleans, Skin
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -20,16 +21,25 @@ _SAME_BIND = 1e-6
 
 
 def add_joint(
-    rig: Rig, name: str, parent: int, note: Mapping[str, Any], position: Floats, axes: Floats
+    rig: Rig,
+    name: str,
+    parent: int,
+    note: Mapping[str, Any],
+    position: Floats,
+    axes: Floats,
+    *,
+    like: int | None = None,
 ) -> tuple[Rig, int]:
     """A new joint below ``parent`` in every skin that holds it, behind their last joints; and its index.
 
     position (3,), axes (3, 3): where it stands in the world, as rows. In a bind pose it stands
     to its parent as it does at rest. Below a node of no skin it is a plain node: see `new_skin`.
+    like: the joint whose skins it joins instead, where the parent is none.
     """
     rig, node = add(rig, name, parent, note)
-    rig = stand(rig, node, position, axes)
-    skins = tuple(_grown(rig, skin, node, parent) for skin in rig.skins)
+    rig = _rounded(stand(rig, node, position, axes), node)
+    kin = parent if like is None else like
+    skins = tuple(skin if _row(skin, kin) is None else _grown(rig, skin, node) for skin in rig.skins)
     return replace(rig, skins=skins), node
 
 
@@ -45,7 +55,10 @@ def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
 
     What hangs on it goes along. Bits that only rounding would change stay.
     """
+    was = rig
     rig = stand(rig, node, position, axes)
+    if (rig.local[node] != was.local[node]).any():
+        rig = _rounded(rig, node)
     skins = []
     for skin in rig.skins:
         row = _row(skin, node)
@@ -55,9 +68,16 @@ def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     return replace(rig, skins=tuple(skins))
 
 
-def _grown(rig: Rig, skin: Skin, node: int, parent: int) -> Skin:
-    if _row(skin, parent) is None:
-        return skin
+def _rounded(rig: Rig, node: int) -> Rig:
+    """A new joint with the numbers that float32 leaves: what stands on it finds it where it will be."""
+    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+    translation[node] = translation[node].astype(np.float32)
+    for _ in range(2):  # what a writer rounds once more stays
+        rotation[node] = unit(rotation[node]).astype(np.float32)
+    return replace(rig, translation=translation, rotation=rotation)
+
+
+def _grown(rig: Rig, skin: Skin, node: int) -> Skin:
     return replace(
         skin,
         joints=np.append(skin.joints, node),
@@ -71,11 +91,17 @@ def _without_weight(weigh: Callable[[], Booleans]) -> Callable[[], Booleans]:
 
 
 def _bind(rig: Rig, skin: Skin, node: int) -> Floats:
-    """The inverse bind matrix of a joint of ours, (4, 4): to its parent's as it stands to it at rest."""
+    """The inverse bind matrix of a joint of ours, (4, 4): it stands to its parent as it does at rest.
+
+    To the skin's first joint where its parent is none; the first of a skin of ours is bound at rest.
+    """
     above = _row(skin, int(rig.parents[node]))
-    if above is None:
-        return inverse(world_of(rig, node))
-    return multiply(skin.inverse_bind[above], inverse(rig.local[node]))
+    if above is not None:
+        return multiply(skin.inverse_bind[above], inverse(rig.local[node]))
+    own, first = world_of(rig, node), int(skin.joints[0])
+    if first == node:
+        return inverse(own)
+    return multiply(skin.inverse_bind[0], multiply(world_of(rig, first), inverse(own)))
 
 
 def _set_row(skin: Skin, row: int, inverse_bind: Floats) -> Skin:

@@ -122,10 +122,8 @@ class _Additions:
         parent = int(self.rig.parents[node])
         if parent in self.paths:
             return self.paths[parent], self.world[parent]
-        if 0 <= parent < len(self.source.rig) and is_ours(self.source.rig, parent):
+        if 0 <= parent < len(self.source.rig) and kind(self.rig.keys[parent]) == "prim":
             return Sdf.Path(self.rig.labels[parent]), self.world[parent]
-        if any(kind(skin.key) == "root" and node in skin.joints for skin in self.rig.skins):
-            return Sdf.Path(self.rig.labels[parent]), self.world[parent]  # prims stand in for joints
         return self._scope(self._top(node), parent)
 
     def _top(self, node: int) -> Any:
