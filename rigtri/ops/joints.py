@@ -11,13 +11,15 @@ import numpy as np
 from rigtri.matrices import inverse, multiply
 from rigtri.ops.added import add, stand
 from rigtri.pose import world_of
-from rigtri.quaternions import unit
 from rigtri.records import Booleans, Skin
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
+from rigtri.vectors import length
 
 # Inverse binds that differ by less, as a share of the largest number, differ by float32 rounding.
 _SAME_BIND = 1e-6
+# Places and axes, too: of the distances from the origin and the parent, and absolute.
+_SAME_PLACE, _SAME_AXES = 5e-7, 2e-6
 
 
 def add_joint(
@@ -37,7 +39,7 @@ def add_joint(
     like: the joint whose skins it joins instead, where the parent is none.
     """
     rig, node = add(rig, name, parent, note)
-    rig = _rounded(stand(rig, node, position, axes), node)
+    rig = stand(rig, node, position, axes)
     kin = parent if like is None else like
     skins = tuple(skin if _row(skin, kin) is None else _grown(rig, skin, node) for skin in rig.skins)
     return replace(rig, skins=skins), node
@@ -55,26 +57,25 @@ def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
 
     What hangs on it goes along. Bits that only rounding would change stay.
     """
-    was = rig
-    rig = stand(rig, node, position, axes)
-    if (rig.local[node] != was.local[node]).any():
-        rig = _rounded(rig, node)
+    moved = stand(rig, node, position, axes)
+    if not _stands(rig, moved, node, position):
+        rig = moved
     skins = []
     for skin in rig.skins:
         row = _row(skin, node)
-        if row is not None:
+        if row is not None and skin.stored:
             skin = _set_row(skin, row, _bind(rig, skin, node))
         skins.append(skin)
     return replace(rig, skins=tuple(skins))
 
 
-def _rounded(rig: Rig, node: int) -> Rig:
-    """A new joint with the numbers that float32 leaves: what stands on it finds it where it will be."""
-    translation, rotation = rig.translation.copy(), rig.rotation.copy()
-    translation[node] = translation[node].astype(np.float32)
-    for _ in range(2):  # what a writer rounds once more stays
-        rotation[node] = unit(rotation[node]).astype(np.float32)
-    return replace(rig, translation=translation, rotation=rotation)
+def _stands(rig: Rig, moved: Rig, node: int, position: Floats) -> bool:
+    """Whether a joint is there already, up to the rounding of a file."""
+    above, off = world_of(rig, int(rig.parents[node])), np.abs(moved.local[node] - rig.local[node])
+    # Where the parent stands far from the origin, the rounding of its place is that of the bone.
+    far = max(float(length(position)), float(length(above[3, :3]))) / float(length(above[:3, :3]).max())
+    size = max(far, float(length(rig.local[node, 3, :3])))
+    return bool(off[:3].max() <= _SAME_AXES and off[3].max() <= _SAME_PLACE * size)
 
 
 def _grown(rig: Rig, skin: Skin, node: int) -> Skin:

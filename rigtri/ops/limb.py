@@ -14,6 +14,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import Limb
+from rigtri.matrices import determinant
 from rigtri.ops.added import free_name, group, noted, plain_name
 from rigtri.ops.joints import add_joint, move_joint, new_skin
 from rigtri.ops.polevector import NO_PLANE, SHAKY, add_polevector
@@ -30,6 +31,8 @@ from rigtri.vectors import cross, distance, dot, length, normalise, perpendicula
 ONE_PLACE = 1e-6
 # A direction nearer to the chord than this sine says nothing about the side.
 ALONG = 0.1
+# Parts of unit vectors smaller than this are rounding.
+_NOISE = 1e-12
 _SIDES = {"": "", "left": "_L", "right": "_R"}
 
 Point = tuple[float, float, float]
@@ -97,7 +100,10 @@ def make_limb(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     options.checked()
     shape = _shape(rig, options, report)
     known = _known(rig, options.title)
-    rig, joints = _update(rig, known, shape, options) if known else _build(rig, shape, options)
+    if known:
+        rig, joints = _update(rig, known, shape, options, report)
+    else:
+        rig, joints = _build(rig, shape, options, report)
     for node, part in zip(joints, range(len(joints)), strict=True):
         rig = noted(rig, node, _note(rig, joints, part, shape, options))
     for part, node in enumerate(joints):
@@ -258,7 +264,7 @@ def _known(rig: Rig, title: str) -> list[int]:
     return [node for _, node in sorted(found)]
 
 
-def _build(rig: Rig, shape: _Shape, options: Options) -> tuple[Rig, list[int]]:
+def _build(rig: Rig, shape: _Shape, options: Options, report: Report) -> tuple[Rig, list[int]]:
     names = _names(rig, options, len(shape.points))
     if options.parent is None:
         rig, parent = group(rig)
@@ -270,10 +276,11 @@ def _build(rig: Rig, shape: _Shape, options: Options) -> tuple[Rig, list[int]]:
             "--parent or --no-skin"
         )
     own = options.skin and not rig.is_joint[parent]
+    axes = _handed(rig, parent, shape.axes, options, report)
     joints: list[int] = []
     for part, (name, place) in enumerate(zip(names, shape.points, strict=True)):
         note = {"v": 1, "type": "limb", "limb": options.title, "part": part}
-        rig, parent = add_joint(rig, name, parent, note, place, shape.axes[part])
+        rig, parent = add_joint(rig, name, parent, note, place, axes[part])
         joints.append(parent)
     return (new_skin(rig, options.title, joints) if own else rig), joints
 
@@ -289,7 +296,9 @@ def _names(rig: Rig, options: Options, count: int) -> list[str]:
     return names
 
 
-def _update(rig: Rig, joints: list[int], shape: _Shape, options: Options) -> tuple[Rig, list[int]]:
+def _update(
+    rig: Rig, joints: list[int], shape: _Shape, options: Options, report: Report
+) -> tuple[Rig, list[int]]:
     title = options.title
     if len(joints) != len(shape.points):
         raise UsageError(
@@ -297,16 +306,32 @@ def _update(rig: Rig, joints: list[int], shape: _Shape, options: Options) -> tup
             "another --name, or take the old one out with rigtri strip"
         )
     parent = int(rig.parents[joints[0]])
-    if options.parent is not None and rig.find(options.parent, "parent") != parent:
+    # A skeleton of its own may stand between.
+    above = (parent, -1 if rig.is_joint[parent] else int(rig.parents[parent]))
+    if options.parent is not None and rig.find(options.parent, "parent") not in above:
         raise UsageError(
             f"the limb '{title}' hangs below '{rig.title(parent)}' already; strip the file first"
         )
     for node, name in zip(joints, options.names, strict=False):
         if plain_name(name) != rig.names[node]:
             raise UsageError(f"joint {rig.title(node)} of the limb '{title}' keeps its name, not '{name}'")
+    axes = _handed(rig, parent, shape.axes, options, report)
     for part, node in enumerate(joints):
-        rig = move_joint(rig, node, shape.points[part], shape.axes[part])
+        rig = move_joint(rig, node, shape.points[part], axes[part])
     return rig, joints
+
+
+def _handed(rig: Rig, parent: int, axes: Floats, options: Options, report: Report) -> Floats:
+    """The axes as they can be below ``parent``: where that is mirrored, the third points the other way."""
+    if determinant(rig.world[parent]) >= 0:
+        return axes
+    text = (
+        f"'{rig.title(parent)}' is mirrored, and so are the joints of {options.title}: aim and up are kept."
+    )
+    report.warn("mirrored-parent", text, joint=options.title)
+    style = Style() if options.style.world else options.style
+    third = 3 - axis_of(style.aim)[0] - axis_of(style.up)[0]
+    return axes * np.where(np.arange(3) == third, -1.0, 1.0)[:, np.newaxis]
 
 
 def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: Options) -> dict[str, Any]:
@@ -319,7 +344,8 @@ def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: Option
     note |= {"chain": [rig.address(node) for node in joints], "middle": rig.address(joints[shape.middle])}
     note |= {"aim": style.aim, "up": style.up, "upFrom": "world" if style.world else style.up_from}
     # Seen from the root joint, so that it holds wherever the limb goes.
-    note["hinge"] = [float(dot(shape.hinge, axis)) for axis in shape.axes[0]]
+    seen = np.array([dot(shape.hinge, axis) for axis in shape.axes[0]])
+    note["hinge"] = np.where(np.abs(seen) < _NOISE, 0.0, seen).tolist()
     note |= {"lengths": [float(x) for x in length(along)], "planar": options.planar, "source": shape.told}
     if options.locators:
         note["locators"] = [rig.address(rig.find(name)) for name in options.locators]
