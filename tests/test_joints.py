@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,22 @@ from numpy.testing import assert_allclose
 from places import asset_files, leave_out_refused, sample_files
 from pxr import Gf, Usd, UsdSkel
 from rigs import chain
-from second_opinions import khronos_errors, usd_errors
+from scaled_limbs import STRETCH, Limb, usd
+from second_opinions import khronos_errors, usd_errors, validator
 from usd_files import animation, at, save, scene, skeleton
 
 from rigtri.compare import verify
-from rigtri.errors import FileError
+from rigtri.errors import FileError, UsageError
 from rigtri.formats import Options, read
 from rigtri.formats.gltf.container import open_container
-from rigtri.ops.joints import add_joint, move_joint, new_skin
+from rigtri.limbs import given
+from rigtri.ops.controls import Options as Controls
+from rigtri.ops.controls import add_controls
+from rigtri.ops.joints import Kind, add_joint, move_joint, new_skin
+from rigtri.ops.orient import Options as Orient
+from rigtri.ops.orient import orient_joints
+from rigtri.ops.polevector import Options as Pole
+from rigtri.ops.polevector import add_polevector
 from rigtri.pipeline import Outcome, edit
 from rigtri.pose import bind_worlds, worlds
 from rigtri.report import Report
@@ -194,3 +203,84 @@ def test_a_skin_without_matrices_goes_on_without(tmp_path: Path) -> None:
     written = json.loads((tmp_path / "out.gltf").read_text())
     assert written["skins"] == [{"joints": [0, 1, 2, 3, 4]}]
     assert "accessors" not in written
+
+
+def whole(rig: Rig, report: Report, ends: Kind | None = "joint") -> Rig:
+    return add_controls(rig, options=Controls(whole_character=True, ends=ends), report=report)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_poles_and_ik_ends_may_be_joints(suffix: str, samples: Path, tmp_path: Path) -> None:
+    source, once, twice = samples / f"biped{suffix}", tmp_path / f"1{suffix}", tmp_path / f"2{suffix}"
+    outcome = edit(source, once, whole)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    before, after = read(source).rig, read(once).rig
+    assert len(after.skins[0].joints) == len(before.skins[0].joints) + 8
+    world = worlds(after)
+    for node in after.skins[0].joints[-8:].tolist():
+        told = after.notes[node]
+        validator("node").validate(told)
+        start = after.find(told["chain"][0])
+        assert not after.is_below(node, start)
+        assert node not in after.shapes
+        if told["type"] == "control":
+            assert_allclose(world[node, 3], world[after.find(told["joint"]), 3], atol=1e-6)
+    for ends in (None, "joint"):
+        edit(once, twice, lambda rig, report, ends=ends: whole(rig, report, ends), overwrite=True)
+        assert twice.read_bytes() == once.read_bytes()
+    with pytest.raises(UsageError, match="is a joint since an earlier run"):
+        edit(once, twice, lambda rig, report: whole(rig, report, "locator"), overwrite=True)
+    loose = tmp_path / f"3{suffix}"
+    edit(source, loose, lambda rig, report: whole(rig, report, None))
+    assert len(read(loose).rig.skins[0].joints) == len(before.skins[0].joints)
+    with pytest.raises(UsageError, match="is a locator since an earlier run"):
+        edit(loose, twice, whole, overwrite=True)
+
+
+def test_a_pole_joint_stands_where_the_locator_would(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    loose, joint = (add_polevector(rig, options=Pole(auto=True, kind=kind)) for kind in ("locator", "joint"))
+    for name in ("forearm_L_pole", "shin_R_pole"):
+        one, other = worlds(loose)[loose.find(name)], worlds(joint)[joint.find(name)]
+        assert_allclose(one, other, atol=1e-6)
+    assert joint.is_joint[joint.find("shin_R_pole")]
+
+
+def test_a_joint_needs_something_to_hang_on() -> None:
+    arm = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
+    limb = given(arm, "a", "b", "c")
+    with pytest.raises(UsageError, match="nothing stands above 'a'"):
+        add_polevector(arm, options=Pole(limbs=(limb,), kind="joint"))
+    with pytest.raises(UsageError, match="no joint of a skin"):
+        add_polevector(replace(arm, skins=()), options=Pole(limbs=(limb,), kind="joint"))
+
+
+def test_xforms_that_stand_in_for_joints_get_prims_below_them(tmp_path: Path) -> None:
+    prims = 'def Xform "A"\n{\ndef Xform "B"\n{\ndouble3 xformOp:translate = (0, 2, 0)\n' + (
+        'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n}'
+    )
+    options = Options(root="A")
+    source = save(tmp_path, scene(prims))
+    grow(source, tmp_path / "out.usda", options=options)
+    after = read(tmp_path / "out.usda", options).rig
+    names = [after.names[k] for k in after.skins[0].joints]
+    assert sorted(names) == ["A", "B", "new0", "new1", "new2"]
+    assert after.path(after.find("new2")).endswith("/new1/new2")
+
+
+def test_new_joints_turn_and_split_like_all_others(tmp_path: Path) -> None:
+    """In one run: a joint is added below one that is split."""
+    source, out = usd(tmp_path / "in.usda", Limb(keys={"elbow": STRETCH})), tmp_path / "out.usda"
+
+    def step(rig: Rig, report: Report) -> Rig:
+        place = worlds(rig)[rig.find("wrist"), 3, :3] + 1.0
+        rig, _ = add_joint(rig, "new", rig.find("wrist"), note("a", 0), place, np.eye(3))
+        return orient_joints(rig, options=Orient(on_nonuniform_scale="split"), report=report)
+
+    outcome = edit(source, out, step, options=Options(allow_rename=True))
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6
+    rig = read(out).rig
+    assert rig.path(rig.find("new")).endswith("/elbow/wrist/new")
+    assert "elbow_orient" in rig.names

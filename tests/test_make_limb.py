@@ -253,15 +253,15 @@ def placed(rig: Rig, **options: Any) -> Options:
     return Options(points=three, name="added", **options)
 
 
-@pytest.mark.parametrize("below", [True, False], ids=["below a joint", "on its own"])
 @pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
-def test_a_limb_changes_nothing_else_and_comes_only_once(path: Path, below: bool, tmp_path: Path) -> None:
+def test_limbs_change_nothing_else_and_come_only_once(path: Path, tmp_path: Path) -> None:
+    """One below a joint, and one on its own."""
     before = read(path, TRUSTING)
-    parent = before.rig.address(middle_joint(before.rig)) if below else None
-    options = placed(before.rig, parent=parent)
+    options = placed(before.rig, parent=before.rig.address(middle_joint(before.rig)))
 
     def step(rig: Rig, report: Report) -> Rig:
-        return make_limb(rig, options=options, report=report)
+        rig = make_limb(rig, options=options, report=report)
+        return make_limb(rig, options=replace(options, name="free", parent=None), report=report)
 
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
     try:
@@ -274,9 +274,10 @@ def test_a_limb_changes_nothing_else_and_comes_only_once(path: Path, below: bool
     found = verify(before, after)
     assert found.deviation == 0.0
     assert found.lost == ()
-    places = worlds(after.rig)[[after.rig.find(f"added_{k}") for k in (1, 2, 3)], 3, :3]
     size = np.abs(options.points).max()
-    assert_allclose(places, options.points, atol=1e-5 * size)
+    for name in ("added", "free"):
+        places = worlds(after.rig)[[after.rig.find(f"{name}_{k}") for k in (1, 2, 3)], 3, :3]
+        assert_allclose(places, options.points, atol=1e-5 * size)
     report = edit(once, twice, step, options=TRUSTING).report
     assert once.read_bytes() == twice.read_bytes()
     assert not any(entry["new"] for entry in report.added)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from rigtri.errors import UsageError
 from rigtri.matrices import inverse, multiply
 from rigtri.ops.added import add, stand
 from rigtri.pose import world_of
@@ -16,6 +17,8 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
+# What a pole vector or an IK end can be: a loose node, or a joint of the skin that it is for.
+Kind = Literal["locator", "joint"]
 # Inverse binds that differ by less, as a share of the largest number, differ by float32 rounding.
 _SAME_BIND = 1e-6
 # Places and axes, too: of the distances from the origin and the parent, and absolute.
@@ -43,6 +46,40 @@ def add_joint(
     kin = parent if like is None else like
     skins = tuple(skin if _row(skin, kin) is None else _grown(rig, skin, node) for skin in rig.skins)
     return replace(rig, skins=skins), node
+
+
+def beside(rig: Rig, joint: int) -> tuple[int, int]:
+    """The parent of a joint that shares the skins of ``joint`` but does not follow it, and whose skins it joins.
+
+    Below the topmost joint above it; beside it where it is the topmost itself. UsageError where
+    there is no skin, or nothing above its only root.
+    """
+    skins = [skin for skin in rig.skins if _row(skin, joint) is not None]
+    if not skins:
+        raise UsageError(f"--as joint: '{rig.title(joint)}' is no joint of a skin that another could join")
+    mine, top, node = set(skins[0].joints.tolist()), joint, joint
+    while node >= 0:
+        top = node if node in mine else top
+        node = int(rig.parents[node])
+    if top != joint:
+        return top, top
+    if rig.parents[joint] < 0:
+        raise UsageError(
+            f"--as joint: nothing stands above '{rig.title(joint)}', so a new joint would follow it; give "
+            "the skeleton a root joint, or take a locator"
+        )
+    return int(rig.parents[joint]), joint
+
+
+def as_wanted(rig: Rig, node: int, kind: Kind | None) -> bool:
+    """Whether a node of ours is a joint; UsageError where another kind is wanted than it is."""
+    found: Kind = "joint" if rig.is_joint[node] else "locator"
+    if kind not in (None, found):
+        raise UsageError(
+            f"'{rig.title(node)}' is a {found} since an earlier run; take it out with rigtri strip, then add "
+            f"it --as {kind}"
+        )
+    return found == "joint"
 
 
 def new_skin(rig: Rig, name: str, joints: Sequence[int]) -> Rig:
@@ -75,7 +112,8 @@ def _stands(rig: Rig, moved: Rig, node: int, position: Floats) -> bool:
     # Where the parent stands far from the origin, the rounding of its place is that of the bone.
     far = max(float(length(position)), float(length(above[3, :3]))) / float(length(above[:3, :3]).max())
     size = max(far, float(length(rig.local[node, 3, :3])))
-    return bool(off[:3].max() <= _SAME_AXES and off[3].max() <= _SAME_PLACE * size)
+    axes = float(length(rig.local[node, :3, :3]).max())
+    return bool(off[:3].max() <= _SAME_AXES * axes and off[3].max() <= _SAME_PLACE * size)
 
 
 def _grown(rig: Rig, skin: Skin, node: int) -> Skin:
