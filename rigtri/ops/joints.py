@@ -49,7 +49,7 @@ def add_joint(
 
 
 def beside(rig: Rig, joint: int) -> tuple[int, int]:
-    """The parent of a joint that shares the skins of ``joint`` but does not follow it, and whose skins it joins.
+    """The parent of a joint that is in the skins of ``joint`` but does not follow it; and what it is like.
 
     Below the topmost joint above it; beside it where it is the topmost itself. UsageError where
     there is no skin, or nothing above its only root.
