@@ -17,6 +17,9 @@ _WHERE = {
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "make_limb": "rigtri.ops.limb",
+    "add_controls": "rigtri.ops.controls",
+    "mirror": "rigtri.ops.mirror",
+    "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
@@ -30,14 +33,17 @@ __all__ = [
     "Report",
     "Rig",
     "RigtriError",
+    "add_controls",
     "add_polevector",
     "check",
     "describe",
     "diff",
     "edit",
     "make_limb",
+    "mirror",
     "orient_joints",
     "read",
+    "strip",
     "verify",
 ]
 
@@ -48,9 +54,12 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.controls import add_controls
     from rigtri.ops.limb import make_limb
+    from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
+    from rigtri.ops.strip import strip
     from rigtri.pipeline import edit
     from rigtri.report import Report
     from rigtri.rig import Rig
