@@ -40,7 +40,7 @@ moving scenery attached
 watched
 compare describe description changes
 delivery
-ops formats
+ahead ops formats
 inputs outputs
 checks pipeline difference
 confined

@@ -25,10 +25,13 @@ from rigtri.limbs import given
 from rigtri.ops.controls import Options as Controls
 from rigtri.ops.controls import add_controls
 from rigtri.ops.joints import Kind, add_joint, move_joint, new_skin
+from rigtri.ops.limb import Options as LimbOptions
+from rigtri.ops.limb import make_limb
 from rigtri.ops.orient import Options as Orient
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.polevector import Options as Pole
 from rigtri.ops.polevector import add_polevector
+from rigtri.ops.strip import strip
 from rigtri.pipeline import Outcome, edit
 from rigtri.pose import bind_worlds, worlds
 from rigtri.report import Report
@@ -284,3 +287,30 @@ def test_new_joints_turn_and_split_like_all_others(tmp_path: Path) -> None:
     rig = read(out).rig
     assert rig.path(rig.find("new")).endswith("/elbow/wrist/new")
     assert "elbow_orient" in rig.names
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_strip_takes_joints_out_again(suffix: str, samples: Path, tmp_path: Path) -> None:
+    source, built, back = samples / f"biped{suffix}", tmp_path / f"1{suffix}", tmp_path / f"2{suffix}"
+
+    def build(rig: Rig, report: Report) -> Rig:
+        points = ((0.0, 1.0, -0.1), (0.0, 0.8, -0.3), (0.0, 0.7, -0.6))
+        rig = make_limb(rig, options=LimbOptions(points=points, parent="hips", name="tail"), report=report)
+        rig = make_limb(rig, options=LimbOptions(points=points, name="free"), report=report)
+        return whole(rig, report)
+
+    edit(source, built, build)
+    assert len(read(built).rig.skins) == 2
+    edit(built, back, lambda rig, report: strip(rig, report=report))
+    before, after = read(source).rig, read(back).rig
+    assert after.names == before.names
+    assert after.notes == {}
+    assert [after.names[k] for k in after.skins[0].joints] == [
+        before.names[k] for k in before.skins[0].joints
+    ]
+    assert np.array_equal(after.skins[0].inverse_bind, before.skins[0].inverse_bind)
+    assert len(after.skins) == 1
+    if suffix == ".usda":
+        assert not usd_errors(back) - usd_errors(source)
+    else:
+        assert not khronos_errors(back)[0] - khronos_errors(source)[0]

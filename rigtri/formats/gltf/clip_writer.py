@@ -67,6 +67,8 @@ class ClipWriter:
         self._write_clips()
         self._grant()
         self._redirect()
+        # They refer to this writer and it to them: all new keys would wait for the garbage collector.
+        self._wishes.clear()
         for number, lost in self._lost.items():
             channels = self._draft.own("animations", number, "channels")
             channels[:] = [channel for k, channel in enumerate(channels) if k not in lost]
@@ -80,6 +82,8 @@ class ClipWriter:
         if len(skin.joints) > count:
             self._grow_skin(number, skin, before)
             return
+        if np.array_equal(skin.inverse_bind, before.inverse_bind[: len(skin.joints)]):
+            return  # joints of ours have gone, which come last; what is left of their rows means nothing
         accessor = self._draft.gltf["skins"][number].get("inverseBindMatrices")
         rows = skin.inverse_bind.reshape(-1, 16)
         if accessor is not None:

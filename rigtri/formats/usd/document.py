@@ -23,6 +23,7 @@ from rigtri.formats.usd import (
     meshes,
     needed,
     package,
+    splice,
     splits,
     variant_edits,
     writer,
@@ -31,6 +32,7 @@ from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
+from rigtri.formats.usd.text import UnknownTextError
 from rigtri.formats.usd.values import Edit, kind, parts
 from rigtri.records import Mesh
 from rigtri.report import Notice
@@ -104,10 +106,11 @@ class UsdDocument:
             source, rig, first = joints.extended(self._source, rig, self._options)
             source, rig, split = splits.widened(source, rig, self._options, notices)
             first += split
+            rig, last = joints.shortened(source, rig)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)
-            self._write([*first, *routed], part, target, notices)
+            self._write([*first, *routed, *last], part, target, notices)
             if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
@@ -198,10 +201,22 @@ class UsdDocument:
         elif packed:
             whole = package.read(source.path)
             _check_sums(whole, source.path, notices)
-            encoding = _by_content(whole.bytes_of(whole.root))
-            package.write(whole, layers.to_bytes(layer, encoding), part)
+            root = whole.bytes_of(whole.root)
+            package.write(whole, self._encoded(layer, _by_content(root), root, notices), part)
         else:
-            part.write_bytes(layers.to_bytes(layer, layers.encoding_of(self._layer)))
+            encoding = layers.encoding_of(self._layer)
+            content = source.path.read_bytes() if encoding == "usda" else b""
+            part.write_bytes(self._encoded(layer, encoding, content, notices))
+
+    def _encoded(self, layer: Any, encoding: str, content: bytes, notices: list[Notice]) -> bytes:
+        """An edited copy of the layer as a file; a text stays as it is in all that was not edited."""
+        if encoding == "usda":
+            try:
+                return splice.spliced(content, self._layer, layer)
+            except UnknownTextError as why:
+                text = f"the text was written anew by USD, which sorts properties and drops comments: {why}"
+                notices.append(Notice("text-respelled", text))
+        return layers.to_bytes(layer, encoding)
 
     def _opinions(self, target: Path) -> Any:
         """A layer for bare opinions on the source, to be inserted into any layer stack above it."""

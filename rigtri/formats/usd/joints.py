@@ -25,7 +25,7 @@ from rigtri.formats.usd.stage import why_instanced
 from rigtri.formats.usd.values import Edit, define, kind, parts, set_value
 from rigtri.formats.usd.variants import Trial
 from rigtri.matrices import inverse
-from rigtri.records import Skin
+from rigtri.records import Booleans, Skin
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
@@ -60,7 +60,7 @@ def _added(source: Source, rig: Rig) -> dict[str, list[int]]:
     """The nodes that each skeleton gets as joints, by its path."""
     found: dict[str, list[int]] = {}
     for old, new in zip(source.rig.skins, rig.skins, strict=False):
-        fresh = new.joints[len(old.joints) :].tolist()
+        fresh = [joint for joint in new.joints.tolist() if rig.keys[joint] is None]
         if not fresh or kind(old.key) == "root":
             continue
         path = parts(old.key)[1]
@@ -71,6 +71,44 @@ def _added(source: Source, rig: Rig) -> dict[str, list[int]]:
             )
         found[path] = fresh
     return found
+
+
+def shortened(source: Source, rig: Rig) -> tuple[Rig, list[Edit]]:
+    """The rig with all rows of its skins, and the edits that take the joints of ours out of them at last.
+
+    A skeleton that none is left of goes. FileError where a skeleton cannot be edited.
+    """
+    skins, edits = list(rig.skins), []
+    for number, old in enumerate(source.rig.skins):
+        keep = np.isin(old.joints, rig.skins[number].joints)
+        if kind(old.key) == "root" or keep.all():
+            continue
+        skins[number] = replace(rig.skins[number], joints=old.joints, inverse_bind=old.inverse_bind)
+        skeleton = source.skeletons[parts(old.key)[1]]
+        _check(source, skeleton)
+        edits += list(_shorten(source, skeleton, keep)) if keep.any() else [_remove(skeleton.path)]
+    return (replace(rig, skins=tuple(skins)) if edits else rig), edits
+
+
+def _shorten(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edit]:
+    path, rows = skeleton.path, np.flatnonzero(keep).tolist()
+    yield _set_tokens(path, "joints", [skeleton.tokens[k] for k in rows])
+    yield _set_matrices(path, "bindTransforms", skeleton.bind[rows])
+    if skeleton.has_rest:
+        yield _set_matrices(path, "restTransforms", skeleton.rest[rows])
+    prim = source.stage.GetPrimAtPath(path)
+    names = prim.GetAttribute("jointNames").Get() if prim.HasAttribute("jointNames") else None
+    if names and len(names) == len(keep):
+        yield _set_tokens(path, "jointNames", [str(names[k]) for k in rows])
+
+
+def _remove(path: str) -> Edit:
+    def remove(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is not None:
+            del spec.nameParent.nameChildren[spec.name]
+
+    return Edit(Sdf.Path(path), remove)
 
 
 def _check(source: Source, skeleton: Skeleton) -> None:
