@@ -138,7 +138,7 @@ class _Shape:
 def _shape(rig: Rig, options: Options, report: Report) -> _Shape:
     points = _points(rig, options)
     titles = options.locators or tuple(map(_written, options.points))
-    size = float(distance(points[:-1], points[1:]).sum())
+    size = sum(distance(points[:-1], points[1:]).tolist())
     _refuse_one_place(points, titles, size)
     middle = _middle(points)
     normal, side, told = _plane(points[[0, middle, -1]], options, report)
