@@ -18,6 +18,7 @@ _WHERE = {
     "add_polevector": "rigtri.ops.polevector",
     "make_limb": "rigtri.ops.limb",
     "add_controls": "rigtri.ops.controls",
+    "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
@@ -36,6 +37,7 @@ __all__ = [
     "add_controls",
     "add_polevector",
     "check",
+    "constrain",
     "describe",
     "diff",
     "edit",
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
     from rigtri.ops.limb import make_limb
     from rigtri.ops.mirror import mirror
