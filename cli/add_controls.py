@@ -86,6 +86,12 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
     show_default=True,
     help="Distance of pole vectors as a multiple of the limb's length.",
 )
+@click.option(
+    "--as",
+    "kind",
+    type=click.Choice(["locator", "joint"]),
+    help="IK ends and pole vectors: nodes, or joints of the skin, which engines import. [locator]",
+)
 @facing_option
 @reading_options
 @edit_options
@@ -131,6 +137,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             shapes=shapes,
             colors=colors,
             root=values["root"],
+            ends=values["kind"],
             poles=PoleOptions(reach=values["reach"], facing=values["facing"]),
         )
         return add_controls(rig, options=options, report=report)

@@ -105,6 +105,12 @@ _FAR = 1e18
 @facing_option
 @click.option("--name", help="Name of the locator. [MIDDLE_pole]")
 @click.option(
+    "--as",
+    "kind",
+    type=click.Choice(["locator", "joint"]),
+    help="A loose node, or a joint of the limb's skin, which engines import. [locator]",
+)
+@click.option(
     "--pose",
     default="nodes",
     show_default=True,
@@ -164,6 +170,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             name=values["name"],
             pose=values["pose"],
             check_clips=values["check_clips"],
+            kind=values["kind"],
         )
         return add_polevector(rig, options=options, report=report)
 

@@ -21,6 +21,7 @@ COMMANDS = {
     "orient-joints": "Give joints new axes; nothing that can be seen moves.",
     "add-polevector": "Add a locator that says which way a limb bends.",
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
+    "make-limb": "Make an oriented chain of joints and its pole vector from three points.",
     "constrain": "Let a node follow others: parent, point, orient, scale, aim, pole vector.",
     "mirror": "Give one side of a character the axes, controls and pole vectors of the other.",
     "strip": "Take out again what rigtri has put into a file.",

@@ -233,6 +233,7 @@ def read_options(values: dict[str, Any]) -> Options:
         unknown_node_ext=values.get("unknown_node_ext", "freeze"),
         bake_xform=values.get("bake_xform", False),
         allow_rename=values.get("allow_rename", False),
+        empty=values.get("empty", False),
     )
 
 

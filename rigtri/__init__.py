@@ -16,6 +16,7 @@ _WHERE = {
     "edit": "rigtri.pipeline",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
+    "make_limb": "rigtri.ops.limb",
     "add_controls": "rigtri.ops.controls",
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
@@ -40,6 +41,7 @@ __all__ = [
     "describe",
     "diff",
     "edit",
+    "make_limb",
     "mirror",
     "orient_joints",
     "read",
@@ -56,6 +58,7 @@ if TYPE_CHECKING:
     from rigtri.formats import read
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
+    from rigtri.ops.limb import make_limb
     from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector

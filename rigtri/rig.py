@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
@@ -26,7 +25,7 @@ from rigtri.trigonometry import Floats
 # would need n² characters.
 DEEPEST_PATH = 256
 # Notes on nodes that are there only because rigtri has added them.
-ADDED = ("constraint", "control", "group", "offset", "poleVector")
+ADDED = ("constraint", "control", "group", "limb", "offset", "poleVector")
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
 
@@ -135,7 +134,7 @@ class Rig:
 
     @cached_property
     def own(self) -> frozenset[int]:
-        """Nodes that rigtri has added, those that show the lines of its controls included."""
+        """Nodes that rigtri has added, with what shows the lines of controls and holds joints of ours."""
         made = {node for node, note in self.notes.items() if note.get("type") in ADDED}
         drawings = (
             child
@@ -143,7 +142,14 @@ class Rig:
             for child in self.children[node]
             if self.names[child] == _DRAWING and self.payload[child] == child and not self.children[child]
         )
-        return frozenset(made.union(drawings))
+        # A skeleton that holds none but joints of ours is a prim between them and the group.
+        between = (
+            child
+            for node in made
+            for child in self.children[node]
+            if self.payload[child] < 0 and made.issuperset(self.children[child] or (-1,))
+        )
+        return frozenset(made.union(drawings, between))
 
     def below(self, node: int) -> list[int]:
         """A node and everything under it, parents first."""
@@ -360,49 +366,54 @@ class Rig:
         included; its new one stands right before it.
         """
         places = np.array(sorted(above), dtype=np.int64)
-        names = [above[node] for node in places.tolist()]
-        index = np.arange(len(self)) + np.searchsorted(places, np.arange(len(self)), "right")
-        at = index.tolist()
+        count, names = len(self), [above[node] for node in places.tolist()]
+        new = count + np.arange(len(names))
+        rest = np.zeros((len(names), 3)), np.tile([0.0, 0.0, 0.0, 1.0], (len(names), 1))
+        grown = self.with_nodes(names, self.parents[places].tolist(), *rest)
+        parents = grown.parents.copy()
+        parents[places] = new
+        return replace(grown, parents=parents).reordered(np.insert(np.arange(count), places, new).tolist())
 
-        def rows(array: NDArray[Any], row: Any) -> NDArray[Any]:
-            return np.insert(array, places, row, axis=0)
+    def reordered(self, order: Sequence[int]) -> Rig:
+        """This rig with its nodes in another order: the k-th is what was ``order[k]``.
 
-        def entries(old: tuple[Any, ...], new: Sequence[Any]) -> tuple[Any, ...]:
-            whole = [*old, *new]
-            order = np.insert(np.arange(len(old)), places, len(old) + np.arange(len(new)))
-            return tuple(whole[k] for k in order.tolist())
+        Parents must still come first; rows of skins keep their order.
+        """
+        old = np.asarray(order, dtype=np.int64)
+        place = np.empty(len(old), dtype=np.int64)
+        place[old] = np.arange(len(old))
+        new = place.tolist()
 
-        parents = np.where(self.parents >= 0, index[self.parents], -1)
-        parents = rows(parents, parents[places])
-        parents[index[places]] = index[places] - 1
-        payload = np.where(self.payload >= 0, index[self.payload], -1)
+        def moved(nodes: Integers) -> Integers:
+            return np.where(nodes >= 0, place[nodes], nodes)
+
         return replace(
             self,
-            names=entries(self.names, names),
-            parents=parents,
-            translation=rows(self.translation, 0.0),
-            rotation=rows(self.rotation, (0.0, 0.0, 0.0, 1.0)),
-            scale=rows(self.scale, 1.0),
-            matrix=rows(self.matrix, np.eye(4)),
-            has_matrix=rows(self.has_matrix, False),
-            payload=rows(payload, -1),
-            keys=entries(self.keys, [None] * len(names)),
-            labels=entries(self.labels, [f"+{name}" for name in names]),
-            skins=tuple(replace(skin, joints=index[skin.joints]) for skin in self.skins),
+            names=tuple(self.names[k] for k in order),
+            parents=moved(self.parents[old]),
+            translation=self.translation[old],
+            rotation=self.rotation[old],
+            scale=self.scale[old],
+            matrix=self.matrix[old],
+            has_matrix=self.has_matrix[old],
+            payload=moved(self.payload[old]),
+            keys=tuple(self.keys[k] for k in order),
+            labels=tuple(self.labels[k] for k in order),
+            skins=tuple(replace(skin, joints=place[skin.joints]) for skin in self.skins),
             clips=tuple(
-                replace(clip, tracks=tuple(replace(t, node=at[t.node]) for t in clip.tracks))
+                replace(clip, tracks=tuple(replace(t, node=new[t.node]) for t in clip.tracks))
                 for clip in self.clips
             ),
-            bound=tuple(replace(b, node=at[b.node]) for b in self.bound),
-            fixed={at[k]: reason for k, reason in self.fixed.items()},
-            parallel=frozenset(at[k] for k in self.parallel),
-            aside=frozenset(at[k] for k in self.aside),
-            constraints=tuple(replace(c, node=at[c.node], source=at[c.source]) for c in self.constraints),
-            humanoid={bone: at[k] for bone, k in self.humanoid.items()},
-            notes={at[k]: note for k, note in self.notes.items()},
-            shapes={at[k]: shape for k, shape in self.shapes.items()},
-            drawn=lambda: [replace(mesh, node=at[mesh.node]) for mesh in self.drawn()],
-            removed=frozenset(at[k] for k in self.removed),
+            bound=tuple(replace(b, node=new[b.node]) for b in self.bound),
+            fixed={new[k]: reason for k, reason in self.fixed.items()},
+            parallel=frozenset(new[k] for k in self.parallel),
+            aside=frozenset(new[k] for k in self.aside),
+            constraints=tuple(replace(c, node=new[c.node], source=new[c.source]) for c in self.constraints),
+            humanoid={bone: new[k] for bone, k in self.humanoid.items()},
+            notes={new[k]: note for k, note in self.notes.items()},
+            shapes={new[k]: shape for k, shape in self.shapes.items()},
+            drawn=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.drawn()],
+            removed=frozenset(new[k] for k in self.removed),
         )
 
     def with_nodes(

@@ -223,12 +223,16 @@ def skin_corners(
         differ = moving[mine.joints] | (m.node[mine.joints] != joints)
         if not same:
             differ |= (mine.inverse_bind != theirs.inverse_bind[:count]).any(axis=(1, 2))
-        rows = np.flatnonzero(differ)
-        if not len(rows):
+        if not differ.any():
             continue
         owner = mine.name or f"skin #{number}"
-        titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
+        own = np.isin(mine.joints, list(before.own))
         for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
+            # A joint of ours may move, but not what somebody has bound to it.
+            rows = np.flatnonzero(differ & ~(own & ~np.isfinite(low).all(axis=1)))
+            if not len(rows):
+                continue
+            titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
             points = _with_bind_origin(_corners(low[rows], high[rows]), bind, mine.inverse_bind[rows])
             with np.errstate(invalid="ignore"):
                 moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))

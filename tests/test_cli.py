@@ -256,6 +256,48 @@ def test_pole_vectors_stand_where_a_reviewer_has_read(
     golden.check(f"add-polevector_{name}.txt", told.replace(str(out), name))
 
 
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_new_limb_reads_as_a_reviewer_has_read(
+    name: str, run: Any, samples: Path, tmp_path: Path, golden: Golden
+) -> None:
+    out = tmp_path / name
+    points = ["0,.95,-.1", "0,.85,-.3", "0,.7,-.5", ".02,.55,-.65"]
+    told = run(
+        "make-limb",
+        samples / name,
+        "-o",
+        out,
+        "--points",
+        *points,
+        "--planar",
+        "--parent",
+        "hips",
+        "--name",
+        "tail",
+    )
+    golden.check(f"make-limb_{name}.txt", told.stderr.replace(str(out), name) + run("inspect", out).stdout)
+
+
+@pytest.mark.parametrize("name", ["arm.gltf", "arm.usda"])
+def test_a_new_file_is_what_a_reviewer_has_read(name: str, run: Any, tmp_path: Path, golden: Golden) -> None:
+    out = tmp_path / name
+    points = ["0,140,0", "25,140,-5", "50,140,0"]
+    run(
+        "make-limb",
+        "-o",
+        out,
+        "--points",
+        *points,
+        "--name",
+        "arm",
+        "--side",
+        "left",
+        "--end-aim",
+        "60,140,0",
+    )
+    golden.check(f"make-limb_new_{name}", out.read_text())
+
+
 IGNORED = {
     "a mirror's side": (["--from-side", "left"], "--mirror"),
     "a mirror": (["--plane", "xz"], "--mirror"),

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Protocol
 
 from rigtri.changes.change import Change
-from rigtri.errors import FileError
+from rigtri.errors import FileError, UsageError
 from rigtri.records import Mesh
 from rigtri.report import Notice
 from rigtri.rig import Rig
@@ -38,6 +38,7 @@ class Options:
     bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
     from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
     to_stream: the output goes to a stream, and stands where the source stood (USD).
+    empty: read also a file without a skeleton (USD).
     """
 
     lenient: bool = False
@@ -50,6 +51,7 @@ class Options:
     bake_xform: bool = False
     from_stream: bool = False
     to_stream: bool = False
+    empty: bool = False
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,26 @@ def read(path: Path | str, options: Options | None = None) -> Document:
         return UsdDocument.read(path, options)
     known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
     raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
+
+
+def write_blank(path: Path, *, up: str = "Y", unit: float = 0.01) -> None:
+    """Write a file without anything in it, to build a rig in; its suffix says the format.
+
+    up: Y or Z, unit: how many metres 1 is (both USD; glTF has y up and metres).
+    UsageError for a suffix of no format that can be empty.
+    """
+    suffix = path.suffix.lower()
+    if suffix in (".glb", ".gltf"):
+        from rigtri.formats.gltf.blank import write_blank as write_gltf
+
+        write_gltf(path)
+    elif suffix in USD_SUFFIXES:
+        from rigtri.formats.usd.blank import write_blank as write_usd
+
+        write_usd(path, up, unit)
+    else:
+        known = " ".join((".glb", ".gltf", *USD_SUFFIXES))
+        raise UsageError(f"{path.name}: a new file is one of {known}")
 
 
 def output_suffixes(path: Path, options: Options) -> tuple[str, ...]:

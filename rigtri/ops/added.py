@@ -115,7 +115,9 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
         rotation[node] = turn
     if rig.has_matrix[node]:
         matrix = rig.matrix.copy()
-        moved = from_frame(orthonormal_axes(place), place[3, :3])
+        # A matrix keeps its own scale, as translation and rotation beside a scale do.
+        size = length(matrix[node, :3, :3])
+        moved = from_frame(orthonormal_axes(place) * size[:, np.newaxis], place[3, :3])
         if np.abs(moved - matrix[node]).max() > _SAME_PLACE * max(1.0, float(np.abs(moved).max())):
             matrix[node] = moved
         return replace(rig, matrix=matrix)

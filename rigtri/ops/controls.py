@@ -19,6 +19,8 @@ from rigtri.matrices import nearest_rotation
 from rigtri.naming import Side, side
 from rigtri.ops.added import add, find, group, home, stand
 from rigtri.ops.aims import Aim, Rules, aim_of, limb_children
+from rigtri.ops.joints import Kind as EndKind
+from rigtri.ops.joints import add_joint, as_wanted, beside, move_joint
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.polevector import add_polevector
 from rigtri.ops.select import Selection, chosen
@@ -48,6 +50,7 @@ class Options:
     control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them.
     size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}.
     shapes: by kind of control (fk, ik, root, pole). colors: by side (left, right, "").
+    ends: whether IK ends and pole vectors are controls or joints; None keeps what is there.
     """
 
     selection: Selection = Selection()
@@ -61,6 +64,7 @@ class Options:
     colors: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     root: str | None = None
     poles: PoleOptions = field(default_factory=PoleOptions)
+    ends: EndKind | None = None
 
     def checked(self) -> Options:
         """UsageError for what fits no control."""
@@ -121,7 +125,15 @@ class _Builder:
             self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
         for limb in dict.fromkeys(self.limbs):
             chain = [self.rig.address(node) for node in limb.triple]
-            self._control(limb.end, "ik", {"joint": chain[-1], "chain": chain})
+            about = {"joint": chain[-1], "chain": chain}
+            known = self._find("ik", about)
+            joint = (
+                self.options.ends == "joint" if known is None else as_wanted(self.rig, known, options.ends)
+            )
+            if joint:
+                self._ik_joint(limb, known, about)
+            else:
+                self._control(limb.end, "ik", about)
         self._poles()
         return self.rig
 
@@ -147,7 +159,7 @@ class _Builder:
             self.rig, parent = group(self.rig)
             control = self._new("root", top, parent, note, self.ref.extent * 0.25, up)
         self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
-        self._record(control, "root", top)
+        self._record(control, "root", top, int(self.rig.parents[self.rig.parents[control]]))
 
     def _find(self, kind: str, note: Mapping[str, Any]) -> int | None:
         return find(self.rig, type="control", kind=kind, **note)
@@ -155,9 +167,7 @@ class _Builder:
     def _control(self, joint: int, kind: str, note: Mapping[str, Any]) -> int:
         """The control of a kind over a joint, found again or new, its offset in the joint's frame."""
         control = self._find(kind, note)
-        axes = nearest_rotation(self.world[joint])
-        if not np.isfinite(axes).all():
-            raise GeometryError(f"'{self.rig.title(joint)}' has no frame: a scale on or above it is zero")
+        axes = self._frame(joint)
         parent = self._parent(joint, kind)
         if control is None:
             size, normal = self._size(joint)
@@ -166,16 +176,44 @@ class _Builder:
         if int(self.rig.parents[offset]) != parent:
             self._tell_kept(control)
         self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
-        self._record(control, kind, joint)
+        self._record(control, kind, joint, int(self.rig.parents[offset]))
         return control
+
+    def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
+        """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
+        known, wanted = self._find("ik", about), self.options.ends
+        if wanted == "joint" if known is None else as_wanted(self.rig, known, wanted):
+            self._ik_joint(limb, known, about)
+        else:
+            self._control(limb.end, "ik", about)
+
+    def _ik_joint(self, limb: Limb, known: int | None, about: Mapping[str, Any]) -> None:
+        """A joint beside a limb, in the frame of its end; nothing is drawn, engines show bones themselves."""
+        place, axes = self.world[limb.end, 3, :3], self._frame(limb.end)
+        if known is None:
+            parent, like = beside(self.rig, limb.start)
+            note = {"v": 1, "type": "control", "kind": "ik", **about, "side": self._side(limb.end)}
+            name = self._name(limb.end, "ik")
+            self.rig, node = add_joint(self.rig, name, parent, note, place, axes, like=like)
+        else:
+            self.rig, node = move_joint(self.rig, known, place, axes), known
+        self._record(node, "ik", limb.end, int(self.rig.parents[node]))
+
+    def _frame(self, joint: int) -> Floats:
+        axes = nearest_rotation(self.world[joint])
+        if not np.isfinite(axes).all():
+            raise GeometryError(f"'{self.rig.title(joint)}' has no frame: a scale on or above it is zero")
+        return axes
+
+    def _name(self, joint: int, kind: str) -> str:
+        return self.options.name.format(
+            joint=self.rig.names[joint] or f"joint_{joint}", side=self._side(joint), kind=_WORDS[kind]
+        )
 
     def _new(
         self, kind: str, joint: int, parent: int, note: Mapping[str, Any], size: float, normal: Floats
     ) -> int:
-        which = self._side(joint)
-        name = self.options.name.format(
-            joint=self.rig.names[joint] or f"joint_{joint}", side=which, kind=_WORDS[kind]
-        )
+        which, name = self._side(joint), self._name(joint, kind)
         shape: Kind = self.options.shapes.get(kind, _SHAPES[kind])
         about = {"v": 1, "type": "control", "kind": kind, **note, "shape": shape, "side": which}
         offset_note = {"v": 1, "type": "offset", "kind": kind, "joint": note["joint"]}
@@ -229,10 +267,11 @@ class _Builder:
         if not self.limbs:
             return
         before = set(self.rig.notes)
-        wanted = replace(self.options.poles, limbs=tuple(dict.fromkeys(self.limbs)), auto=False)
+        limbs = tuple(dict.fromkeys(self.limbs))
+        wanted = replace(self.options.poles, limbs=limbs, auto=False, kind=self.options.ends)
         self.rig = add_polevector(self.rig, options=wanted, report=self.report)
         for node, note in list(self.rig.notes.items()):
-            if node in before or note.get("type") != "poleVector":
+            if node in before or note.get("type") != "poleVector" or self.rig.is_joint[node]:
                 continue
             middle = self.rig.find(str(note["chain"][1]))
             shape: Kind = self.options.shapes.get("pole", _SHAPES["pole"])
@@ -247,9 +286,9 @@ class _Builder:
             "strip the file first",
         )
 
-    def _record(self, control: int, kind: str, joint: int) -> None:
-        place = world_of(self.rig, int(self.rig.parents[control]))[3, :3]
-        parent = int(self.rig.parents[self.rig.parents[control]])
+    def _record(self, control: int, kind: str, joint: int, parent: int) -> None:
+        offset = control if self.rig.is_joint[control] else int(self.rig.parents[control])
+        place = world_of(self.rig, offset)[3, :3]
         self.report.added.append(
             {
                 "node": self.rig.names[control],

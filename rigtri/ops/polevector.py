@@ -16,6 +16,7 @@ from rigtri.bend import Bend, bend, crossings
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
+from rigtri.ops.joints import Kind, add_joint, as_wanted, beside, move_joint
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference
@@ -34,6 +35,7 @@ class Options:
 
     limbs: three-joint limbs. chains: (start, end, bend joint or None) of more joints.
     bends: by the name of a limb's root, middle or end joint, the direction it bends to.
+    kind: a loose locator, or a joint beside the limb; None keeps what is there, else a locator.
     """
 
     limbs: tuple[Limb, ...] = ()
@@ -50,6 +52,7 @@ class Options:
     name: str | None = None
     pose: str = "nodes"
     check_clips: bool = False
+    kind: Kind | None = None
 
 
 def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
@@ -204,8 +207,7 @@ def _place(rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, 
     degrees = float(np.degrees(bend_angle(*points)))
     note = _note(rig, limb, options, found, degrees)
     _tell(rig, limb, found, degrees, report)
-    rig, node = _locator(rig, limb, note, options)
-    rig = stand(rig, node, position, _axes(points, found, options))
+    rig, node = _placed(rig, limb, note, options, position, _axes(points, found, options))
     entry: dict[str, Any] = {
         "limb": [rig.title(k) for k in limb.triple],
         "polevector": rig.names[node],
@@ -254,14 +256,25 @@ def _title(rig: Rig, limb: Limb) -> str:
     return " - ".join(rig.title(node) for node in limb.triple)
 
 
-def _locator(rig: Rig, limb: Limb, note: dict[str, Any], options: Options) -> tuple[Rig, int]:
-    """The limb's pole vector node, found again by its chain or made new."""
+def _placed(
+    rig: Rig, limb: Limb, note: dict[str, Any], options: Options, position: Floats, axes: Floats
+) -> tuple[Rig, int]:
+    """The limb's pole vector at its place, found again by its chain or made new."""
     node = find(rig, type="poleVector", chain=note["chain"])
+    name = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
     if node is not None:
+        joint = as_wanted(rig, node, options.kind)
+        if joint and options.name is not None and rig.names[node] != plain_name(options.name):
+            raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)
-        return noted(rig, node, note), node
+        rig = noted(rig, node, note)
+        return (move_joint if joint else stand)(rig, node, position, axes), node
+    if options.kind == "joint":
+        parent, like = beside(rig, limb.start)
+        return add_joint(rig, name, parent, note, position, axes, like=like)
     rig, parent = home(rig)
-    return add(rig, options.name or f"{rig.names[limb.middle] or 'limb'}_pole", parent, note)
+    rig, node = add(rig, name, parent, note)
+    return stand(rig, node, position, axes), node
 
 
 def _axes(points: Floats, found: Bend, options: Options) -> Floats:

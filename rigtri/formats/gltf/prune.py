@@ -38,6 +38,7 @@ def prune(draft: Draft, storage: Storage, nodes: Collection[int]) -> None:
     meshes = {gltf["nodes"][node].get("mesh") for node in nodes} - {None}
     _detach(draft, nodes)
     _drop(draft, "nodes", nodes)
+    _drop_empty_skins(draft)
     meshes = _unneeded(gltf, "meshes", meshes, {node.get("mesh") for node in gltf["nodes"]})
     materials = {p.get("material") for mesh in meshes for p in gltf["meshes"][mesh]["primitives"]} - {None}
     dropped = _drop(draft, "meshes", meshes)
@@ -86,6 +87,16 @@ def _drop_empty_animations(draft: Draft) -> None:
         draft.own("animations")[:] = kept
         if not kept:
             draft.gltf.pop("animations")
+
+
+def _drop_empty_skins(draft: Draft) -> None:
+    """A skin without joints is not allowed; those of ours come last, and nothing is drawn with them."""
+    skins = draft.gltf.get("skins", [])
+    while skins and "joints" not in skins[-1]:
+        draft.own("skins").pop()
+        skins = draft.gltf["skins"]
+    if "skins" in draft.gltf and not skins:
+        draft.gltf.pop("skins")
 
 
 def _unneeded(

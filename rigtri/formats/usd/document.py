@@ -19,6 +19,7 @@ from rigtri.formats import Companion, Options
 from rigtri.formats.usd import (
     external,
     instances,
+    joints,
     layers,
     meshes,
     needed,
@@ -93,11 +94,14 @@ class UsdDocument:
         notices: list[Notice] = []
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
-            source, rig, first = splits.widened(self._source, rig, self._options, notices)
+            source, rig, first = joints.extended(self._source, rig, self._options)
+            source, rig, split = splits.widened(source, rig, self._options, notices)
+            first += split
+            rig, last = joints.shortened(source, rig)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)
-            self._write([*first, *routed], part, target, notices)
+            self._write([*first, *routed, *last], part, target, notices)
             if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]

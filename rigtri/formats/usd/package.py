@@ -74,6 +74,13 @@ class Package:
         return entry.method != 0 or zlib.crc32(self.bytes_of(entry)) == entry.crc
 
 
+def empty(name: str) -> Package:
+    """A package of one empty layer, to be written with other bytes; its date is that of no file, 1980."""
+    raw = name.encode("utf-8")
+    flags = 0 if raw.isascii() else _UTF8
+    return Package(b"", (Entry(name, raw, 0, 0, 0, 10, 10, flags, 0, 0x21, b"", b"", b"", 0, 0),), b"")
+
+
 def read(path: Path) -> Package:
     """Read the directory of a package.
 

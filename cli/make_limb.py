@@ -1,0 +1,280 @@
+"""rigtri make-limb"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+from rigtri.ops.presets import PRESETS, Style
+
+from .options import (
+    edit_options,
+    given_options,
+    output_options,
+    reading_options,
+    refuse_given,
+    run_edit,
+)
+
+if TYPE_CHECKING:
+    from rigtri.ops.limb import Options
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+# Options that take all words up to the next option.
+_LISTS = ("--locators", "--points", "--names")
+
+
+class _Listing(click.Command):
+    """Lets ``--locators A B C`` take as many words as there are, so that a wrong count can be told."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        return super().parse_args(ctx, spread(args))
+
+
+def spread(args: list[str]) -> list[str]:
+    """Words after an option of many as that option repeated; a number with a minus is no option.
+
+    >>> spread(["in.glb", "--points", "-1,0,0", "0,1,0", "-o", "out.glb"])
+    ['in.glb', '--points=-1,0,0', '--points=0,1,0', '-o', 'out.glb']
+    """
+    found: list[str] = []
+    taking = ""
+    for word in args:
+        if word in _LISTS:
+            taking = word
+        elif taking and not (word.startswith("-") and not word[1:2].isdigit() and word[1:2] != "."):
+            found.append(f"{taking}={word}")
+        else:
+            taking = ""
+            found.append(word)
+    return found
+
+
+def _point(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+    """Coordinates as three numbers; of many points each."""
+    if value is None or isinstance(value, tuple):
+        return None if value is None else tuple(_numbers(text, ctx, param) for text in value)
+    return _numbers(value, ctx, param)
+
+
+def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"'{text}' is no point: give x,y,z", ctx, param) from None
+    return x, y, z
+
+
+@click.command("make-limb", cls=_Listing)
+@click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    required=True,
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="The file to write, in the format of IN, or a new file; - for standard output.",
+)
+@click.option("--locators", multiple=True, metavar="A B C", help="Nodes that stand where the joints shall.")
+@click.option(
+    "--points",
+    multiple=True,
+    callback=_point,
+    metavar="X,Y,Z X,Y,Z X,Y,Z",
+    help="The places themselves, in the world; without IN they make a new file.",
+)
+@click.option("--planar", is_flag=True, help="More than three: lay the inner joints into the limb's plane.")
+@click.option("--preset", type=click.Choice(list(PRESETS)), help="The axes of another program.")
+@click.option("--aim", metavar="AXIS", help="Axis that aims at the next joint. [x]")
+@click.option("--up", metavar="AXIS", help="Axis that goes up. [y]")
+@click.option(
+    "--up-from",
+    metavar="SOURCE",
+    help="plane (the hinge), pole (the side it bends to), world:AXIS or vector:X,Y,Z. [plane]",
+)
+@click.option(
+    "--end-aim",
+    metavar="NODE|X,Y,Z",
+    help="What the end joint aims at; else it has the axes of the joint before.",
+)
+@click.option(
+    "--bend",
+    callback=_point,
+    metavar="X,Y,Z",
+    help="The side that points on a line bend to; for no others.",
+)
+@click.option("--name", default="limb", show_default=True, help="The limb's name; its joints are NAME_1 …")
+@click.option("--side", type=click.Choice(["left", "right"]), help="Put _L or _R behind the names.")
+@click.option("--names", multiple=True, metavar="A B C", help="Names of the joints.")
+@click.option("--parent", metavar="NODE", help="What the limb hangs below; of a joint it joins the skins.")
+@click.option("--skin/--no-skin", default=True, show_default=True, help="Make the joints joints of a skin.")
+@click.option("--pole/--no-pole", default=True, show_default=True, help="Add the limb's pole vector.")
+@click.option(
+    "--method",
+    type=click.Choice(["perpendicular", "ratio"]),
+    default="perpendicular",
+    show_default=True,
+    help="Pole vector: which point of the chord the direction starts at.",
+)
+@click.option(
+    "--from",
+    "origin",
+    type=click.Choice(["middle", "root", "foot"]),
+    default="middle",
+    show_default=True,
+    help="Pole vector: where the distance is counted from.",
+)
+@click.option(
+    "--reach",
+    type=click.FloatRange(min=0, min_open=True),
+    help="Pole vector: distance as a multiple of the limb's length. [0.5]",
+)
+@click.option(
+    "--distance", type=click.FloatRange(min=0, min_open=True), help="Pole vector: distance in file units."
+)
+@click.option(
+    "--reach-of",
+    type=click.Choice(["limb", "chord"]),
+    default="limb",
+    show_default=True,
+    help="Pole vector: what --reach multiplies.",
+)
+@click.option(
+    "--orientation",
+    type=click.Choice(["world", "limb", "aim"]),
+    default="world",
+    show_default=True,
+    help="Pole vector: its axes.",
+)
+@click.option("--pole-name", help="Name of the pole vector. [MIDDLE_pole]")
+@click.option(
+    "--up-axis", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Of a new USD file."
+)
+@click.option(
+    "--meters-per-unit",
+    type=click.FloatRange(min=0, min_open=True),
+    default=0.01,
+    show_default=True,
+    help="Of a new USD file.",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Make an oriented chain of joints and its pole vector from three locators or points.
+
+    Each joint aims at the next, all have the limb's hinge for their up axis, and the end has the
+    axes of the joint before. A second run finds the limb by its name and moves it.
+
+    \b
+    Examples:
+        rigtri make-limb scene.glb -o out.glb --locators shoulder_loc elbow_loc wrist_loc --name arm
+        rigtri make-limb -o arm.usda --points 0,140,0 25,140,-5 50,140,0 --name arm --side left
+        rigtri make-limb hero.glb -o out.glb --points 0,1,0 0,.5,.1 0,0,0 --parent hips --name tail
+    """
+    from rigtri.ops.limb import make_limb
+
+    options = _options(values)
+    given = given_options(ctx)
+    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+        if values["source"] is None:
+            values["source"] = _blank(Path(folder), values)
+        else:
+            new = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
+            refuse_given(new, "is for new files, without IN")
+
+        def step(rig: Rig, report: Report) -> Rig:
+            return make_limb(rig, options=options, report=report)
+
+        run_edit("make-limb", values | {"empty": True}, step, given, _summary)
+
+
+def _options(values: dict[str, Any]) -> Options:
+    from rigtri.ops.limb import Options
+    from rigtri.ops.polevector import Options as PoleOptions
+
+    if values["reach"] is not None and values["distance"] is not None:
+        raise UsageError("give --reach or --distance, not both")
+    style = PRESETS[values["preset"]] if values["preset"] else Style()
+    if style.world and any(values[axis] is not None for axis in ("aim", "up", "up_from")):
+        raise UsageError(
+            "--preset vrm: its frames are parallel to the world; leave out --aim, --up, --up-from"
+        )
+    poles = PoleOptions(
+        method=values["method"],
+        origin=values["origin"],
+        reach=0.5 if values["reach"] is None else values["reach"],
+        distance=values["distance"],
+        reach_of=values["reach_of"],
+        orientation=values["orientation"],
+        name=values["pole_name"],
+    )
+    if not values["pole"]:
+        flags = ("method", "origin", "reach", "distance", "reach_of", "orientation", "pole_name")
+        names = {"origin": "--from"}
+        given = {names.get(flag, f"--{flag.replace('_', '-')}"): flag for flag in flags}
+        refuse_given(given, "is for the pole vector, and --no-pole leaves it out")
+    return Options(
+        locators=values["locators"],
+        points=values["points"],
+        planar=values["planar"],
+        style=Style(
+            aim=values["aim"] or style.aim,
+            up=values["up"] or style.up,
+            up_from=values["up_from"] or style.up_from,
+            world=style.world,
+        ),
+        end_aim=_place(values["end_aim"]),
+        bend=values["bend"],
+        name=values["name"],
+        side=values["side"] or "",
+        names=values["names"],
+        parent=values["parent"],
+        skin=values["skin"],
+        pole=values["pole"],
+        poles=poles,
+    ).checked()
+
+
+def _place(text: str | None) -> Any:
+    """Coordinates as three numbers, anything else as the name of a node."""
+    try:
+        x, y, z = (float(part) for part in (text or "").split(","))
+    except ValueError:
+        return text
+    return x, y, z
+
+
+def _blank(folder: Path, values: dict[str, Any]) -> str:
+    """An empty file in the format of OUT."""
+    from rigtri.formats import GLTF_SUFFIXES, write_blank
+
+    if values["target"] == "-":
+        raise UsageError("-o -: a new file needs a name, whose suffix says its format")
+    if values["locators"]:
+        raise UsageError("--locators are nodes of a file: give IN, or --points")
+    target = Path(values["target"])
+    path = folder / target.name
+    if target.suffix.lower() in GLTF_SUFFIXES:
+        given = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
+        refuse_given(given, "means nothing for glTF files: y is up, and lengths are metres")
+    given = {"--override": "override", "--override-stage": "override_stage"}
+    refuse_given(given, "is for opinions over IN, and there is none")
+    write_blank(path, up=values["up_axis"].upper(), unit=values["meters_per_unit"])
+    return str(path)
+
+
+def _summary(report: Report) -> str:
+    joints = [entry for entry in report.added if entry["type"] == "limb"]
+    new = "new" if joints[0]["new"] else "moved"
+    moved = [f"{entry['node']} by {entry['moved']:.4g}" for entry in joints if entry["moved"] > 0]
+    planar = f"; laid into the plane: {', '.join(moved)}" if moved else ""
+    pole = f"; pole vector {report.limbs[0]['polevector']}" if report.limbs else ""
+    return f"{len(joints)} joints, {', '.join(entry['node'] for entry in joints)}, {new}{planar}{pole}"

@@ -1,0 +1,354 @@
+"""make-limb: points become an oriented chain of joints and its pole vector."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.testing import assert_allclose
+from places import asset_files, leave_out_refused, sample_files
+from pxr import Usd, UsdGeom, UsdSkel
+from rigs import chain, rig_of
+from second_opinions import khronos_errors, usd_errors, validator
+
+from rigtri.cli.main import program
+from rigtri.cli.make_limb import spread
+from rigtri.compare import verify
+from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.formats import Options as ReadOptions
+from rigtri.formats import read, write_blank
+from rigtri.ops.limb import Options, make_limb
+from rigtri.ops.polevector import Options as PoleOptions
+from rigtri.ops.presets import PRESETS, Style
+from rigtri.pipeline import edit
+from rigtri.pose import worlds
+from rigtri.quaternions import from_axis_angle
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+TRUSTING = ReadOptions(allow_external_paths=True, empty=True)
+# The article's: shoulder, elbow, wrist. AB × BC points along −z.
+ARM = ((0.0, 0.0, 0.0), (3.0, 4.0, 0.0), (6.0, 0.0, 0.0))
+EMPTY = rig_of([], [], np.zeros((0, 3)), np.zeros((0, 4)))
+SUFFIXES = (".glb", ".gltf", ".usda", ".usdc", ".usd", ".usdz")
+
+
+def made(points: Any = ARM, rig: Rig = EMPTY, **options: Any) -> tuple[Rig, list[int], Report]:
+    """The rig with a limb, its joints from the root on, and the report."""
+    report = Report()
+    out = make_limb(rig, options=Options(points=points, **options), report=report)
+    return out, [out.find(entry["node"]) for entry in report.added], report
+
+
+def pole(rig: Rig) -> int:
+    (node,) = [node for node, note in rig.notes.items() if note["type"] == "poleVector"]
+    return node
+
+
+def test_the_articles_arm_has_the_articles_numbers() -> None:
+    """X along the bone, Y the plane's normal (bend × aim), Z their product; the pole 5 from the root."""
+    article = PoleOptions(method="ratio", origin="root", distance=5.0, orientation="limb")
+    out, (shoulder, elbow, wrist), _ = made(poles=article)
+    world = worlds(out)
+    assert_allclose(world[[shoulder, elbow, wrist], 3, :3], ARM, atol=1e-6)
+    assert_allclose(world[shoulder, :3, :3], [[0.6, 0.8, 0], [0, 0, -1], [-0.8, 0.6, 0]], atol=1e-6)
+    assert_allclose(world[elbow, :3, :3], [[0.6, -0.8, 0], [0, 0, -1], [0.8, 0.6, 0]], atol=1e-6)
+    assert_allclose(world[wrist, :3, :3], world[elbow, :3, :3], atol=1e-6)
+    assert_allclose(world[pole(out), 3, :3], [0, 5, 0], atol=1e-6)
+    assert_allclose(world[pole(out), :3, :3], world[shoulder, :3, :3], atol=1e-6)
+
+
+@pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"vrm"}))
+def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
+    style = PRESETS[preset]
+    out, joints, _ = made(style=style)
+    points, normal = np.array(ARM), np.array([0.0, 0.0, -1.0])
+    for joint, bone in zip(joints, np.diff(points, axis=0), strict=False):
+        axes = worlds(out)[joint, :3, :3]
+        bone = bone / np.linalg.norm(bone)
+        ups = {"plane": normal, "pole": np.cross(bone, normal), "world:+y": np.array([0.0, 1, 0])}
+        for axis, wanted in ((style.aim, bone), (style.up, ups[style.up_from])):
+            sign = -1.0 if axis[0] == "-" else 1.0
+            along = sign * axes["xyz".index(axis[-1])] @ wanted
+            assert along > 0.999 if axis == style.aim or style.up_from != "world:+y" else along > 0.5
+        assert np.linalg.det(axes) == pytest.approx(1.0)
+
+
+def test_the_end_aims_where_it_is_told() -> None:
+    out, joints, _ = made(end_aim=(6.0, 0.0, 2.0), style=Style(up_from="world:+y"))
+    assert_allclose(worlds(out)[joints[2], :2, :3], [[0, 0, 1], [0, 1, 0]], atol=1e-6)
+    with pytest.raises(GeometryError, match="along the limb's hinge"):
+        made(end_aim=(6.0, 0.0, 2.0))
+    with pytest.raises(GeometryError, match="stands there itself"):
+        made(end_aim=(6.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 4, 5])
+def test_another_count_than_three_is_told(count: int) -> None:
+    points = tuple((float(k), float(k * k), 0.0) for k in range(count))
+    words = f"here are {count}" if count else "say where the joints stand"
+    with pytest.raises(UsageError, match=words):
+        made(points)
+
+
+def test_points_on_a_line_want_to_be_told_the_side() -> None:
+    line = ((0.0, 0, 0), (1.0, 0, 0), (2.0, 0, 0))
+    with pytest.raises(GeometryError, match=r"lie on a line \(bent 0°\).*--bend"):
+        made(line)
+    out, joints, report = made(line, bend=(1.0, 0.0, 3.0))
+    assert_allclose(worlds(out)[joints[0], :3, :3], [[1, 0, 0], [0, 1, 0], [0, 0, 1]], atol=1e-6)
+    assert_allclose(worlds(out)[pole(out), 3, :3], [1, 0, 1], atol=1e-6)
+    assert report.limbs[0]["source"] == "given"
+    assert out.notes[joints[0]]["source"] == "given"
+    with pytest.raises(GeometryError, match="runs along the limb"):
+        made(line, bend=(1.0, 0.0, 0.01))
+    assert [n.code for n in made(bend=(0.0, 1.0, 0.0))[2].warnings] == ["bend-not-needed"]
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        ((0, 0, 0), (0, 0, 0), (1, 0, 0)),
+        ((0, 0, 0), (1, 0, 0), (1, 1e-9, 0)),
+        ((0, 0, 0), (1, 0, 0), (0, 0, 0)),
+    ],
+)
+def test_points_at_one_place_are_told(points: Any) -> None:
+    with pytest.raises(GeometryError, match="at one place"):
+        made(points)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_a_limb_is_the_same_in_any_unit(scale: float) -> None:
+    out, joints, _ = made(tuple(map(tuple, (np.array(ARM) * scale).tolist())))
+    for joint, other in zip(joints, made()[1], strict=True):
+        assert_allclose(worlds(out)[joint, :3, :3], worlds(made()[0])[other, :3, :3], atol=1e-6)
+
+
+def test_a_longer_chain_is_laid_into_the_plane_and_says_how_far() -> None:
+    """The farthest of the inner points, the third, says where the plane is: z = 0."""
+    points = ((0.0, 0, 0), (1.0, 1, 0.25), (2.0, 2, 0), (3.0, 1, -0.5), (4.0, 0, 0))
+    out, joints, report = made(points, planar=True)
+    assert_allclose(worlds(out)[joints, 3, 2], 0.0, atol=1e-6)
+    assert_allclose([entry["moved"] for entry in report.added], [0, 0.25, 0, 0.5, 0], atol=1e-12)
+    normals = worlds(out)[joints, 1, :3]
+    assert_allclose(normals, np.tile([0, 0, -1.0], (5, 1)), atol=1e-6)
+    note = out.notes[joints[0]]
+    assert note["middle"] == "limb_3"
+    assert out.notes[pole(out)]["chain"] == ["limb_1", "limb_3", "limb_5"]
+    assert_allclose(worlds(out)[pole(out), 3, 2], 0.0, atol=1e-6)
+
+
+def test_a_limb_below_a_joint_joins_its_skins_and_otherwise_has_its_own() -> None:
+    body = chain((0, 0, 0), (0, 1, 0))
+    out, joints, _ = made(rig=body, parent="b")
+    assert out.skins[0].joints.tolist() == [0, 1, *joints]
+    alone, joints, _ = made(rig=body)
+    assert alone.skins[1].joints.tolist() == joints
+    assert alone.skins[1].key is None
+    plain, joints, _ = made(rig=body, skin=False)
+    assert not plain.is_joint[joints].any()
+    with pytest.raises(UsageError, match="--no-skin"):
+        made(rig=body, parent="b", skin=False)
+
+
+def test_locators_may_stand_anywhere_below_turned_and_scaled_nodes() -> None:
+    rig = rig_of(["top", "a", "b", "c"], [-1, 0, 0, 0], np.array([[1.0, 2, 3], *ARM]))
+    turn = np.tile([0.0, 0, 0, 1], (4, 1))
+    turn[0] = from_axis_angle([1, 2, 3], 0.7)
+    rig = replace(rig, rotation=turn, scale=np.array([[2.0] * 3, *np.ones((3, 3))]))
+    report = Report()
+    out = make_limb(rig, options=Options(locators=("a", "b", "c"), parent="top"), report=report)
+    joints = [out.find(f"limb_{k}") for k in (1, 2, 3)]
+    assert_allclose(worlds(out)[joints, 3], worlds(out)[[1, 2, 3], 3], atol=1e-5)
+    assert out.notes[joints[0]]["locators"] == ["a", "b", "c"]
+    assert report.added[0]["parent"] == "top"
+
+
+def test_names_and_sides() -> None:
+    out, joints, _ = made(name="arm", side="left")
+    assert [out.names[k] for k in joints] == ["arm_1_L", "arm_2_L", "arm_3_L"]
+    out, joints, _ = made(rig=out, name="arm", side="right", names=("shoulder", "elbow", "wrist"))
+    assert [out.names[k] for k in joints] == ["shoulder", "elbow", "wrist"]
+    assert len(out.skins) == 2
+    with pytest.raises(UsageError, match="another node is called 'elbow'"):
+        made(rig=out, name="leg", names=("hip", "elbow", "foot"))
+    with pytest.raises(UsageError, match="2 names for 3 joints"):
+        made(names=("a", "b"))
+
+
+def test_a_second_run_moves_its_limb() -> None:
+    out, joints, _ = made(name="arm")
+    moved = tuple((x, y, z + 1.0) for x, y, z in ARM)
+    again, same, report = made(moved, rig=out, name="arm")
+    assert same == joints
+    assert len(again) == len(out)
+    assert not any(entry["new"] for entry in report.added)
+    assert_allclose(worlds(again)[joints, 3, :3], moved, atol=1e-6)
+    assert_allclose(worlds(again)[pole(again), 3, 2], 1.0, atol=1e-6)
+    inverse_bind = again.skins[0].inverse_bind
+    assert_allclose(inverse_bind, np.linalg.inv(worlds(again)[joints]), atol=1e-6)
+    with pytest.raises(UsageError, match="'arm' has 3 joints, and here are 4 points"):
+        made((*ARM, (7.0, 1.0, 0.0)), rig=out, name="arm", planar=True)
+    with pytest.raises(UsageError, match="keeps its name"):
+        made(rig=out, name="arm", names=("a", "b", "c"))
+    with pytest.raises(UsageError, match="hangs below 'rigtri_controls'"):
+        made(rig=out, name="arm", parent="arm_1_pole" if out.has("arm_1_pole") else "arm_2")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_new_file_is_whole_and_a_second_run_has_its_bytes(suffix: str, tmp_path: Path) -> None:
+    out, again = tmp_path / f"arm{suffix}", tmp_path / f"again{suffix}"
+    arguments = ["--points", "0,140,0", "25,140,-5", "50,140,-1", "--name", "arm"]
+    for words in (["-o", out], [out, "-o", again]):
+        result = CliRunner().invoke(program, ["make-limb", *map(str, words), *arguments])
+        assert result.exit_code == 0, result.output
+    assert again.read_bytes() == out.read_bytes()
+    rig = read(out).rig
+    assert_allclose(worlds(rig)[rig.find("arm_3"), 3, :3], [50, 140, -1], atol=1e-4)
+    assert [rig.names[k] for k in rig.skins[0].joints] == ["arm_1", "arm_2", "arm_3"]
+    for note in rig.notes.values():
+        validator("node").validate(note)
+    if "usd" in suffix:
+        stage = Usd.Stage.Open(str(out))
+        assert UsdGeom.GetStageUpAxis(stage) == "Y"
+        assert UsdGeom.GetStageMetersPerUnit(stage) == 0.01
+        assert not usd_errors(out)
+    else:
+        assert not khronos_errors(out)[0]
+
+
+def test_a_new_usd_file_has_the_units_that_are_asked_for(tmp_path: Path) -> None:
+    out = tmp_path / "arm.usda"
+    words = ["make-limb", "-o", str(out), "--points", "0,0,1", "1,-.2,1", "2,0,1"]
+    result = CliRunner().invoke(program, [*words, "--up-axis", "z", "--meters-per-unit", "1"])
+    assert result.exit_code == 0, result.output
+    stage = Usd.Stage.Open(str(out))
+    assert (UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage)) == ("Z", 1.0)
+    result = CliRunner().invoke(
+        program, ["make-limb", "-o", str(tmp_path / "a.glb"), *words[3:], "--up-axis", "z"]
+    )
+    assert result.exit_code == 2
+
+
+def middle_joint(rig: Rig) -> int:
+    """A joint in the middle of the largest skin that a name can say."""
+    joints = max((skin.joints for skin in rig.skins), key=len, default=np.arange(len(rig))).tolist()
+    named = [k for k in joints if len(rig.match(rig.address(k))) == 1]
+    return named[len(named) // 2]
+
+
+def placed(rig: Rig, **options: Any) -> Options:
+    """Options for a limb at a middle joint, as large as the rig."""
+    parent = middle_joint(rig)
+    points = worlds(rig)[:, 3, :3]
+    size = float(np.ptp(points, axis=0).max()) or 1.0
+    start = worlds(rig)[parent, 3, :3]
+    steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
+    three = tuple((float(x), float(y), float(z)) for x, y, z in start + steps)
+    return Options(points=three, name="added", **options)
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_limbs_change_nothing_else_and_come_only_once(path: Path, tmp_path: Path) -> None:
+    """One below a joint, and one on its own."""
+    before = read(path, TRUSTING)
+    options = placed(before.rig, parent=before.rig.address(middle_joint(before.rig)))
+
+    def step(rig: Rig, report: Report) -> Rig:
+        rig = make_limb(rig, options=options, report=report)
+        return make_limb(rig, options=replace(options, name="free", parent=None), report=report)
+
+    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
+    try:
+        outcome = edit(path, once, step, options=TRUSTING)
+    except FileError as error:
+        leave_out_refused(path, error)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    after = read(once, TRUSTING)
+    found = verify(before, after)
+    assert found.deviation == 0.0
+    assert found.lost == ()
+    size = np.abs(options.points).max()
+    for name in ("added", "free"):
+        places = worlds(after.rig)[[after.rig.find(f"{name}_{k}") for k in (1, 2, 3)], 3, :3]
+        assert_allclose(places, options.points, atol=1e-5 * size)
+    report = edit(once, twice, step, options=TRUSTING).report
+    assert once.read_bytes() == twice.read_bytes()
+    assert not any(entry["new"] for entry in report.added)
+    for note in after.rig.notes.values():
+        validator("node").validate(note)
+
+
+def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
+    def step(rig: Rig, report: Report) -> Rig:
+        rig = make_limb(rig, options=placed(rig, parent="spine"), report=report)
+        return make_limb(rig, options=replace(placed(rig), name="free"), report=report)
+
+    for name in ("biped.usda", "biped.usdz"):
+        edit(samples / name, tmp_path / name, step)
+        assert not usd_errors(tmp_path / name) - usd_errors(samples / name)
+    edit(samples / "biped.glb", tmp_path / "biped.glb", step)
+    before, after = khronos_errors(samples / "biped.glb", tmp_path / "biped.glb")
+    assert not after - before
+
+
+def test_usdskel_finds_the_new_skeleton_where_it_stands(tmp_path: Path) -> None:
+    blank, out = tmp_path / "blank.usda", tmp_path / "out.usda"
+    write_blank(blank)
+    edit(blank, out, lambda rig, _: make_limb(rig, options=Options(points=ARM)), options=TRUSTING)
+    stage, cache = Usd.Stage.Open(str(out)), UsdSkel.Cache()
+    cache.Populate(UsdSkel.Root(stage.GetPrimAtPath("/Root")), Usd.PrimDefaultPredicate)
+    query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath("/Root/rigtri/limb")))
+    places = [m.ExtractTranslation() for m in query.ComputeJointSkelTransforms(Usd.TimeCode.Default())]
+    assert_allclose(places, ARM, atol=1e-6)
+
+
+def test_a_scene_of_locators_alone_gets_its_limb_in_usd_too(tmp_path: Path) -> None:
+    source, out = tmp_path / "in.usda", tmp_path / "out.usda"
+    stage = Usd.Stage.CreateNew(str(source))
+    for name, place in zip("abc", ARM, strict=True):
+        UsdGeom.XformCommonAPI(UsdGeom.Xform.Define(stage, f"/{name}")).SetTranslate(place)
+    stage.Save()
+    with pytest.raises(FileError, match="no skeleton"):
+        read(source)
+    words = ["make-limb", str(source), "-o", str(out), "--locators", "a", "b", "/c"]
+    result = CliRunner().invoke(program, words)
+    assert result.exit_code == 0, result.output
+    rig = read(out).rig
+    assert_allclose(worlds(rig)[rig.skins[0].joints, 3, :3], ARM, atol=1e-6)
+
+
+def test_words_of_lists_are_taken_up_to_the_next_option() -> None:
+    words = ["in.glb", "--points", "-1,0,0", "-.5,1,0", "0,0,0", "--name", "a", "-o", "out.glb"]
+    points = ["--points=-1,0,0", "--points=-.5,1,0", "--points=0,0,0"]
+    assert spread(words) == ["in.glb", *points, "--name", "a", "-o", "out.glb"]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "told"),
+    [
+        (["--points", "0,0,0", "1,0,0"], 2, "here are 2"),
+        (["--points", "0,0,0", "1,1,0", "2,0,zero"], 2, "no point"),
+        (["--points", "0,0,0", "1,1,0", "nan,0,0"], 2, "not a finite number"),
+        (["--locators", "a", "b", "c"], 2, "give IN"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--no-pole", "--reach", "2"], 2, "--reach is for the pole"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--preset", "vrm", "--up", "z"], 2, "leave out --aim"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--aim", "y"], 2, "same letter"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--up-from", "moon"], 2, "none of plane"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--parent", "hips"], 4, "hips"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--override"], 2, "there is none"),
+    ],
+)
+def test_a_users_mistake_is_told_and_nothing_written(
+    words: list[str], code: int, told: str, tmp_path: Path
+) -> None:
+    result = CliRunner().invoke(program, ["make-limb", "-o", str(tmp_path / "out.usda"), *words])
+    assert result.exit_code == code, result.output
+    assert told in result.output
+    assert not list(tmp_path.iterdir())
