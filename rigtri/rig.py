@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
-from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Skin, Track
+from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Skin, Spread, Track
 from rigtri.shapes import Shape
 from rigtri.trigonometry import Floats
 
@@ -43,7 +43,8 @@ class Rig:
     transform is data and places nothing, so that they are no joints whoever names them.
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
-    at nodes; what a file has drawn before is payload, and stays as it is.
+    at nodes; what a file has drawn before is payload, and stays as it is. spreads: what is to be
+    done to the weights of meshes when the rig is written.
     facing: the direction the character looks in, where the format prescribes one.
     """
 
@@ -69,6 +70,7 @@ class Rig:
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     shapes: Mapping[int, Shape] = field(default_factory=dict)
+    spreads: tuple[Spread, ...] = ()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
 

@@ -28,7 +28,7 @@ quaternions
 matrices
 triangle shapes records
 rig
-pose constraints
+pose constraints spread twist
 reframe report
 naming
 limbs

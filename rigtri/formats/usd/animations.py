@@ -210,7 +210,7 @@ def clips(
             for property_name, item in animation.properties.items()
             for track in _tracks(property_name, item, columns, start, interpolation)
         ]
-        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path)))
+        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path), fixed_times=True))
     held = [
         Track(node, PROPERTIES[property_name], "STEP", _ZERO, values[:, column], (property_name, column))
         for property_name, item in animation.properties.items()
@@ -218,7 +218,7 @@ def clips(
         for column, node in columns
     ]
     if held:
-        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path)))
+        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path), fixed_times=True))
     return result
 
 
