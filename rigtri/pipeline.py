@@ -118,8 +118,11 @@ def _check_numbers(before: Rig, after: Rig) -> None:
         fit = np.isfinite(getattr(after, name)).reshape(len(after), -1)
         fit[: len(before)] |= ~np.isfinite(getattr(before, name)).reshape(len(before), -1)
         lost |= ~fit.all(axis=1)
-    for old, new in zip(before.skins, after.skins, strict=True):
-        worse = np.isfinite(old.inverse_bind) & ~np.isfinite(new.inverse_bind)
+    for number, new in enumerate(after.skins):
+        worse = ~np.isfinite(new.inverse_bind)
+        if number < len(before.skins):
+            old = before.skins[number].inverse_bind
+            worse[: len(old)] &= np.isfinite(old)
         lost[new.joints[worse.any(axis=(1, 2))]] = True
     if lost.any():
         node = int(lost.argmax())

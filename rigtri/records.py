@@ -61,7 +61,7 @@ class Skin:
     the file has no matrices and these are the identity its format prescribes.
     ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
     so it is asked only when needed. drawn: something is drawn with it, whether or
-    not its points can be read.
+    not its points can be read. key: None for a skin that is new.
     """
 
     name: str

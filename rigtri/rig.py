@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
@@ -324,47 +323,51 @@ class Rig:
         It stands on its parent; what it is to hold is the caller's to say. All indices from
         ``node`` on grow by one.
         """
+        count = len(self)
+        above = [int(self.parents[node])]
+        grown = self.with_nodes([name], above, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+        parents = grown.parents.copy()
+        parents[node] = count
+        return replace(grown, parents=parents).reordered([*range(node), count, *range(node, count)])
 
-        def moved(index: int) -> int:
-            return index + (index >= node)
+    def reordered(self, order: Sequence[int]) -> Rig:
+        """This rig with its nodes in another order: the k-th is what was ``order[k]``.
 
-        def rows(array: NDArray[Any], row: Any) -> NDArray[Any]:
-            return np.insert(array, node, row, axis=0)
+        Parents must still come first; rows of skins keep their order.
+        """
+        old = np.asarray(order, dtype=np.int64)
+        place = np.empty(len(old), dtype=np.int64)
+        place[old] = np.arange(len(old))
+        new = place.tolist()
 
-        parents = np.where(self.parents >= node, self.parents + 1, self.parents)
-        parents = rows(parents, parents[node])
-        parents[node + 1] = node
-        payload = np.where(self.payload >= node, self.payload + 1, self.payload)
+        def moved(nodes: Integers) -> Integers:
+            return np.where(nodes >= 0, place[nodes], nodes)
+
         return replace(
             self,
-            names=(*self.names[:node], name, *self.names[node:]),
-            parents=parents,
-            translation=rows(self.translation, 0.0),
-            rotation=rows(self.rotation, (0.0, 0.0, 0.0, 1.0)),
-            scale=rows(self.scale, 1.0),
-            matrix=rows(self.matrix, np.eye(4)),
-            has_matrix=rows(self.has_matrix, False),
-            payload=rows(payload, -1),
-            keys=(*self.keys[:node], None, *self.keys[node:]),
-            labels=(*self.labels[:node], f"+{name}", *self.labels[node:]),
-            skins=tuple(
-                replace(skin, joints=np.where(skin.joints >= node, skin.joints + 1, skin.joints))
-                for skin in self.skins
-            ),
+            names=tuple(self.names[k] for k in order),
+            parents=moved(self.parents[old]),
+            translation=self.translation[old],
+            rotation=self.rotation[old],
+            scale=self.scale[old],
+            matrix=self.matrix[old],
+            has_matrix=self.has_matrix[old],
+            payload=moved(self.payload[old]),
+            keys=tuple(self.keys[k] for k in order),
+            labels=tuple(self.labels[k] for k in order),
+            skins=tuple(replace(skin, joints=place[skin.joints]) for skin in self.skins),
             clips=tuple(
-                replace(clip, tracks=tuple(replace(t, node=moved(t.node)) for t in clip.tracks))
+                replace(clip, tracks=tuple(replace(t, node=new[t.node]) for t in clip.tracks))
                 for clip in self.clips
             ),
-            bound=tuple(replace(b, node=moved(b.node)) for b in self.bound),
-            fixed={moved(k): reason for k, reason in self.fixed.items()},
-            parallel=frozenset(map(moved, self.parallel)),
-            aside=frozenset(map(moved, self.aside)),
-            constraints=tuple(
-                replace(c, node=moved(c.node), source=moved(c.source)) for c in self.constraints
-            ),
-            humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
-            notes={moved(k): note for k, note in self.notes.items()},
-            shapes={moved(k): shape for k, shape in self.shapes.items()},
+            bound=tuple(replace(b, node=new[b.node]) for b in self.bound),
+            fixed={new[k]: reason for k, reason in self.fixed.items()},
+            parallel=frozenset(new[k] for k in self.parallel),
+            aside=frozenset(new[k] for k in self.aside),
+            constraints=tuple(replace(c, node=new[c.node], source=new[c.source]) for c in self.constraints),
+            humanoid={bone: new[k] for bone, k in self.humanoid.items()},
+            notes={new[k]: note for k, note in self.notes.items()},
+            shapes={new[k]: shape for k, shape in self.shapes.items()},
         )
 
     def with_nodes(

@@ -23,7 +23,7 @@ from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 # What rigtri adds to a file, by the type in its note; the rest of a file it must not move.
-OWN = ("poleVector", "group")
+OWN = ("poleVector", "group", "limb")
 # Where no points can be read: how thick a body is at least, as a share of its longest side.
 THICKNESS = 0.1
 # Points moved in one matrix product; of a skin with more joints than that, only so many:
@@ -225,12 +225,16 @@ def skin_corners(
         differ = moving[mine.joints] | (m.node[mine.joints] != joints)
         if not same:
             differ |= (mine.inverse_bind != theirs.inverse_bind[:count]).any(axis=(1, 2))
-        rows = np.flatnonzero(differ)
-        if not len(rows):
+        if not differ.any():
             continue
         owner = mine.name or f"skin #{number}"
-        titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
+        own = np.isin(mine.joints, _own(before))
         for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
+            # A joint of ours may move, but not what somebody has bound to it.
+            rows = np.flatnonzero(differ & ~(own & ~np.isfinite(low).all(axis=1)))
+            if not len(rows):
+                continue
+            titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
             points = _with_bind_origin(_corners(low[rows], high[rows]), bind, mine.inverse_bind[rows])
             with np.errstate(invalid="ignore"):
                 moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
@@ -366,11 +370,16 @@ def _framed(nodes: Sequence[int], m: Matching, points: Floats, titles: list[str]
 def origins(before: Rig, m: Matching, moving: Booleans) -> Rows:
     """Where nodes are; locators that rigtri itself has added may move."""
     watched = moving & (m.node >= 0)
-    watched[[node for node, note in before.notes.items() if note.get("type") in OWN]] = False
+    watched[_own(before)] = False
     nodes = np.flatnonzero(watched)
     points = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(nodes), 1, 4))
     titles = [f"origin of {before.title(node)}" for node in nodes.tolist()]
     return Rows((nodes, m.node[nodes]), (points, points), titles, [""] * len(nodes))
+
+
+def _own(rig: Rig) -> list[int]:
+    """The nodes that rigtri has added."""
+    return [node for node, note in rig.notes.items() if note.get("type") in OWN]
 
 
 def same_mesh(a: Mesh, b: Mesh) -> bool:

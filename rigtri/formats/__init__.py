@@ -38,6 +38,7 @@ class Options:
     bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
     from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
     to_stream: the output goes to a stream, and stands where the source stood (USD).
+    empty: read also a file without a skeleton (USD).
     """
 
     lenient: bool = False
@@ -50,6 +51,7 @@ class Options:
     bake_xform: bool = False
     from_stream: bool = False
     to_stream: bool = False
+    empty: bool = False
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from rigtri.formats.gltf.animations import POINTER, pointer_of
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import Singles, round_tracks, to_singles
 from rigtri.formats.gltf.storage import Role, Storage
-from rigtri.records import Clip, Skin, Track
+from rigtri.records import Clip, Integers, Skin, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
@@ -59,9 +59,11 @@ class ClipWriter:
 
     def write(self) -> None:
         """Put all differences into the draft and the storage."""
-        # A writer of new skins is not needed yet: no operation makes any.
-        for skin, before in zip(self._rig.skins, self._source.skins, strict=True):
+        count = len(self._source.skins)
+        for skin, before in zip(self._rig.skins[:count], self._source.skins, strict=True):
             self._write_skin(skin, before)
+        for skin in self._rig.skins[count:]:
+            self._add_skin(skin)
         self._write_clips()
         self._grant()
         self._redirect()
@@ -74,7 +76,10 @@ class ClipWriter:
     def _write_skin(self, skin: Skin, before: Skin) -> None:
         if skin is before or np.array_equal(skin.inverse_bind, before.inverse_bind):
             return
-        number = int(str(skin.key))
+        number, count = int(str(skin.key)), len(before.joints)
+        if len(skin.joints) > count:
+            self._grow_skin(number, skin, before)
+            return
         accessor = self._draft.gltf["skins"][number].get("inverseBindMatrices")
         rows = skin.inverse_bind.reshape(-1, 16)
         if accessor is not None:
@@ -87,6 +92,27 @@ class ClipWriter:
             self._draft.own("skins", number)["inverseBindMatrices"] = index
 
         self._wishes.append(_Wish(accessor, to_singles(rows), "MAT4", "inverse bind matrices", refer))
+
+    def _grow_skin(self, number: int, skin: Skin, before: Skin) -> None:
+        """New joints behind the last, so that the indices of meshes keep their meaning."""
+        count = len(before.joints)
+        self._draft.own("skins", number, "joints").extend(self._nodes(skin.joints[count:]))
+        if before.stored or not np.array_equal(skin.inverse_bind[:count], before.inverse_bind):
+            like = self._draft.gltf["skins"][number].get("inverseBindMatrices")
+            self._draft.own("skins", number)["inverseBindMatrices"] = self._matrices(skin, like)
+
+    def _add_skin(self, skin: Skin) -> None:
+        added: dict[str, Any] = {"name": skin.name} if skin.name else {}
+        added |= {"joints": self._nodes(skin.joints), "inverseBindMatrices": self._matrices(skin, None)}
+        self._draft.need("skins", empty=[]).append(added)
+
+    def _nodes(self, joints: Integers) -> list[int]:
+        return [self._index[joint] for joint in joints.tolist()]
+
+    def _matrices(self, skin: Skin, like: int | None) -> int:
+        """A new accessor with a skin's inverse bind matrices; the old bytes stay where they are."""
+        rows = to_singles(skin.inverse_bind.reshape(-1, 16))
+        return self._storage.add(rows, "MAT4", "inverse bind matrices", like)
 
     # --- clips
 

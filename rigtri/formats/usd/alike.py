@@ -48,7 +48,7 @@ def _leaders(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Intege
     """For each node, whose values it takes: (n,), its own number in most cases."""
     leader = np.arange(len(rig))
     firsts: list[tuple[Skeleton, Skin]] = []
-    for old, new in zip(before.skins, rig.skins, strict=True):
+    for old, new in zip(before.skins, rig.skins, strict=False):  # new ones come last
         skeleton = skeletons.get(parts(old.key)[1]) if parts(old.key)[0] == "skeleton" else None
         if skeleton is None:
             continue

@@ -18,6 +18,7 @@ from rigtri.formats import Companion, Options
 from rigtri.formats.usd import (
     external,
     instances,
+    joints,
     layers,
     meshes,
     needed,
@@ -99,7 +100,9 @@ class UsdDocument:
         notices: list[Notice] = []
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
-            source, rig, first = splits.widened(self._source, rig, self._options, notices)
+            source, rig, first = joints.extended(self._source, rig, self._options)
+            source, rig, split = splits.widened(source, rig, self._options, notices)
+            first += split
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)

@@ -9,6 +9,7 @@ from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import notes
+from rigtri.formats.usd.joints import own_skeleton
 from rigtri.formats.usd.reader import GROUP, Source
 from rigtri.formats.usd.shapes import drawing
 from rigtri.formats.usd.stage import why_locked
@@ -16,6 +17,7 @@ from rigtri.formats.usd.values import Edit, apply_schema, define, kind, parts, s
 from rigtri.formats.usd.xform import stand
 from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
+from rigtri.records import Skin
 from rigtri.rig import Rig
 
 SCHEMAS = {"poleVector": "RigtriPoleVectorAPI"}
@@ -66,30 +68,45 @@ class _Additions:
 
     def edits(self) -> list[Edit]:
         found: list[Edit] = []
-        groups = set()
+        skins = self.rig.skins[len(self.source.rig.skins) :]
+        joints = {joint for skin in skins for joint in skin.joints.tolist()}
         for node in range(len(self.source.rig), len(self.rig)):
             if self.rig.payload[node] >= 0:
                 raise FileError(
                     f"'{self.rig.title(node)}': a USD prim cannot hand its shape to another prim."
                 )
-            if self._is_group(node):
-                groups.add(node)
+            if self._is_group(node) or node in joints:
                 continue
             found += self._locator(node)
+        for skin in skins:
+            found += self._skeleton(skin)
         # A group nobody hangs under would be an empty Scope.
         return [*self.made.values(), *found]
 
     def _is_group(self, node: int) -> bool:
         return node >= len(self.source.rig) and self.rig.notes.get(node, {}).get("type") == "group"
 
-    def _locator(self, node: int) -> list[Edit]:
-        parent, above = self._parent(node)
-        name = Tf.MakeValidIdentifier(self.rig.names[node] or "locator")
+    def _free(self, parent: Any, wanted: str) -> Any:
+        """A path below ``parent`` that no prim has."""
+        name = Tf.MakeValidIdentifier(wanted)
         path, count = parent.AppendChild(name), 2
         while path in self.taken or self.source.stage.GetPrimAtPath(path):
             path, count = parent.AppendChild(f"{name}_{count}"), count + 1
         self.taken.add(path)
-        self.paths[node] = path
+        return path
+
+    def _skeleton(self, skin: Skin) -> list[Edit]:
+        """The skeleton of a new skin, where the locators are that are about the same."""
+        joints = skin.joints.tolist()
+        parent, above = self._parent(joints[0])
+        rest = self.rig.local[skin.joints]
+        roots = [k for k, joint in enumerate(joints) if int(self.rig.parents[joint]) not in joints]
+        rest[roots] = multiply(self.world[skin.joints[roots]], inverse(above))
+        return own_skeleton(self._free(parent, skin.name or "skeleton"), skin, self.rig, rest)
+
+    def _locator(self, node: int) -> list[Edit]:
+        parent, above = self._parent(node)
+        path = self.paths[node] = self._free(parent, self.rig.names[node] or "locator")
         local = multiply(self.world[node], inverse(above))
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
@@ -107,6 +124,8 @@ class _Additions:
             return self.paths[parent], self.world[parent]
         if 0 <= parent < len(self.source.rig) and is_ours(self.source.rig, parent):
             return Sdf.Path(self.rig.labels[parent]), self.world[parent]
+        if any(kind(skin.key) == "root" and node in skin.joints for skin in self.rig.skins):
+            return Sdf.Path(self.rig.labels[parent]), self.world[parent]  # prims stand in for joints
         return self._scope(self._top(node), parent)
 
     def _top(self, node: int) -> Any:
@@ -118,8 +137,11 @@ class _Additions:
             if wanted and kind(rig.keys[joint]) == "joint" and wanted[0] in _addresses(rig, joint)
         ]
         if not about:
-            about = list(self.source.skeletons) or [parts(skin.key)[1] for skin in rig.skins]
-        path = Sdf.Path(about[0]).GetPrefixes()[0]
+            about = list(self.source.skeletons) or [parts(s.key)[1] for s in rig.skins if parts(s.key)]
+        default = self.source.stage.GetDefaultPrim()
+        if not about and not default:
+            return None
+        path = Sdf.Path(about[0]).GetPrefixes()[0] if about else default.GetPath()
         prim = self.source.stage.GetPrimAtPath(path)
         return None if prim.IsInstance() or prim.IsInstanceProxy() else path
 

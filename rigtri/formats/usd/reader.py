@@ -84,7 +84,7 @@ class _Reader:
         self._animations(prims)
         if not self.skeletons and self.options.root is None:
             self._library(prims)
-        if not self.skeletons and self.options.root is None:
+        if not self.skeletons and self.options.root is None and not self.options.empty:
             raise FileError(
                 f"{self.path}: there is no skeleton in it{self._excuse()}. If its joints are plain "
                 "Xform prims, name the topmost with --root, e.g. --root "

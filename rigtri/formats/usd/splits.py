@@ -230,7 +230,8 @@ def _aligned(wide: Source, rig: Rig) -> Rig:
     count = len(wide.rig)
     if not np.array_equal(wide.rig.parents, rig.parents[:count]):
         raise ValueError("nodes of a file keep their order, and new ones come last")
-    skins = [_aligned_skin(old, new, rig) for old, new in zip(wide.rig.skins, rig.skins, strict=True)]
+    skins = [_aligned_skin(old, new, rig) for old, new in zip(wide.rig.skins, rig.skins, strict=False)]
+    skins += rig.skins[len(skins) :]
     clips = [_aligned_clip(old, new, rig) for old, new in zip(wide.rig.clips, rig.clips, strict=True)]
     return replace(rig, keys=(*wide.rig.keys, *rig.keys[count:]), skins=tuple(skins), clips=tuple(clips))
 

@@ -69,7 +69,7 @@ def _prim_edits(
 
 def _skin_edits(source: Source, rig: Rig, moved: np.ndarray) -> list[Edit]:
     found = []
-    for old, new in zip(source.rig.skins, rig.skins, strict=True):
+    for old, new in zip(source.rig.skins, rig.skins, strict=False):  # new ones come last
         if kind(old.key) != "skeleton":
             continue
         path = parts(old.key)[1]

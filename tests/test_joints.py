@@ -1,0 +1,196 @@
+"""New joints of ours in the skins of a file: nothing else changes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from places import asset_files, leave_out_refused, sample_files
+from pxr import Gf, Usd, UsdSkel
+from rigs import chain
+from second_opinions import khronos_errors, usd_errors
+from usd_files import animation, at, save, scene, skeleton
+
+from rigtri.compare import verify
+from rigtri.errors import FileError
+from rigtri.formats import Options, read
+from rigtri.formats.gltf.container import open_container
+from rigtri.ops.joints import add_joint, move_joint, new_skin
+from rigtri.pipeline import Outcome, edit
+from rigtri.pose import bind_worlds, worlds
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+TRUSTING = Options(allow_external_paths=True)
+# Below a leaf and in the middle, so that a chain forks; NAME and where it stands to its parent's place.
+AXES = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
+
+
+def note(limb: str, part: int) -> dict[str, Any]:
+    return {"v": 1, "type": "limb", "limb": limb, "part": part}
+
+
+def grown(rig: Rig, report: Report | None = None) -> Rig:
+    """The rig with a joint below the last and one below a middle joint, and another below that one."""
+    joints = max((skin.joints for skin in rig.skins), key=len, default=np.arange(len(rig)))
+    leaf, middle = int(joints[-1]), int(joints[len(joints) // 2])
+    for number, parent in enumerate((leaf, middle)):
+        place = worlds(rig)[parent, 3, :3] + np.array([1.0, 2.0, 3.0])
+        rig, node = add_joint(rig, f"new{number}", parent, note("a", number), place, AXES)
+    rig, _ = add_joint(rig, "new2", node, note("a", 2), place + np.array([0.0, 1.0, 0.0]), AXES)
+    return rig
+
+
+def grow(source: Path, target: Path, **options: Any) -> Outcome:
+    return edit(source, target, grown, options=options.pop("options", TRUSTING), **options)
+
+
+def test_a_new_joint_stands_to_its_parent_in_the_bind_pose_as_at_rest() -> None:
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
+    rig, node = add_joint(rig, "new", 1, note("a", 0), np.array([3.0, 1.0, 0.0]), AXES)
+    assert rig.skins[0].joints.tolist() == [0, 1, 2, 3]
+    assert_allclose(worlds(rig)[node, :3, :3], AXES, atol=1e-15)
+    assert_allclose(rig.skins[0].inverse_bind[3], np.linalg.inv(worlds(rig)[node]), atol=1e-12)
+    assert_allclose(bind_worlds(rig, rig.skins[0])[node], worlds(rig)[node], atol=1e-12)
+    assert rig.skins[0].weighted.tolist() == [True] * 4
+
+
+def test_a_joint_moved_back_has_the_bits_it_had() -> None:
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
+    place = np.array([3.0, 1.0, 0.0])
+    rig, node = add_joint(rig, "new", 1, note("a", 0), place, AXES)
+    there = move_joint(rig, node, place + 1.0, np.eye(3))
+    assert_allclose(there.skins[0].inverse_bind[3], np.linalg.inv(worlds(there)[node]), atol=1e-12)
+    same = move_joint(rig, node, place * (1 + 1e-9), AXES)
+    assert np.array_equal(same.local, rig.local)
+    assert np.array_equal(same.skins[0].inverse_bind, rig.skins[0].inverse_bind)
+
+
+def test_a_joint_below_a_plain_node_is_a_node_until_a_skin_is_made() -> None:
+    rig = chain((0, 0, 0), (0, 1, 0))
+    rig, root = add_joint(rig, "root", -1, note("a", 0), np.ones(3), np.eye(3))
+    rig, tip = add_joint(rig, "tip", root, note("a", 1), np.full(3, 2.0), np.eye(3))
+    assert len(rig.skins[0].joints) == 2
+    rig = new_skin(rig, "mine", [root, tip])
+    assert rig.is_joint[[root, tip]].all()
+    assert_allclose(rig.skins[1].inverse_bind[1, 3, :3], (-2, -2, -2))
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_new_joints_change_nothing_else(path: Path, tmp_path: Path) -> None:
+    target = tmp_path / path.name
+    try:
+        before = read(path, TRUSTING)
+        outcome = grow(path, target)
+    except FileError as error:
+        leave_out_refused(path, error)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    after = read(target, TRUSTING)
+    found = verify(before, after)
+    assert found.deviation == 0.0
+    assert found.lost == ()
+    kind = "joint" if before.rig.skins else "node"
+    assert sorted(found.added) == [f"{kind} new{number}" for number in range(3)]
+    for old, new in zip(before.rig.skins, after.rig.skins, strict=True):
+        assert np.array_equal(new.inverse_bind[: len(old.joints)], old.inverse_bind)
+        assert [after.rig.names[k] for k in new.joints][: len(old.joints)] == [
+            before.rig.names[k] for k in old.joints
+        ]
+    wanted = grown(before.rig)
+    for name in ("new0", "new1", "new2"):
+        one, other = worlds(wanted)[wanted.find(name)], worlds(after.rig)[after.rig.find(name)]
+        assert_allclose(other, one, atol=1e-5 * max(1.0, np.abs(one).max()))
+
+
+def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
+    for name in ("biped.usda", "biped.usdz"):
+        grow(samples / name, tmp_path / name)
+        assert not usd_errors(tmp_path / name) - usd_errors(samples / name)
+    grow(samples / "biped.glb", tmp_path / "biped.glb")
+    before, after = khronos_errors(samples / "biped.glb", tmp_path / "biped.glb")
+    assert not after - before
+
+
+def test_a_joint_that_no_animation_drives_stays_at_rest(tmp_path: Path) -> None:
+    """UsdSkel's own evaluation, of a skeleton that had no rest pose before."""
+    for rest in ({}, {"rest": ""}):
+        source = save(tmp_path, scene(skeleton(**rest), animation()), f"in{len(rest)}.usda")
+        target = tmp_path / f"out{len(rest)}.usda"
+        grow(source, target)
+        after = read(target).rig
+        stage, cache = Usd.Stage.Open(str(target)), UsdSkel.Cache()
+        cache.Populate(UsdSkel.Root(stage.GetPrimAtPath("/Root")), Usd.PrimDefaultPredicate)
+        query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath("/Root/Skel")))
+        order = [str(token) for token in query.GetJointOrder()]
+        assert order[:3] == ["a", "a/b", "a/b/c"]
+        local = query.ComputeJointLocalTransforms(3.0)
+        for token in order[3:]:
+            node = after.find(token.rpartition("/")[2])
+            assert Gf.IsClose(local[order.index(token)], Gf.Matrix4d(after.local[node].tolist()), 1e-6)
+        turned = local[order.index("a/b")]
+        assert not Gf.IsClose(turned, Gf.Matrix4d(after.local[after.find("b")].tolist()), 1e-2)
+
+
+def test_names_of_joints_grow_with_them(tmp_path: Path) -> None:
+    text = skeleton(names='uniform token[] jointNames = ["A", "B", "C"]')
+    grow(save(tmp_path, scene(text, animation())), tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    prim = stage.GetPrimAtPath("/Root/Skel")
+    assert list(prim.GetAttribute("jointNames").Get()) == ["A", "B", "C", "new0", "new1", "new2"]
+
+
+def test_a_skeleton_that_variants_list_differently_is_refused(tmp_path: Path) -> None:
+    one = f"[{at(0, 0, 0)}]"
+    short = skeleton(
+        joints='uniform token[] joints = ["a"]',
+        bind=f"uniform matrix4d[] bindTransforms = {one}",
+        rest=f"uniform matrix4d[] restTransforms = {one}",
+    )
+    sets = f'variantSet "size" = {{ "short" {{\n{short}\n}}\n"long" {{\n{skeleton()}\n}}\n}}'
+    head = '(\nvariants = { string size = "long" }\nprepend variantSets = "size"\n)'
+    text = scene(sets, animation()).replace('"Root"\n{', f'"Root" {head}\n{{')
+    source = save(tmp_path, text)
+    assert len(read(source).rig.skins[0].joints) == 3
+    with pytest.raises(FileError, match="another one in each variant of 'size'"):
+        grow(source, tmp_path / "out.usda")
+    assert not (tmp_path / "out.usda").exists()
+
+
+def test_a_library_of_motion_takes_no_joints(tmp_path: Path) -> None:
+    source = save(tmp_path, scene(animation()))
+    with pytest.raises(FileError, match="no skeleton in it that 'new0' could join"):
+        grow(source, tmp_path / "out.usda")
+
+
+def test_old_joints_and_bytes_stay_where_they_are(samples: Path, tmp_path: Path) -> None:
+    source, target = samples / "biped.glb", tmp_path / "out.glb"
+    grow(source, target)
+    before, after = (open_container(path, lenient=False) for path in (source, target))
+    old, new = before.gltf["skins"][0], after.gltf["skins"][0]
+    assert new["joints"][: len(old["joints"])] == old["joints"]
+    assert new["inverseBindMatrices"] >= len(before.gltf["accessors"])
+    assert after.gltf["accessors"][: len(before.gltf["accessors"])] == before.gltf["accessors"]
+    assert before.binary is not None
+    assert after.binary is not None
+    assert after.binary[: len(before.binary)] == before.binary
+
+
+def test_a_skin_without_matrices_goes_on_without(tmp_path: Path) -> None:
+    nodes = [{"name": "a", "children": [1]}, {"name": "b"}]
+    gltf = {
+        "asset": {"version": "2.0"},
+        "nodes": nodes,
+        "skins": [{"joints": [0, 1]}],
+        "scenes": [{"nodes": [0]}],
+    }
+    source = tmp_path / "in.gltf"
+    source.write_text(json.dumps(gltf))
+    grow(source, tmp_path / "out.gltf")
+    written = json.loads((tmp_path / "out.gltf").read_text())
+    assert written["skins"] == [{"joints": [0, 1, 2, 3, 4]}]
+    assert "accessors" not in written
