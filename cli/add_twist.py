@@ -78,7 +78,9 @@ if TYPE_CHECKING:
     metavar="N",
     help="With --split-weights: a point that would get more joints than N gets the nearest alone. [any]",
 )
-@click.option("--keys/--no-keys", default=True, show_default=True, help="Let the joints follow in every clip.")
+@click.option(
+    "--keys/--no-keys", default=True, show_default=True, help="Let the joints follow in every clip."
+)
 @click.option(
     "--name",
     default="{joint}_twist_{number}",

@@ -20,8 +20,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rigtri.errors import GeometryError
-from rigtri.matrices import determinant, inverse, multiply, nearest_rotation
-from rigtri.matrices import transform_directions, transform_points
+from rigtri.matrices import (
+    determinant,
+    inverse,
+    multiply,
+    nearest_rotation,
+    transform_directions,
+    transform_points,
+)
 from rigtri.quaternions import as_quaternions, conjugate, from_axes, from_axis_angle
 from rigtri.quaternions import multiply as product
 from rigtri.rig import Rig

@@ -16,7 +16,7 @@ from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import inverse, nearest_rotation, transform_points
 from rigtri.ops.added import find, noted
 from rigtri.ops.joints import add_joint, move_joint
-from rigtri.ops.twist_keys import BOUND, JUMP, keyed
+from rigtri.ops.twist_keys import BOUND, keyed
 from rigtri.records import Skin, Spread
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -207,8 +207,8 @@ def _keys(
         return rig, []
     rig, found = keyed(rig, twist_of(rig, node, note))
     driver = str(note["driver"])
-    for clip, (off, apart) in found.items():
-        if apart > JUMP:
+    for clip, (off, refined) in found.items():
+        if off > BOUND and refined:
             report.warn(
                 "twist-jumps",
                 f"The twist of '{driver}' in clip '{clip}' jumps: it swings or twists by 180° there",

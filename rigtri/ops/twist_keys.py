@@ -20,20 +20,18 @@ BOUND = 3.5e-4
 HALVINGS = 8
 # Where an interval is looked at.
 _SHARES = (0.25, 0.5, 0.75)
-# A twist that turns by more than this (90°) in a 256th of an interval has jumped.
-JUMP = 1.5707963267948966
 # Keys that differ by less are the ones that were there.
 _SAME = 1e-6
 
 
-def keyed(rig: Rig, twist: Twist) -> tuple[Rig, dict[str, Floats]]:
+def keyed(rig: Rig, twist: Twist) -> tuple[Rig, dict[str, tuple[float, bool]]]:
     """The rig with rotation keys for a twist joint in every clip that turns its driver.
 
-    Also what was found, by clip: (2,), the largest angle between the joint and what it should
-    be between keys, and the largest between two neighbouring keys, in radians.
+    Also what was found, by clip: the largest angle between the joint and what it should be between
+    keys, in radians, and whether keys could have been added to make it less.
     """
     small, place = rig.part(twist.path)
-    found: dict[str, Floats] = {}
+    found: dict[str, tuple[float, bool]] = {}
     clips = []
     for number, (clip, part) in enumerate(zip(rig.clips, small.clips, strict=True)):
         driving = [track for track in part.tracks if track.path == "rotation"]
@@ -43,7 +41,7 @@ def keyed(rig: Rig, twist: Twist) -> tuple[Rig, dict[str, Floats]]:
             continue
         local = _Follower(replace(twist, path=tuple(place[k] for k in twist.path)), small, part)
         track, off = local.track(driving, fixed=clip.fixed_times)
-        found[clip.name or f"#{number}"] = off
+        found[clip.name or f"#{number}"] = off, not clip.fixed_times
         clips.append(_with(clip, replace(track, node=twist.node), old[:1]))
     same = all(a is b for a, b in zip(clips, rig.clips, strict=True))
     return (rig if same else replace(rig, clips=tuple(clips))), found
@@ -63,35 +61,34 @@ class _Follower:
         flips = np.concatenate([[1.0], np.where(cosine < 0, -1.0, 1.0)]).cumprod()
         return np.asarray(turns * flips[:, np.newaxis])
 
-    def track(self, driving: list[Track], *, fixed: bool) -> tuple[Track, Floats]:
-        """The track, and the largest angles off it between keys and from key to key."""
+    def track(self, driving: list[Track], *, fixed: bool) -> tuple[Track, float]:
+        """The track, and the largest angle off it between keys."""
         times = np.unique(np.concatenate([track.times for track in driving]))
         steps = [track.interpolation == "STEP" for track in driving]
         if all(steps):
             turns = self.at(times)
-            return Track(-1, "rotation", "STEP", times, turns), np.zeros(2)
+            return Track(-1, "rotation", "STEP", times, turns), 0.0
         if any(steps) and not fixed:
             times = _before_steps(times, driving)
-        off, apart = self._off(times)
+        off = self._off(times)
         for _ in range(0 if fixed else HALVINGS):
             bad = off > BOUND
             if not bad.any():
                 break
             times = _halved(times, bad)
-            off, apart = self._off(times)
-        jumps = apart if not fixed else apart[:0]
-        worst = [float(off.max(initial=0.0)), float(jumps.max(initial=0.0))]
-        return Track(-1, "rotation", "LINEAR", times, self.at(times)), np.array(worst)
+            off = self._off(times)
+        return Track(-1, "rotation", "LINEAR", times, self.at(times)), float(off.max(initial=0.0))
 
-    def _off(self, times: Floats) -> tuple[Floats, Floats]:
-        """How far the interpolation is off in each interval, (k − 1,), and how far its ends are apart."""
+    def _off(self, times: Floats) -> Floats:
+        """How far the interpolation is off in each interval, (k − 1,); 0 where float32 has nothing between."""
         turns, span = self.at(times), np.diff(times)
         off = np.zeros(len(span))
         for share in _SHARES:
             true = self.at(times[:-1] + share * span) if len(span) else turns[:0]
             shown = slerp(turns[:-1], turns[1:], np.full(len(span), share))
             off = np.maximum(off, turn_angle(multiply(conjugate(shown), true)))
-        return off, turn_angle(multiply(conjugate(turns[:-1]), turns[1:]))
+        middle = _single(times[:-1] + 0.5 * span)
+        return np.where((middle <= times[:-1]) | (middle >= times[1:]), 0.0, off)
 
 
 def _before_steps(times: Floats, driving: list[Track]) -> Floats:
@@ -105,7 +102,11 @@ def _before_steps(times: Floats, driving: list[Track]) -> Floats:
 def _halved(times: Floats, bad: Booleans) -> Floats:
     """Key times with one in the middle of each interval that is bad, as float32 can hold it."""
     middle = (times[:-1] + 0.5 * np.diff(times))[bad]
-    return np.unique(np.concatenate([times, middle.astype(np.float32).astype(np.float64)]))
+    return np.unique(np.concatenate([times, _single(middle)]))
+
+
+def _single(times: Floats) -> Floats:
+    return times.astype(np.float32).astype(np.float64)
 
 
 def _with(clip: Clip, track: Track, old: list[Track]) -> Clip:
