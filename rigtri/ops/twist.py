@@ -100,12 +100,12 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """
     report = report if report is not None else Report()
     options.checked()
-    for each in _bones(rig, options):
+    for each in _bones(rig, options, report):
         rig = _build(rig, each, options, report)
     return rig
 
 
-def _bones(rig: Rig, options: Options) -> list[_Bone]:
+def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
     both = options.upper == options.lower
     limbs = [*options.limbs, *(recognise(rig) if options.auto else ())]
     if options.auto and not limbs:
@@ -116,7 +116,15 @@ def _bones(rig: Rig, options: Options) -> list[_Bone]:
     found = []
     for limb in limbs:
         found += [_Bone(limb.start, limb.middle, True)] if both or options.upper else []
-        found += [_Bone(limb.middle, limb.end, False)] if both or options.lower else []
+        if (both or options.lower) and (limb in options.limbs or rig.is_below(limb.end, limb.middle)):
+            found.append(_Bone(limb.middle, limb.end, False))
+        elif both or options.lower:
+            report.warn(
+                "twist-left-out",
+                f"'{rig.title(limb.end)}' does not hang below '{rig.title(limb.middle)}', whose bone gets "
+                "no twist joints",
+                joint=rig.title(limb.middle),
+            )
     starts = {(limb.start, limb.middle) for limb in (recognise(rig) if options.bones else ())}
     for name, child in options.bones:
         joint, to = rig.find(name), rig.find(child)

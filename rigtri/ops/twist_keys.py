@@ -80,7 +80,7 @@ class _Follower:
         return Track(-1, "rotation", "LINEAR", times, self.at(times)), float(off.max(initial=0.0))
 
     def _off(self, times: Floats) -> Floats:
-        """How far the interpolation is off in each interval, (k − 1,); 0 where float32 has nothing between."""
+        """How far the interpolation is off in each interval, (k − 1,), if float32 has times between."""
         turns, span = self.at(times), np.diff(times)
         off = np.zeros(len(span))
         for share in _SHARES:

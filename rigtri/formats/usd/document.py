@@ -18,12 +18,14 @@ from rigtri.formats import Companion, Options
 from rigtri.formats.usd import (
     external,
     instances,
+    joint_tracks,
     joints,
     layers,
     meshes,
     needed,
     package,
     splits,
+    weights,
     variant_edits,
     writer,
 )
@@ -101,9 +103,12 @@ class UsdDocument:
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
             source, rig, first = joints.extended(self._source, rig, self._options)
+            source, rig, keyed = joint_tracks.driven(source, rig, self._options)
+            first += keyed
             source, rig, split = splits.widened(source, rig, self._options, notices)
             first += split
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
+            edits += weights.weight_edits(source, rig, notices)
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)
             self._write([*first, *routed], part, target, notices)

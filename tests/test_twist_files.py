@@ -1,0 +1,84 @@
+"""add-twist in files: every format, every real file with known limbs, and the weights of meshes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import asset_files, leave_out_refused, sample_files
+from second_opinions import khronos_errors, usd_errors, validator
+
+from rigtri.compare import verify
+from rigtri.errors import FileError, GeometryError
+from rigtri.formats import Options as ReadOptions
+from rigtri.formats import read
+from rigtri.limbs import recognise
+from rigtri.matrices import nearest_rotation
+from rigtri.ops.twist import Options, add_twist
+from rigtri.pipeline import edit
+from rigtri.pose import key_times, locals_at
+from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.skeleton import skeleton
+from rigtri.twist import twists
+
+TRUSTING = ReadOptions(allow_external_paths=True)
+
+
+def bones(rig: Rig) -> Options:
+    """All limbs, or where none is known the first bone that has a length."""
+    if recognise(rig):
+        return Options(auto=True)
+    tree = skeleton(rig)
+    places = rig.world[:, 3, :3]
+    joint, child = next(
+        (j, k)
+        for j in tree.joints
+        for k in tree.below[j]
+        if np.abs(places[j] - places[k]).max() > 1e-3 * np.ptp(places, axis=0).max()
+    )
+    return Options(bones=((rig.labels[joint], rig.labels[child]),))
+
+
+def plain(rig: Rig, report: Report) -> Rig:
+    return add_twist(rig, options=bones(rig), report=report)
+
+
+def off_notes(rig: Rig) -> float:
+    """How far twist joints are from what their notes say, at the keys of all clips, in radians."""
+    worst = 0.0
+    for clip in rig.clips:
+        times = key_times(clip)[:50]
+        local = locals_at(rig, clip, times) if len(times) else np.zeros((0, len(rig), 4, 4))
+        for twist in twists(rig):
+            shown = from_axes(nearest_rotation(local[:, twist.node]))
+            off = turn_angle(multiply(conjugate(twist.rotations(local)), shown))
+            worst = max(worst, float(off.max(initial=0.0)))
+    return worst
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_twist_joints_change_nothing_follow_their_notes_and_come_only_once(
+    path: Path, tmp_path: Path
+) -> None:
+    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
+    try:
+        outcome = edit(path, once, plain, options=TRUSTING)
+    except FileError as error:
+        leave_out_refused(path, error)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    found = verify(read(path, TRUSTING), read(once, TRUSTING))
+    assert found.deviation == 0.0
+    assert found.lost == ()
+    rig = read(once, TRUSTING).rig
+    assert len(twists(rig)) == len(outcome.report.added)
+    assert off_notes(rig) < 1e-3
+    report = edit(once, twice, plain, options=TRUSTING).report
+    assert once.read_bytes() == twice.read_bytes()
+    assert not any(entry["new"] for entry in report.added)
+    says = validator("node")
+    for note in rig.notes.values():
+        says.validate(note)
