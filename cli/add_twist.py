@@ -147,7 +147,4 @@ def _summary(report: Report) -> str:
     bones = {(entry["joint"], entry["to"]) for entry in report.added}
     clips = {clip["clip"] for entry in report.added for clip in entry["clips"]}
     keys = f", with keys in {len(clips)} clips" if clips else ""
-    text = f"{len(report.added)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}"
-    if report.moved is not None:
-        text += f"; with their twist points move by up to {report.moved:.2g} of the size"
-    return text
+    return f"{len(report.added)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}"

@@ -29,6 +29,7 @@ from rigtri.outputs import Written, as_file_error, spare
 from rigtri.pose import worlds
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
+from rigtri.stilled import check_split
 
 Step = Callable[[Rig, Report], Rig]
 
@@ -189,6 +190,8 @@ def _checked(
         return self_check(document, document)
     with called(names):
         after = document.reopen(written.part)
+        if rig.spreads:
+            return check_split(document, after)
         result = self_check(document, after)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
             return self_check(document, after, closely=True)

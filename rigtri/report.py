@@ -23,16 +23,12 @@ class Notice:
 
 @dataclass
 class Report:
-    """Records of an edit, in the order they were made.
-
-    moved: how far points move on purpose, relative to the size, where an edit changes how poses look.
-    """
+    """Records of an edit, in the order they were made."""
 
     joints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[dict[str, Any]] = field(default_factory=list)
     added: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
-    moved: float | None = None
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:

@@ -37,6 +37,7 @@ matching
 moving scenery attached
 watched
 compare describe changes
+stilled
 delivery
 ops formats
 inputs outputs

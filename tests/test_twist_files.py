@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from places import asset_files, leave_out_refused, sample_files
 from second_opinions import khronos_errors, usd_errors, validator
 
@@ -22,6 +24,7 @@ from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import skeleton
+from rigtri.trigonometry import Floats
 from rigtri.twist import twists
 
 TRUSTING = ReadOptions(allow_external_paths=True)
@@ -82,3 +85,59 @@ def test_twist_joints_change_nothing_follow_their_notes_and_come_only_once(
     says = validator("node")
     for note in rig.notes.values():
         says.validate(note)
+
+
+# --- split weights
+
+
+def split(rig: Rig, report: Report) -> Rig:
+    return add_twist(rig, options=replace(bones(rig), split_weights=True), report=report)
+
+
+def weight_on_bones(path: Path) -> dict[str, Floats]:
+    """By mesh: what each point has of each bone with twist joints, all of its joints together, (v, bones)."""
+    document = read(path, TRUSTING)
+    rig = document.rig
+    heads = {node: rig.find(str(note["joint"])) for node, note in rig.notes.items() if note["type"] == "twist"}
+    known = sorted(node for node in range(len(rig)) if node not in heads)
+    found = {}
+    for mesh in document.meshes():
+        if mesh.skin is not None:
+            nodes = rig.skins[mesh.skin].joints
+            of = np.array([known.index(heads.get(node, node)) for node in nodes.tolist()])
+            table = np.zeros((len(mesh.points), len(known)))
+            rows = np.broadcast_to(np.arange(len(table))[:, np.newaxis], mesh.joints.shape)
+            np.add.at(table, (rows, of[mesh.joints]), mesh.weights)
+            # By name: nodes of prims and joints come in another order with more joints.
+            order = np.argsort([f"{rig.names[k]}{rig.labels[k]}" for k in known], kind="stable")
+            found[mesh.name] = table[:, order]
+    return found
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_split_weights_change_no_pose_that_does_not_twist_and_split_once(path: Path, tmp_path: Path) -> None:
+    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
+    try:
+        outcome = edit(path, once, split, options=TRUSTING)
+    except FileError as error:
+        leave_out_refused(path, error)
+    assert outcome.verification is not None
+    assert outcome.verification.passes()
+    assert outcome.verification.moved is not None
+    before, after = weight_on_bones(path), weight_on_bones(once)
+    assert before.keys() == after.keys()
+    for name, table in before.items():
+        assert_allclose(after[name], table, atol=2e-7)
+    again = edit(once, twice, split, options=TRUSTING).verification
+    assert once.read_bytes() == twice.read_bytes()
+    assert again is not None
+    assert again.moved == 0.0
+
+
+def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
+    for name in ("biped.usda", "biped.usdz"):
+        edit(samples / name, tmp_path / name, split)
+        assert not usd_errors(tmp_path / name) - usd_errors(samples / name)
+    edit(samples / "biped.glb", tmp_path / "biped.glb", split)
+    before, after = khronos_errors(samples / "biped.glb", tmp_path / "biped.glb")
+    assert not after - before

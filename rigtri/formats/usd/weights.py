@@ -49,10 +49,6 @@ def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]
 
 def _of_mesh(query: Any, tokens: Sequence[str], spreads: Sequence[Spread], warnings: list[Notice]) -> list[Edit]:
     prim = query.GetPrim()
-    if query.IsRigidlyDeformed():
-        text = f"<{prim.GetPath()}> moves with its joints as a whole, so its weights were not split"
-        warnings.append(Notice("rigid-not-split", text))
-        return []
     points = seen_at_start(prim.GetAttribute("points"))
     if not points:
         return []
@@ -70,6 +66,10 @@ def _of_mesh(query: Any, tokens: Sequence[str], spreads: Sequence[Spread], warni
     if joints.shape == before[0].shape and np.array_equal(joints, before[0]):
         if np.array_equal(weights, before[1]):
             return []
+    if query.IsRigidlyDeformed():
+        text = f"<{prim.GetPath()}> moves with its joints as a whole, so its weights were not split"
+        warnings.append(Notice("rigid-not-split", text))
+        return []
     _check(query)
     edits = _set(query, joints, weights)
     if own and len(order) > len(own):
