@@ -107,7 +107,7 @@ def aim_of(tree: Skeleton, ref: Reference, joint: int, rules: Rules) -> Aim:
 
 
 def _candidates(tree: Skeleton, ref: Reference, joint: int) -> list[int]:
-    """Joints below that may continue a chain: no eyes, no twist joints, and only weighted ones where some are."""
+    """Joints below that may continue a chain: no eyes, no twist joints, only weighted ones if some are."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
     below = [k for k in tree.below[joint] if k not in eyes and not is_twist(tree.rig.notes.get(k))]
     weighted = [k for k in below if tree.carries[k]]

@@ -22,7 +22,9 @@ from rigtri.formats.gltf.rounding import Singles
 from rigtri.formats.gltf.uris import encode_data, escape, is_data
 
 # A view holds one kind only: validators call anything else an override.
-Role = Literal["inverse bind matrices", "animation", "shapes", "influences 4", "influences 8", "influences 16"]
+Role = Literal[
+    "inverse bind matrices", "animation", "shapes", "influences 4", "influences 8", "influences 16"
+]
 # Attributes of vertices that share a view must say their stride.
 _STRIDES: dict[Role, int] = {"shapes": 12, "influences 4": 4, "influences 8": 8, "influences 16": 16}
 Numbers = NDArray[Any]

@@ -86,8 +86,8 @@ class WeightWriter:
             return
         if DRACO in raw.get("extensions", {}):
             raise FileError(
-                f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}, so its weights cannot "
-                "be split. Store it uncompressed, or leave out --split-weights"
+                f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}, so its weights "
+                "cannot be split. Store it uncompressed, or leave out --split-weights"
             )
         key = (skin, attributes["POSITION"], *(attributes[name] for name in sets))
         if key not in self._known:
@@ -108,7 +108,7 @@ class WeightWriter:
         for spread in spreads:
             joints, weights = shared(spread, points, joints, weights, units=before.weight != FLOAT)
         room = -joints.shape[1] % 4
-        joints, weights = (np.pad(rows, ((0, 0), (0, room))) for rows in (joints, weights))
+        joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
         old = len(sets) // 2
         if joints.shape[1] > 4 * old:
             text = (

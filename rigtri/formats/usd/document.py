@@ -25,8 +25,8 @@ from rigtri.formats.usd import (
     needed,
     package,
     splits,
-    weights,
     variant_edits,
+    weights,
     writer,
 )
 from rigtri.formats.usd.confirm import Expected

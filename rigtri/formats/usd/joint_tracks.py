@@ -9,7 +9,7 @@ Source: UsdSkel, SkelAnimation (`joints`, and arrays of as many items).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -25,6 +25,7 @@ from rigtri.formats.usd.splits import aligned_clip
 from rigtri.formats.usd.stage import why_instanced
 from rigtri.formats.usd.values import Edit, kind, parts, set_value
 from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
 
 _TYPES = Sdf.ValueTypeNames
 
@@ -85,11 +86,11 @@ def _grow(source: Source, animation: Animation, rig: Rig, nodes: Mapping[str, in
             yield _widen(source, animation.path, name, item, rest[name][list(nodes.values())])
 
 
-def _widen(source: Source, path: str, name: str, item: Property, values: Sequence[Any]) -> Edit:
+def _widen(source: Source, path: str, name: str, item: Property, values: Floats) -> Edit:
     """An array with more items at its end, the same at every time."""
 
     def wide(rows: np.ndarray) -> Any:
-        more = np.concatenate([rows, np.asarray(values).astype(rows.dtype)])
+        more = np.concatenate([rows, values.astype(rows.dtype)])
         return item.kind.FromNumpy(np.ascontiguousarray(more))
 
     samples = {float(time): wide(rows) for time, rows in zip(item.times, item.samples, strict=True)}

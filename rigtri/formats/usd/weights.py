@@ -47,7 +47,9 @@ def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]
     return found
 
 
-def _of_mesh(query: Any, tokens: Sequence[str], spreads: Sequence[Spread], warnings: list[Notice]) -> list[Edit]:
+def _of_mesh(
+    query: Any, tokens: Sequence[str], spreads: Sequence[Spread], warnings: list[Notice]
+) -> list[Edit]:
     prim = query.GetPrim()
     points = seen_at_start(prim.GetAttribute("points"))
     if not points:
@@ -63,9 +65,8 @@ def _of_mesh(query: Any, tokens: Sequence[str], spreads: Sequence[Spread], warni
     for spread in spreads:
         listed, order = _in_order(spread, tokens, order)
         joints, weights = shared(listed, placed, joints, weights)
-    if joints.shape == before[0].shape and np.array_equal(joints, before[0]):
-        if np.array_equal(weights, before[1]):
-            return []
+    if np.array_equal(joints, before[0]) and np.array_equal(weights, before[1]):
+        return []
     if query.IsRigidlyDeformed():
         text = f"<{prim.GetPath()}> moves with its joints as a whole, so its weights were not split"
         warnings.append(Notice("rigid-not-split", text))
