@@ -22,6 +22,8 @@ COMMANDS = {
     "add-polevector": "Add a locator that says which way a limb bends.",
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
     "add-twist": "Put twist joints along bones, so that skin does not wring.",
+    "mirror": "Give one side of a character the axes, controls and pole vectors of the other.",
+    "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",
     "verify": "Measure how far two files look apart, in every pose.",
     "diff": "Say in rig terms and in file terms what differs between two files.",

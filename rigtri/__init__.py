@@ -17,6 +17,9 @@ _WHERE = {
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "add_twist": "rigtri.ops.twist",
+    "add_controls": "rigtri.ops.controls",
+    "mirror": "rigtri.ops.mirror",
+    "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
@@ -30,14 +33,17 @@ __all__ = [
     "Report",
     "Rig",
     "RigtriError",
+    "add_controls",
     "add_polevector",
     "add_twist",
     "check",
     "describe",
     "diff",
     "edit",
+    "mirror",
     "orient_joints",
     "read",
+    "strip",
     "verify",
 ]
 
@@ -48,8 +54,11 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.controls import add_controls
+    from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
+    from rigtri.ops.strip import strip
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit
     from rigtri.report import Report

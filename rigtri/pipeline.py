@@ -8,6 +8,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
@@ -17,13 +18,14 @@ from typing import Any
 import numpy as np
 
 from rigtri.compare import TOLERANCE, Comparison, self_check
+from rigtri.compare import verify as compare
 from rigtri.delivery import (
     aimed,
     same_file,
     sync,
 )
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
-from rigtri.formats import Document, Options, read
+from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
 from rigtri.outputs import Written, as_file_error, spare
 from rigtri.pose import worlds
@@ -82,6 +84,8 @@ def edit(
         to_stdout = str(target) == "-"
         options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
+        if not to_stdout:
+            _check_suffix(path, final, options)
         document = read(path, options)
         needed = _needed(document, path, final, options)
         for place in (*side_files, *(() if to_stdout else (final,))):
@@ -163,7 +167,7 @@ def _deliver(
 
 def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
     """What a user can do where nothing but the rounding of stored numbers can be what differs."""
-    near = result.deviation < 10 * tolerance
+    near = result.shown < 10 * tolerance
     if result.lost or result.different or not near:
         return ""
     depth = max(rig.depth) + 1
@@ -172,8 +176,16 @@ def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
     return (
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
-        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.deviation):g}"
+        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.shown):g}"
     )
+
+
+def _without(after: Document, document: Document, rig: Rig) -> Comparison:
+    """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
+    result = compare(after, document)
+    stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
+    lost = (Counter(stay) - Counter(after.rig.names)).elements()
+    return replace(result, different=(*result.different, *(f"node {name} went too" for name in lost)))
 
 
 def _rounded_up(value: float) -> float:
@@ -192,6 +204,8 @@ def _checked(
         after = document.reopen(written.part)
         if rig.spreads:
             return check_split(document, after)
+        if rig.removed:
+            return _without(after, document, rig)
         result = self_check(document, after)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
             return self_check(document, after, closely=True)
@@ -253,6 +267,14 @@ def _left_behind(
         for file, _ in needed
         if file.is_file() and not any(same_file(file, other) for other in kept)
     ]
+
+
+def _check_suffix(path: Path, final: Path, options: Options) -> None:
+    """UsageError for an output of another format, before anything is read; writers know it more closely."""
+    fits = output_suffixes(path, options)
+    if fits and final.suffix.lower() not in fits:
+        what = "an override is a layer" if options.override else "the output has the format of the input"
+        raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
 
 
 def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
@@ -339,6 +361,7 @@ def report_json(
         "joints": outcome.report.joints,
         "limbs": outcome.report.limbs,
         "added": outcome.report.added,
+        "removed": outcome.report.removed,
         "warnings": [
             {"code": n.code, "text": n.text, "joint": n.joint, "geometry": n.geometry}
             for n in outcome.report.warnings

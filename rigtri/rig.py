@@ -7,7 +7,7 @@ nodes; matrices are row-vector matrices (`rigtri.matrices`).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -17,7 +17,7 @@ import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
-from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Skin, Spread, Track
+from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Mesh, Skin, Spread, Track
 from rigtri.shapes import Shape
 from rigtri.trigonometry import Floats
 
@@ -44,7 +44,10 @@ class Rig:
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
     at nodes; what a file has drawn before is payload, and stays as it is. spreads: what is to be
     done to the weights of meshes when the rig is written.
+    removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
+    raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
+    drawn: reads what is drawn, to measure; asked only when needed.
     """
 
     names: tuple[str, ...]
@@ -70,8 +73,11 @@ class Rig:
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     shapes: Mapping[int, Shape] = field(default_factory=dict)
     spreads: tuple[Spread, ...] = ()
+    removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    raw: bool = False
+    drawn: Callable[[], Sequence[Mesh]] = tuple
 
     def __len__(self) -> int:
         return len(self.names)
@@ -297,10 +303,15 @@ class Rig:
 
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""
-        for number, clip in enumerate(self.clips):
-            if name in (clip.name, f"#{number}"):
+        for number, clip in enumerate(self.shown_clips):
+            if name in (clip.name, f"#{number}") and clip in self.clips:  # or its joints stand still
                 return clip
-        raise NameNotFoundError("clip", name, [clip.name for clip in self.clips])
+        raise NameNotFoundError("clip", name, [clip.name for clip in self.shown_clips])
+
+    @property
+    def shown_clips(self) -> tuple[Clip, ...]:
+        """The clips that move anything, without what is idle in them."""
+        return tuple(clip.played for clip in self.clips if not clip.idle or clip.played.tracks)
 
     @cached_property
     def frame_of(self) -> dict[int, int]:
@@ -368,6 +379,8 @@ class Rig:
             humanoid={bone: new[k] for bone, k in self.humanoid.items()},
             notes={new[k]: note for k, note in self.notes.items()},
             shapes={new[k]: shape for k, shape in self.shapes.items()},
+            drawn=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.drawn()],
+            removed=frozenset(new[k] for k in self.removed),
         )
 
     def with_nodes(

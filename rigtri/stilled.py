@@ -105,7 +105,7 @@ def moved(document: Source) -> float:
     meshes = [few for mesh in document.meshes() if (few := _weighing(rig, mesh, turning)) is not None]
     largest = 0.0
     for clip, held in zip(rig.clips, still.clips, strict=True) if meshes else ():
-        if len(held.tracks) == len(clip.tracks):
+        if clip.idle or len(held.tracks) == len(clip.tracks):
             continue
         times = pose.key_times(held)
         for start in range(0, len(times), _AT_ONCE):

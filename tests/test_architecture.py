@@ -29,14 +29,16 @@ matrices
 triangle shapes records
 rig
 pose constraints spread twist
-reframe report
+reframe report reach
+lengths
 naming
 limbs
 skeleton bend
 matching
+playing
 moving scenery attached
 watched
-compare describe changes
+compare describe description changes
 stilled
 delivery
 ops formats

@@ -104,9 +104,9 @@ class Document(Protocol):
         """
 
 
-def read(path: Path, options: Options | None = None) -> Document:
+def read(path: Path | str, options: Options | None = None) -> Document:
     """Read a rig file; its suffix says the format. Raises FileError for anything unreadable."""
-    options = options or Options()
+    path, options = Path(path), options or Options()
     suffix = path.suffix.lower()
     if suffix in GLTF_SUFFIXES:
         from rigtri.formats.gltf.document import GltfDocument
@@ -121,6 +121,26 @@ def read(path: Path, options: Options | None = None) -> Document:
         return UsdDocument.read(path, options)
     known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
     raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
+
+
+def output_suffixes(path: Path, options: Options) -> tuple[str, ...]:
+    """What the name of an output of ``path`` may end with, by the first bytes alone; () for no rig file."""
+    own = path.suffix.lower()
+    try:
+        with path.open("rb") as file:
+            start = file.read(8)
+    except OSError:
+        return ()  # told when it is read
+    if own in GLTF_SUFFIXES:
+        return (".glb", ".vrm", ".vrma") if start.startswith(b"glTF") else (".gltf",)
+    if own not in USD_SUFFIXES:
+        return ()
+    if options.override:
+        return (".usda", ".usd", ".usdc")
+    if own == ".usdz":
+        return (own,)
+    fits = (".usdc", ".usd") if start == b"PXR-USDC" else (".usda", ".usd")
+    return fits if own in fits else (own, *fits)
 
 
 def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change] | None:
