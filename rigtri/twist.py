@@ -24,7 +24,7 @@ from rigtri.matrices import (
     determinant,
     inverse,
     multiply,
-    nearest_rotation,
+    orthonormal_axes,
     transform_directions,
     transform_points,
 )
@@ -123,7 +123,7 @@ def twist_of(rig: Rig, node: int, note: Mapping[str, Any]) -> Twist:
         axis=axis,
         own_axis=own_axis,
         weight=sign * float(note["weight"]),
-        standing=from_axes(nearest_rotation(rig.local[node])),
+        standing=from_axes(orthonormal_axes(rig.local[node])),
     )
 
 
@@ -162,4 +162,4 @@ def _product(matrices: Sequence[Floats]) -> Floats:
 
 
 def _rotation(matrices: Sequence[Floats]) -> Floats:
-    return from_axes(nearest_rotation(_product(matrices)))
+    return from_axes(orthonormal_axes(_product(matrices)))

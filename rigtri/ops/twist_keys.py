@@ -81,10 +81,12 @@ class _Follower:
 
     def _off(self, times: Floats) -> Floats:
         """How far the interpolation is off in each interval, (k − 1,), if float32 has times between."""
-        turns, span = self.at(times), np.diff(times)
+        span = np.diff(times)
+        inside = [times[:-1] + share * span for share in _SHARES]
+        every = self.twist.rotations(self.motion.locals_at(np.concatenate([times, *inside])))
+        turns, trues = every[: len(times)], every[len(times) :].reshape(len(_SHARES), len(span), 4)
         off = np.zeros(len(span))
-        for share in _SHARES:
-            true = self.at(times[:-1] + share * span) if len(span) else turns[:0]
+        for share, true in zip(_SHARES, trues, strict=True):
             shown = slerp(turns[:-1], turns[1:], np.full(len(span), share))
             off = np.maximum(off, turn_angle(multiply(conjugate(shown), true)))
         middle = _single(times[:-1] + 0.5 * span)
