@@ -10,6 +10,7 @@ from rigtri.errors import UsageError
 from rigtri.shapes import KINDS
 
 from .options import (
+    copy_ahead,
     edit_options,
     facing_option,
     given_options,
@@ -103,6 +104,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-controls hero.glb -o out.glb --whole-character
         rigtri add-controls hero.usdz -o out.usdz --below spine --shape cube --size 1.5
     """
+    copy_ahead(ctx, values)
     from rigtri.limbs import given
     from rigtri.ops.controls import Options, add_controls
     from rigtri.ops.polevector import Options as PoleOptions

@@ -9,6 +9,7 @@ import click
 from rigtri.errors import UsageError
 
 from .options import (
+    copy_ahead,
     edit_options,
     facing_option,
     given_options,
@@ -132,6 +133,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-polevector hero.vrm -o out.vrm --limbs auto
         rigtri add-polevector hero.glb -o out.glb --limb thigh shin foot --bend shin=0,0,1
     """
+    copy_ahead(ctx, values)
     from rigtri.limbs import given
     from rigtri.ops.polevector import Options, add_polevector
 

@@ -207,6 +207,18 @@ def read_options(values: dict[str, Any]) -> Options:
     )
 
 
+def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:
+    """Begin to copy the large files that OUT will need beside it, before anything slow is imported."""
+    from pathlib import Path
+
+    from rigtri.ahead import begun
+
+    named = "-" not in (str(values["source"]), str(values["target"]))
+    if named and not values["dry_run"] and values["resources"] != "relink":
+        source, target = Path(values["source"]), Path(values["target"])
+        ctx.obj = ctx.with_resource(begun(source, target, overwrite=values["overwrite"]))
+
+
 def run_edit(
     name: str,
     values: dict[str, Any],
@@ -243,6 +255,7 @@ def run_edit(
             dry_run=values["dry_run"],
             strict=values["strict"],
             side_files=tuple(_side_files(values).values()),
+            ahead=click.get_current_context().obj,
         )
     except RigtriError:
         if not quiet:

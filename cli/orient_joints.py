@@ -12,6 +12,7 @@ from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.ops.presets import PRESETS, Style
 
 from .options import (
+    copy_ahead,
     edit_options,
     facing_option,
     given_options,
@@ -215,6 +216,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri orient-joints hero.glb -o out.glb --chain thumb_01 thumb_03 --up -z
         rigtri orient-joints back.glb -o same.glb --like hero.glb
     """
+    copy_ahead(ctx, values)
     from rigtri.limbs import given
     from rigtri.ops.frames import frames_json
     from rigtri.ops.orient import Options, orient_joints

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .options import (
+    copy_ahead,
     edit_options,
     given_options,
     output_options,
@@ -42,6 +43,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     Example:
         rigtri strip rigged.glb -o plain.glb
     """
+    copy_ahead(ctx, values)
     from rigtri.ops.strip import Options, strip
 
     def step(rig: Rig, report: Report) -> Rig:

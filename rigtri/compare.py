@@ -331,7 +331,7 @@ def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
     size = max(map(_times_at_once, (before, after)))
     for clips in zip(before.clips, after.clips, strict=True):
         motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
-        times = between_keys(np.union1d(*map(pose.key_times, clips)))
+        times = between_keys(np.concatenate([pose.key_times(clip) for clip in clips]))
         for start in range(0, len(times), size):
             some = times[start : start + size]
             worlds = [
@@ -362,13 +362,13 @@ def between_keys(keys: Floats) -> Floats:
 
     The middle is where two interpolations part most; 0.29 is where they do not happen to meet.
     """
-    keys = keys[np.isfinite(keys)]
+    keys = pose.each_once(keys[np.isfinite(keys)])
     if not len(keys):
         return np.zeros(1)
     span = np.diff(keys)
     beyond = max(1e-3, 0.1 * float(keys[-1] - keys[0]))
     ends = keys[[0, -1]] + [-beyond, beyond]
-    return np.unique(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
+    return pose.each_once(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
 
 
 def denormalisation(rig: Rig) -> float:
@@ -380,12 +380,18 @@ def denormalisation(rig: Rig) -> float:
 
 
 def _fitting(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
-    """The meshes that can be evaluated; none where they cannot be read."""
+    """The meshes that can be evaluated; none where they cannot be read.
+
+    Not the lines of controls: what rigtri itself has added may move.
+    """
     try:
         meshes = read()
     except FileError:
         return []
-    return [mesh for mesh in meshes if fits(mesh, source.rig)]
+    own = source.rig.own
+    return [
+        mesh for mesh in meshes if fits(mesh, source.rig) and (mesh.skin is not None or mesh.node not in own)
+    ]
 
 
 def _mesh_pairs(

@@ -6,9 +6,14 @@ import errno
 import glob
 import os
 import shutil
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
+
+# While a large file is written, the disk is asked to take what is there this often, in seconds.
+PAUSE = 0.02
 
 
 def beside(path: Path, process: int | None = None) -> Path:
@@ -55,6 +60,31 @@ def sync(path: Path) -> None:
     """Wait until the disk has a file."""
     with path.open("rb+") as file:
         os.fsync(file.fileno())
+
+
+@contextmanager
+def settling(file: IO[bytes], *, large: bool) -> Iterator[None]:
+    """While a large file is written, let the disk take it.
+
+    Who syncs only at the end waits for the disk as long again as writing took.
+    """
+    if not large or not hasattr(os, "fdatasync"):
+        yield
+        return
+    done = threading.Event()
+    thread = threading.Thread(target=_settle, args=(file.fileno(), done))
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def _settle(file: int, done: threading.Event) -> None:
+    with suppress(OSError):  # it comes again with the sync that counts, and is told then
+        while not done.wait(PAUSE):
+            os.fdatasync(file)
 
 
 def _inherit(old: Path, new: Path) -> None:

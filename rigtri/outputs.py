@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from rigtri.ahead import Ahead, copied
 from rigtri.delivery import beside, commit, discard_stale, replacing, same_file, stale_parts
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion
@@ -24,8 +25,15 @@ class Written:
     files are the valid ones, and what a killed run has replaced is put back by the next.
     """
 
-    def __init__(self, final: Path, overwrite: bool, needed: Sequence[tuple[Path, str]] = ()) -> None:
+    def __init__(
+        self,
+        final: Path,
+        overwrite: bool,
+        needed: Sequence[tuple[Path, str]] = (),
+        ahead: Ahead | None = None,
+    ) -> None:
         self.final, self.overwrite, self._needed = final, overwrite, needed
+        self._ahead = ahead or Ahead()
         with as_file_error(final):
             _recover(final)
         self.part = beside(final)
@@ -50,16 +58,19 @@ class Written:
             )
         spare(place, [*self._needed, (self.final, "the output itself")])
         place.parent.mkdir(parents=True, exist_ok=True)
-        discard_stale(place)
+        content = companion.content
+        there = isinstance(content, Path) and self._ahead.take(content, beside(place))
+        if not there:
+            discard_stale(place)
         backup = _kept(place, os.getpid()) if place.exists() else None
         if backup is not None:
             _link(place, backup)
         self.placed.append((place, backup))
         with replacing(place) as fresh:
-            if isinstance(companion.content, bytes):
-                fresh.write_bytes(companion.content)
-            else:
-                shutil.copyfile(companion.content, fresh)
+            if isinstance(content, bytes):
+                fresh.write_bytes(content)
+            elif not there:
+                copied(content, fresh)
 
     def finish(self) -> None:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""

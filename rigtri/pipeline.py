@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.ahead import Ahead
 from rigtri.compare import TOLERANCE, Comparison, self_check
 from rigtri.compare import verify as compare
 from rigtri.delivery import (
@@ -68,13 +69,15 @@ def edit(
     dry_run: bool = False,
     strict: bool = False,
     side_files: Sequence[Path] = (),
+    ahead: Ahead | None = None,
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
     ``-`` is standard input or output. The file about to be delivered is re-opened and
     compared with the source first: over ``tolerance`` (a share of the bounding-box
     diagonal) DeviationError is raised and nothing is written. ``strict`` makes
-    any warning a GeometryError. ``side_files`` are what the caller will write besides.
+    any warning a GeometryError. ``side_files`` are what the caller will write besides, ``ahead``
+    the copies that it has begun (`rigtri.ahead`).
     Raises FileError for anything that cannot be read or written, UsageError for an existing
     target without ``overwrite``, and for a target or side file that the source refers to.
     """
@@ -98,7 +101,7 @@ def edit(
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
             place = folder / final.name
-            written = Written(place, overwrite, needed)
+            written = Written(place, overwrite, needed, ahead)
             try:
                 result = _deliver(document, path, rig, written, verify, tolerance, clock)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring

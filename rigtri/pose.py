@@ -103,7 +103,15 @@ def sample(track: Track, times: ArrayLike) -> Floats:
 def key_times(clip: Clip) -> Floats:
     """All key times of a clip, sorted, each once."""
     distinct = {id(track.times): track.times for track in clip.tracks}
-    return np.unique(np.concatenate([*distinct.values(), np.zeros(0)]))
+    return each_once(np.concatenate([*distinct.values(), np.zeros(0)]))
+
+
+def each_once(times: Floats) -> Floats:
+    """Times sorted, each once, NaN as one and last: np.unique, which would import masked arrays."""
+    times = np.sort(times)
+    fresh = np.ones(len(times), dtype=bool)
+    fresh[1:] = (times[1:] != times[:-1]) & ~np.isnan(times[:-1])
+    return times[fresh]
 
 
 def skin_matrices(skin: Skin, world: Floats) -> Floats:

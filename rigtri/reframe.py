@@ -16,6 +16,7 @@ Source: docs/exactness.md; UsdSkel and glTF 2.0 §3.7.3 (skins), appendix C.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -70,34 +71,36 @@ def reframe(rig: Rig, turn: Floats, *, scales: Scales | None = None) -> Rig:
     return _hand_over_payload(rig, turn)
 
 
-def split(rig: Rig, node: int, turn: Floats) -> Rig:
-    """Give a node new axes, (4,), although its scale forbids it: by a node above that holds them.
+def split(rig: Rig, turns: Mapping[int, Floats]) -> Rig:
+    """Give nodes new axes, (4,) each, although their scales forbid it: by nodes above that hold them.
 
-    The new node ``<name>_orient`` takes the translation and rotation of ``node``, turned; the
+    The new node ``<name>_orient`` takes the translation and rotation of its node, turned; the
     node keeps the opposite turn and its scale: ``S·R·T = (S·C⁻¹)·(C·R·T)``. Exact for any
     scale, also one that is animated. The turn is that of the rotation R: S may mirror, C·R
     does not. Nothing below moves, no inverse bind changes.
     """
-    translation, rotation, scale = _parts(rig, node, Scales.of(rig).sign[node])
-    above = rig.insert_above(node, f"{rig.names[node] or 'joint'}_orient")
-    old = node + 1
+    if not turns:
+        return rig
+    signs = Scales.of(rig).sign
+    above = rig.insert_above({node: f"{rig.names[node] or 'joint'}_orient" for node in turns})
     translations, rotations, matrices = above.translation.copy(), above.rotation.copy(), above.matrix.copy()
-    translations[node], rotations[node] = translation, multiply(rotation, turn)
-    translations[old], rotations[old] = 0.0, conjugate(turn)
-    # What a matrix has beside rotation and scale stays with the node.
-    whole = rig.matrix[node] if rig.has_matrix[node] else compose(translation, rotation, scale)
-    matrices[old] = turn_after(from_frame(whole[:3, :3], np.zeros(3)), conjugate(multiply(rotation, turn)))
+    notes, lifted = dict(above.notes), {}
+    for before, node in enumerate(sorted(turns)):
+        turn, holder, old = turns[node], node + before, node + before + 1
+        translation, rotation, scale = _parts(rig, node, signs[node])
+        translations[holder], rotations[holder] = translation, multiply(rotation, turn)
+        translations[old], rotations[old] = 0.0, conjugate(turn)
+        # What a matrix has beside rotation and scale stays with the node.
+        whole = rig.matrix[node] if rig.has_matrix[node] else compose(translation, rotation, scale)
+        back = conjugate(multiply(rotation, turn))
+        matrices[old] = turn_after(from_frame(whole[:3, :3], np.zeros(3)), back)
+        notes[holder] = {"v": 1, "type": "frame", "joint": rig.title(node)}
+        lifted[old] = turn
     clips = tuple(
-        replace(clip, tracks=tuple(_lifted(t, old, turn) for t in clip.tracks)) for clip in above.clips
+        replace(clip, tracks=tuple(_lifted(t, lifted) for t in clip.tracks)) for clip in above.clips
     )
-    note = {"v": 1, "type": "frame", "joint": rig.title(node)}
     return replace(
-        above,
-        translation=translations,
-        rotation=rotations,
-        matrix=matrices,
-        clips=clips,
-        notes={**above.notes, node: note},
+        above, translation=translations, rotation=rotations, matrix=matrices, clips=clips, notes=notes
     )
 
 
@@ -110,12 +113,13 @@ def _parts(rig: Rig, node: int, sign: Floats) -> tuple[Floats, Floats, Floats]:
     return translation, from_axes(axes), np.abs(scale) * sign
 
 
-def _lifted(track: Track, old: int, turn: Floats) -> Track:
+def _lifted(track: Track, turns: Mapping[int, Floats]) -> Track:
     """A track of a split node on the node above it, where it moves or turns."""
-    if track.node != old or track.path not in ("translation", "rotation"):
+    turn = turns.get(track.node)
+    if turn is None or track.path not in ("translation", "rotation"):
         return track
     values = multiply(track.values, turn) if track.path == "rotation" else track.values
-    return replace(track, node=old - 1, values=values)
+    return replace(track, node=track.node - 1, values=values)
 
 
 def scale_allows(rig: Rig, turn: Floats) -> Booleans:

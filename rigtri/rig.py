@@ -24,6 +24,10 @@ from rigtri.trigonometry import Floats
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
 # would need n² characters.
 DEEPEST_PATH = 256
+# Notes on nodes that are there only because rigtri has added them.
+ADDED = ("control", "group", "limb", "offset", "poleVector", "twist")
+# The child that shows the lines of a control in formats that keep what is drawn apart.
+_DRAWING = "shape"
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +133,18 @@ class Rig:
             mask[skin.joints] = True
         mask[list(self.holders)] = False
         return mask
+
+    @cached_property
+    def own(self) -> frozenset[int]:
+        """Nodes that rigtri has added, those that show the lines of its controls included."""
+        made = {node for node, note in self.notes.items() if note.get("type") in ADDED}
+        drawings = (
+            child
+            for node in made
+            for child in self.children[node]
+            if self.names[child] == _DRAWING and self.payload[child] == child and not self.children[child]
+        )
+        return frozenset(made.union(drawings))
 
     def below(self, node: int) -> list[int]:
         """A node and everything under it, parents first."""
@@ -328,18 +344,22 @@ class Rig:
         """The nodes that hold the axes of a joint below them."""
         return frozenset(self.frame_of.values())
 
-    def insert_above(self, node: int, name: str) -> Rig:
-        """This rig with a new node (key None) between a node and its parent, at ``node``'s place.
+    def insert_above(self, above: Mapping[int, str]) -> Rig:
+        """This rig with new nodes (key None) between nodes and their parents, at the nodes' places.
 
-        It stands on its parent; what it is to hold is the caller's to say. All indices from
-        ``node`` on grow by one.
+        above: nodes, each with the name of the new one. It stands on the parent; what it is to
+        hold is the caller's to say. Node k comes to k + the number of such nodes up to k, k
+        included; its new one stands right before it.
         """
-        count = len(self)
-        above = [int(self.parents[node])]
-        grown = self.with_nodes([name], above, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
-        parents = grown.parents.copy()
-        parents[node] = count
-        return replace(grown, parents=parents).reordered([*range(node), count, *range(node, count)])
+        count, places = len(self), sorted(above)
+        parents = [int(self.parents[node]) for node in places]
+        names = [above[node] for node in places]
+        still = np.tile([0.0, 0.0, 0.0, 1.0], (len(places), 1))
+        grown = self.with_nodes(names, parents, np.zeros((len(places), 3)), still)
+        own = grown.parents.copy()
+        own[places] = np.arange(count, len(grown))
+        order = np.insert(np.arange(count), places, np.arange(count, len(grown)))
+        return replace(grown, parents=own).reordered(order.tolist())
 
     def reordered(self, order: Sequence[int]) -> Rig:
         """This rig with its nodes in another order: the k-th is what was ``order[k]``.

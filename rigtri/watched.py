@@ -22,8 +22,6 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
-# What rigtri adds to a file, by the type in its note; the rest of a file it must not move.
-OWN = ("poleVector", "group", "limb")
 # Where no points can be read: how thick a body is at least, as a share of its longest side.
 THICKNESS = 0.1
 # Points moved in one matrix product; of a skin with more joints than that, only so many:
@@ -228,7 +226,7 @@ def skin_corners(
         if not differ.any():
             continue
         owner = mine.name or f"skin #{number}"
-        own = np.isin(mine.joints, _own(before))
+        own = np.isin(mine.joints, list(before.own))
         for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
             # A joint of ours may move, but not what somebody has bound to it.
             rows = np.flatnonzero(differ & ~(own & ~np.isfinite(low).all(axis=1)))
@@ -345,8 +343,8 @@ def rigid_corners(before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Bool
 def frames(
     before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
 ) -> Iterator[Rows]:
-    """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such."""
-    drawn = {mesh.node for mesh in meshes}
+    """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such not ours."""
+    drawn = {mesh.node for mesh in meshes} | before.own
     showing = np.flatnonzero(before.payload >= 0).tolist()
     nodes = [node for node in showing if node not in drawn and _to_watch(node, m, moving)]
     if nodes:
@@ -368,18 +366,13 @@ def _framed(nodes: Sequence[int], m: Matching, points: Floats, titles: list[str]
 
 
 def origins(before: Rig, m: Matching, moving: Booleans) -> Rows:
-    """Where nodes are; locators that rigtri itself has added may move."""
+    """Where nodes are; what rigtri itself has added may move."""
     watched = moving & (m.node >= 0)
-    watched[_own(before)] = False
+    watched[list(before.own)] = False
     nodes = np.flatnonzero(watched)
     points = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(nodes), 1, 4))
     titles = [f"origin of {before.title(node)}" for node in nodes.tolist()]
     return Rows((nodes, m.node[nodes]), (points, points), titles, [""] * len(nodes))
-
-
-def _own(rig: Rig) -> list[int]:
-    """The nodes that rigtri has added."""
-    return [node for node, note in rig.notes.items() if note.get("type") in OWN]
 
 
 def same_mesh(a: Mesh, b: Mesh) -> bool:

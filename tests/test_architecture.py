@@ -41,7 +41,7 @@ watched
 compare describe description changes
 stilled
 delivery
-ops formats
+ahead ops formats
 inputs outputs
 checks pipeline difference
 confined

@@ -16,7 +16,7 @@ from rigtri.pose import locals_at, rest, skin_matrices, worlds
 from rigtri.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes
 from rigtri.quaternions import multiply as then
 from rigtri.records import Bound, Clip, Track
-from rigtri.reframe import reframe, scale_allows
+from rigtri.reframe import reframe, scale_allows, split
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
@@ -173,3 +173,31 @@ def test_a_permuted_scale_goes_to_its_new_axis() -> None:
     assert_allclose(turned.clips[0].tracks[0].values, [[2, 1, 3], [5, 4, 6]], atol=1e-15)
     (before,), (after,) = rig.skins, turned.skins
     assert_allclose(skin_matrices(after, poses(turned)), skin_matrices(before, poses(rig)), atol=1e-12)
+
+
+@given(seeds)
+def test_splits_at_once_are_those_one_after_another(seed: int) -> None:
+    rig, turns = random_rig(seed), random_turns(seed, 6)
+    chosen = {node: turns[node] for node in np.flatnonzero(turns[:, 3] != 1.0).tolist()}
+    one_by_one = rig
+    for node in sorted(chosen, reverse=True):  # from the back: the indices before stay
+        one_by_one = split(one_by_one, {node: chosen[node]})
+    at_once = split(rig, chosen)
+    assert at_once.names == one_by_one.names
+    assert at_once.labels == one_by_one.labels
+    assert at_once.keys == one_by_one.keys
+    for array in ("parents", "translation", "rotation", "scale", "matrix", "has_matrix", "payload"):
+        assert_array_equal(getattr(at_once, array), getattr(one_by_one, array))
+    assert_array_equal(at_once.skins[0].joints, one_by_one.skins[0].joints)
+    for one, other in zip(at_once.clips, one_by_one.clips, strict=True):
+        for a, b in zip(one.tracks, other.tracks, strict=True):
+            assert (a.node, a.path) == (b.node, b.path)
+            assert_array_equal(a.values, b.values)
+    assert at_once.notes.keys() == one_by_one.notes.keys()
+
+
+def test_a_chain_split_at_each_joint_alternates_holders_and_joints() -> None:
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0))
+    out = split(rig, dict.fromkeys(range(3), QUARTER))
+    assert out.names == tuple(n for name in rig.names for n in (f"{name}_orient", name))
+    assert out.parents.tolist() == [-1, 0, 1, 2, 3, 4]

@@ -71,9 +71,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     check(plan, turns)
     record(plan, wanted, turns, parted)
     out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
-    for joint in sorted(parted, reverse=True):  # from the back: the indices before stay
-        out = split(out, joint, parted[joint])
-    return out
+    return split(out, parted)
 
 
 def _at_frames(rig: Rig, turns: Floats) -> Floats:

@@ -14,11 +14,6 @@ from rigtri.errors import GeometryError
 from rigtri.report import Report
 from rigtri.rig import Rig
 
-# Notes on nodes that are there only because rigtri made them, by what a user calls them.
-OURS = ("group", "control", "offset", "poleVector")
-# The child that shows the lines of a control where the format keeps what is drawn apart.
-_DRAWING = "shape"
-
 
 @dataclass(frozen=True)
 class Options:
@@ -45,7 +40,7 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
             continue
         report.removed.append({"node": rig.address(node), "type": str(note.get("type", "")), "kept": True})
     for node in sorted(gone):
-        kind = str(rig.notes.get(node, {}).get("type", _DRAWING))
+        kind = str(rig.notes.get(node, {}).get("type", "shape"))
         report.removed.append({"node": rig.address(node), "type": kind, "kept": False})
     if not report.removed:
         return rig
@@ -73,9 +68,7 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
 
 def _gone(rig: Rig) -> frozenset[int]:
     """The nodes that go. GeometryError where one that stays would lose its parent."""
-    gone = {node for node, note in rig.notes.items() if note.get("type") in OURS}
-    for node in sorted(gone):
-        gone.update(child for child in rig.children[node] if _is_drawing(rig, child))
+    gone = rig.own
     for node in sorted(gone):
         for child in rig.children[node]:
             if child not in gone:
@@ -83,8 +76,4 @@ def _gone(rig: Rig) -> frozenset[int]:
                     f"'{rig.title(child)}' hangs below '{rig.title(node)}', which is to go, and is not "
                     "rigtri's. Take it out of there first"
                 )
-    return frozenset(gone)
-
-
-def _is_drawing(rig: Rig, node: int) -> bool:
-    return rig.names[node] == _DRAWING and rig.payload[node] == node and not rig.children[node]
+    return gone

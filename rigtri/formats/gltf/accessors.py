@@ -92,6 +92,10 @@ class Accessors:
             found = self._layouts[index] = self._lay(self.value(index))
         return found
 
+    def forget_layouts(self) -> None:
+        """Let go of where numbers lie: of 200,000 accessors that is as much as their JSON."""
+        self._layouts.clear()
+
     def span(self, view: int) -> tuple[int, int, int]:
         """Buffer, start and end of a buffer view. FileError where it is not to be had."""
         if not 0 <= view < len(self._views):

@@ -67,6 +67,8 @@ class ClipWriter:
         self._write_clips()
         self._grant()
         self._redirect()
+        # They refer to this writer and it to them: all new keys would wait for the garbage collector.
+        self._wishes.clear()
         for number, lost in self._lost.items():
             channels = self._draft.own("animations", number, "channels")
             channels[:] = [channel for k, channel in enumerate(channels) if k not in lost]

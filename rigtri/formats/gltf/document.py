@@ -61,6 +61,7 @@ class GltfDocument:
             gltf, self.tree, animated_nodes(gltf), self.notices, lenient=options.lenient
         )
         self._rig = self._read_rig(gltf)
+        self.accessors.forget_layouts()
 
     @classmethod
     def read(cls, path: Path, options: Options | None = None) -> GltfDocument:

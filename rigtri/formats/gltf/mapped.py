@@ -8,9 +8,6 @@ from __future__ import annotations
 import errno
 import mmap
 import os
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -24,8 +21,6 @@ MAP_FROM = 16 * 1024 * 1024
 CHUNK = 1 << 25
 # The kernel copies faster in few large steps; a step of all would not hear an interrupt for long.
 AT_ONCE = 1 << 30
-# While a large file is written, the disk is asked to take what is there this often, in seconds.
-PAUSE = 0.02
 # Shorter ranges are not worth a system call of their own.
 WORTHWHILE = 1 << 18
 # This kernel, or these file systems, cannot copy from file to file.
@@ -75,31 +70,6 @@ def pour(file: BinaryIO, piece: bytes | bytearray | memoryview) -> None:
     for start in range(_copied(mapped, _address(piece) - mapped.start, len(piece), file), len(piece), CHUNK):
         file.write(piece[start : start + CHUNK])
         mapped.forget()
-
-
-@contextmanager
-def settling(file: BinaryIO, size: int) -> Iterator[None]:
-    """While ``size`` bytes are written to a file, let the disk take them, if they are many.
-
-    Who syncs only at the end waits for the disk as long again as writing took.
-    """
-    if size < MAP_FROM or not hasattr(os, "fdatasync"):
-        yield
-        return
-    done = threading.Event()
-    thread = threading.Thread(target=_settle, args=(file.fileno(), done))
-    thread.start()
-    try:
-        yield
-    finally:
-        done.set()
-        thread.join()
-
-
-def _settle(file: int, done: threading.Event) -> None:
-    with suppress(OSError):  # it comes again with the sync that counts, and is told then
-        while not done.wait(PAUSE):
-            os.fdatasync(file)
 
 
 def _address(content: memoryview) -> int:

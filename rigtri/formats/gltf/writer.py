@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rigtri.delivery import settling
 from rigtri.errors import FileError
 from rigtri.formats import Companion
+from rigtri.formats.gltf import mapped
 from rigtri.formats.gltf.clip_writer import ClipWriter
 from rigtri.formats.gltf.container import Piece
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.mapped import pour, settling
+from rigtri.formats.gltf.mapped import pour
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
 from rigtri.formats.gltf.resources import accompany, relink
@@ -65,7 +67,8 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
 
 def _write(part: Path, pieces: Sequence[Piece]) -> None:
     try:
-        with part.open("wb", buffering=BUFFERING) as file, settling(file, sum(map(len, pieces))):
+        large = sum(map(len, pieces)) >= mapped.MAP_FROM
+        with part.open("wb", buffering=BUFFERING) as file, settling(file, large=large):
             for piece in pieces:
                 pour(file, piece)
     except OSError as error:

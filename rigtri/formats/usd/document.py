@@ -24,6 +24,7 @@ from rigtri.formats.usd import (
     meshes,
     needed,
     package,
+    splice,
     splits,
     variant_edits,
     weights,
@@ -33,6 +34,7 @@ from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
+from rigtri.formats.usd.text import UnknownTextError
 from rigtri.formats.usd.values import Edit, kind, parts
 from rigtri.records import Mesh
 from rigtri.report import Notice
@@ -203,10 +205,22 @@ class UsdDocument:
         elif packed:
             whole = package.read(source.path)
             _check_sums(whole, source.path, notices)
-            encoding = _by_content(whole.bytes_of(whole.root))
-            package.write(whole, layers.to_bytes(layer, encoding), part)
+            root = whole.bytes_of(whole.root)
+            package.write(whole, self._encoded(layer, _by_content(root), root, notices), part)
         else:
-            part.write_bytes(layers.to_bytes(layer, layers.encoding_of(self._layer)))
+            encoding = layers.encoding_of(self._layer)
+            content = source.path.read_bytes() if encoding == "usda" else b""
+            part.write_bytes(self._encoded(layer, encoding, content, notices))
+
+    def _encoded(self, layer: Any, encoding: str, content: bytes, notices: list[Notice]) -> bytes:
+        """An edited copy of the layer as a file; a text stays as it is in all that was not edited."""
+        if encoding == "usda":
+            try:
+                return splice.spliced(content, self._layer, layer)
+            except UnknownTextError as why:
+                text = f"the text was written anew by USD, which sorts properties and drops comments: {why}"
+                notices.append(Notice("text-respelled", text))
+        return layers.to_bytes(layer, encoding)
 
     def _opinions(self, target: Path) -> Any:
         """A layer for bare opinions on the source, to be inserted into any layer stack above it."""

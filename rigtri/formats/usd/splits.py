@@ -144,14 +144,16 @@ def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
 def _check_shared(
     source: Source, animation: Animation, ours: Mapping[str, str], other: Skeleton, theirs: Mapping[str, str]
 ) -> None:
-    """FileError where an animation drives two skeletons by joints of which only one's are renamed."""
+    """FileError where an animation drives two skeletons by joints that get different names."""
     for token in sorted(set(animation.tokens) & set(other.tokens)):
-        if split_token(token, ours) != split_token(token, theirs):
+        mine, their = split_token(token, ours), split_token(token, theirs)
+        if mine != their:
             (spec, *_) = source.stage.GetPrimAtPath(animation.path).GetPrimStack()
             raise FileError(
                 f"Animation <{animation.path}> of layer {spec.layer.identifier} also drives the skeleton "
-                f"<{other.path}>, in which '{token}' would keep its name. Give each skeleton an "
-                "animation of its own, or choose snap or skip."
+                f"<{other.path}>, for which '{token}' would have to be called '{their}' in it, and for the "
+                f"other '{mine}'; a split makes no copies of animations. Give each skeleton an animation "
+                "of its own, or choose snap or skip."
             )
 
 

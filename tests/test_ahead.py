@@ -1,0 +1,150 @@
+"""Files beside a .gltf are copied while it is read; whoever needs them gets them whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from gltf_files import small
+
+from rigtri import ahead
+from rigtri.cli.main import program
+from rigtri.delivery import beside
+from rigtri.pose import each_once
+
+
+@pytest.fixture(autouse=True)
+def all_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Treat files of any size as large."""
+    monkeypatch.setattr(ahead, "FROM", 1)
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    (tmp_path / "there").mkdir()
+    return small().gltf_file(tmp_path / "a.gltf")
+
+
+def run(*arguments: object) -> Any:
+    return CliRunner().invoke(program, ["orient-joints", *map(str, arguments), "-q"])
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_an_edit_to_another_folder_takes_the_copy_that_was_begun(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken: list[bool] = []
+    take = ahead.Ahead.take
+
+    def noted(self: ahead.Ahead, file: Path, part: Path) -> bool:
+        taken.append(take(self, file, part))
+        return taken[-1]
+
+    monkeypatch.setattr(ahead.Ahead, "take", noted)
+    target = tmp_path / "there" / "b.gltf"
+    assert run(source, "-o", target).exit_code == 0
+    assert taken == [True]
+    assert (target.parent / "the data.bin").read_bytes() == (tmp_path / "the data.bin").read_bytes()
+    assert not [name for name in names(target.parent) if name.startswith(".")]
+
+
+def test_without_a_head_start_the_output_is_the_same(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "there" / "b.gltf"
+    assert run(source, "-o", target).exit_code == 0
+    first = {path.name: path.read_bytes() for path in target.parent.iterdir()}
+    for path in target.parent.iterdir():
+        path.unlink()
+    monkeypatch.setattr(ahead, "FROM", 1 << 40)
+    assert run(source, "-o", target).exit_code == 0
+    assert {path.name: path.read_bytes() for path in target.parent.iterdir()} == first
+
+
+@pytest.mark.parametrize("wrong", [["--joints", "nobody"], ["--root", "nobody"]])
+def test_an_edit_that_fails_leaves_no_copy(wrong: list[str], source: Path, tmp_path: Path) -> None:
+    assert run(source, "-o", tmp_path / "there" / "b.gltf", *wrong).exit_code != 0
+    assert names(tmp_path / "there") == []
+
+
+@pytest.mark.parametrize("more", [["--dry-run"], ["--resources", "relink"]])
+def test_nothing_is_copied_that_the_output_does_not_need(
+    more: list[str], source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ahead.Ahead, "begin", lambda *_: pytest.fail("a copy was begun"))
+    assert run(source, "-o", tmp_path / "there" / "b.gltf", *more).exit_code == 0
+
+
+def test_a_file_of_the_same_name_is_not_touched_without_overwrite(source: Path, tmp_path: Path) -> None:
+    (tmp_path / "there" / "the data.bin").write_bytes(b"another")
+    assert run(source, "-o", tmp_path / "there" / "b.gltf").exit_code == 2
+    assert names(tmp_path / "there") == ["the data.bin"]
+    assert (tmp_path / "there" / "the data.bin").read_bytes() == b"another"
+
+
+def test_names_that_lead_out_of_the_folder_are_not_copied_ahead(tmp_path: Path) -> None:
+    folder, there = tmp_path / "in", tmp_path / "there"
+    folder.mkdir()
+    there.mkdir()
+    (tmp_path / "secret.bin").write_bytes(b"secret")
+    (folder / "link.bin").symlink_to(tmp_path / "secret.bin")
+    for uri in ("../secret.bin", "link.bin", str(tmp_path / "secret.bin"), "..%2Fsecret.bin", "b.gltf"):
+        (folder / "a.gltf").write_text(f'{{"buffers": [{{"uri": "{uri}"}}]}}', "utf-8")
+        with ahead.begun(folder / "a.gltf", there / "b.gltf"):
+            assert names(there) == []
+
+
+def test_a_source_that_changed_meanwhile_is_copied_anew(source: Path, tmp_path: Path) -> None:
+    file, target = tmp_path / "the data.bin", tmp_path / "there" / "b.gltf"
+    with ahead.begun(source, target) as copies:
+        file.write_bytes(b"longer than it was before" * 100)
+        part = beside(target.parent / file.name)
+        assert not copies.take(file, part)
+        assert not part.exists()
+
+
+@pytest.mark.parametrize("number", [errno.ENOSYS, errno.EXDEV, None])
+def test_what_the_kernel_cannot_copy_is_copied_all_the_same(
+    number: int | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: Any) -> int:
+        assert number is not None
+        raise OSError(number, os.strerror(number))
+
+    (tmp_path / "a").write_bytes(os.urandom(100_000))
+    if number is None:
+        monkeypatch.delattr(os, "copy_file_range", raising=False)
+    else:
+        monkeypatch.setattr(os, "copy_file_range", refuse, raising=False)
+    monkeypatch.setattr(ahead, "STEP", 1 << 12)
+    assert ahead.copied(tmp_path / "a", tmp_path / "b")
+    assert (tmp_path / "b").read_bytes() == (tmp_path / "a").read_bytes()
+
+
+def test_a_copy_that_is_stopped_says_so(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(bytes(100))
+    stop = threading.Event()
+    stop.set()
+    assert not ahead.copied(tmp_path / "a", tmp_path / "b", stop)
+
+
+def test_a_head_start_does_not_wait_for_numpy() -> None:
+    script = "import sys, rigtri.ahead, rigtri.cli.options; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+
+
+def test_times_are_sorted_and_stand_once() -> None:
+    times = np.array([3.0, 1.0, np.nan, 1.0, 2.0, np.nan, 3.0])
+    assert np.array_equal(each_once(times), np.unique(times), equal_nan=True)
+    assert len(each_once(np.zeros(0))) == 0
