@@ -32,7 +32,9 @@ class Stilled:
         self._rig = replace(
             document.rig,
             clips=tuple(
-                replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in still))
+                replace(
+                    clip, tracks=tuple(t for t in clip.tracks if t.path != "rotation" or t.node not in still)
+                )
                 for clip in document.rig.clips
             ),
         )

@@ -161,3 +161,23 @@ def test_a_biped_with_twist_joints_reads_as_in_its_golden(
 ) -> None:
     edit(samples / name, tmp_path / name, split)
     golden.check(f"add-twist_{name}.txt", describe(read(tmp_path / name).rig) + "\n")
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
+    once, more = tmp_path / name, tmp_path / f"more_{name}"
+    edit(samples / name, once, split)
+    four = Options(auto=True, count=4, split_weights=True)
+    checked = edit(once, more, lambda rig, report: add_twist(rig, options=four, report=report)).verification
+    assert checked is not None
+    assert checked.passes()
+    rig = read(more).rig
+    assert off_notes(rig) < 1e-3
+    for clip in rig.clips:
+        local = locals_at(rig, clip, key_times(clip)[:3])
+        nodes = [twist.node for twist in twists(rig)]
+        assert_allclose(
+            local[:, nodes, 3], np.broadcast_to(rig.local[nodes, 3], (len(local), len(nodes), 4)), atol=1e-6
+        )
