@@ -33,7 +33,7 @@ def shared(
     touched = mine.any(axis=1)
     total = np.where(mine, weights, 0.0).cumsum(axis=1)[:, -1] if joints.shape[1] else np.zeros(len(joints))
     near, far, share = _neighbours(spread, along(spread, points))
-    others = ((weights != 0) & ~mine).sum(axis=1)
+    others = np.count_nonzero((weights != 0) & ~mine, axis=1)
     if spread.most:
         share = np.where(others + 2 > spread.most, np.where(share < 0.5, 0.0, 1.0), share)
     second = total * share
