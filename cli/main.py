@@ -22,6 +22,7 @@ COMMANDS = {
     "add-polevector": "Add a locator that says which way a limb bends.",
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
     "add-twist": "Put twist joints along bones, so that skin does not wring.",
+    "constrain": "Let a node follow others: parent, point, orient, scale, aim, pole vector.",
     "mirror": "Give one side of a character the axes, controls and pole vectors of the other.",
     "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",

@@ -18,6 +18,7 @@ from .options import (
     reading_options,
     run_edit,
     source_argument,
+    turn_options,
 )
 from .words import plain
 
@@ -89,6 +90,7 @@ MOST = 20
     show_default=True,
     help="With --check: axes this far off pass.",
 )
+@turn_options
 @reading_options
 @edit_options
 @output_options
@@ -117,6 +119,9 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         selection=Selection(joints=values["joints"], below=values["below"], exclude=values["exclude"]),
         pose=values["pose"],
         root=values["root"],
+        on_nonuniform_scale=values["on_nonuniform_scale"],
+        on_constraint=values["on_constraint"],
+        tolerance=values["tolerance"],
     )
     if values["check"]:
         _check(values, options)

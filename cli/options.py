@@ -112,6 +112,35 @@ def reading_options(command: F) -> F:
     return command
 
 
+def turn_options(command: F) -> F:
+    """What becomes of joints that may not turn freely."""
+    for option in (
+        click.option(
+            "--on-nonuniform-scale",
+            type=click.Choice(["snap", "skip", "split", "error"]),
+            default="snap",
+            show_default=True,
+            help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
+            "a node of its own above it (USD: with --allow-rename), or stop.",
+        ),
+        click.option(
+            "--allow-rename",
+            is_flag=True,
+            help="USD: a split may rename joints, whose paths name all that is above them.",
+        ),
+        click.option(
+            "--on-constraint",
+            type=click.Choice(["freeze", "error"]),
+            default="freeze",
+            show_default=True,
+            help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
+            "constraint allows or not at all, and say so; or stop.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
 def check_streams(before: str, after: str) -> None:
     """UsageError where both files are to come from standard input."""
     if before == after == "-":

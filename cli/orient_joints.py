@@ -23,6 +23,7 @@ from .options import (
     run_edit,
     source_argument,
     target_option,
+    turn_options,
 )
 
 if TYPE_CHECKING:
@@ -126,27 +127,7 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     help="Where positions are taken. [bind where one skin holds the chain, else nodes]",
 )
 @click.option("--world", is_flag=True, help="Make every frame parallel to the world.")
-@click.option(
-    "--on-nonuniform-scale",
-    type=click.Choice(["snap", "skip", "split", "error"]),
-    default="snap",
-    show_default=True,
-    help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
-    "a node of its own above it (USD: with --allow-rename), or stop.",
-)
-@click.option(
-    "--allow-rename",
-    is_flag=True,
-    help="USD: a split may rename joints, whose paths name all that is above them.",
-)
-@click.option(
-    "--on-constraint",
-    type=click.Choice(["freeze", "error"]),
-    default="freeze",
-    show_default=True,
-    help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
-    "constraint allows or not at all, and say so; or stop.",
-)
+@turn_options
 @click.option(
     "--unknown-node-ext",
     type=click.Choice(["freeze", "ignore", "error"]),

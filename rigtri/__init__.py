@@ -18,6 +18,7 @@ _WHERE = {
     "add_polevector": "rigtri.ops.polevector",
     "add_twist": "rigtri.ops.twist",
     "add_controls": "rigtri.ops.controls",
+    "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
@@ -37,6 +38,7 @@ __all__ = [
     "add_polevector",
     "add_twist",
     "check",
+    "constrain",
     "describe",
     "diff",
     "edit",
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
     from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rigtri import pose
-from rigtri.constraints import alike
+from rigtri.constraints import alike, told_by_rules
 from rigtri.matching import Matching
 from rigtri.matrices import nearest_rotation
 from rigtri.records import Bound, Constraint
@@ -28,7 +28,7 @@ SAME_AXES = 1e-4
 
 def compare_attached(before: Rig, after: Rig, m: Matching) -> list[str]:
     """What no longer says the same, in words."""
-    if not (before.bound or after.bound or before.constraints):
+    if not (before.bound or after.bound or before.constraints or after.constraints):
         return []
     with np.errstate(all="ignore"):
         # Rotations as the format means them: unit, whatever was stored.
@@ -79,8 +79,7 @@ def _row(vector: Floats) -> str:
 
 def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Floats]) -> Iterator[str]:
     """Constraints whose axis points elsewhere, or whose nodes have turned apart (`rigtri.constraints`)."""
-    if not before.constraints:
-        return
+    ours, new = told_by_rules(before), told_by_rules(after)
     axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
     there = {(c.kind, c.node, c.source): c for c in after.constraints}
     for c in before.constraints:
@@ -88,12 +87,19 @@ def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Flo
             continue  # no rule of the file: what hangs there is where points and origins are
         now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
         title = f"the {c.kind} constraint of {before.title(c.node)}"
+        if now is None and ours.get(c.node) == c.kind:
+            continue  # a rule of ours that was told so before, and no longer is
         if now is None:
             yield f"{title} by {before.title(c.source)} is gone"
         elif not _axis_kept(c, now, axes):
             yield f"the axis of {title} points elsewhere"
         elif not _turn_alike(before, c, m, axes):
             yield f"{title} compares axes that have turned apart"
+
+    was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.constraints}
+    for c in after.constraints:
+        if c.kind != "tail" and (c.kind, c.node, c.source) not in was and new.get(c.node) != c.kind:
+            yield f"the {c.kind} constraint of {after.title(c.node)} by {after.title(c.source)} is new"
 
 
 def _axis_kept(c: Constraint, now: Constraint, axes: tuple[Floats, Floats]) -> bool:

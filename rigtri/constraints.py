@@ -73,5 +73,20 @@ def turned_constraints(rig: Rig, turn: Floats) -> tuple[Constraint, ...]:
     )
 
 
+def told_by_rules(rig: Rig) -> dict[int, str]:
+    """The nodes that follow a rule of rigtri's which is also told as a constraint, and of which kind.
+
+    The rule's note says so by ``vrm``: such a constraint is meant to move its node, and comes and
+    goes with the note.
+    """
+    found = {}
+    for note in rig.notes.values():
+        if note.get("type") == "constraint" and "vrm" in note:
+            child = rig.known(note.get("child"))
+            if child is not None:
+                found[child] = str(note["vrm"])
+    return found
+
+
 def _seen(constraint: Constraint, turn: Floats) -> Floats:
     return rotate(conjugate(turn), constraint.axis)

@@ -17,6 +17,8 @@ from rigtri.trigonometry import Floats, arc_tangent, sin_cos
 from rigtri.vectors import as_vectors, cross, dot, length, normalise
 
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
+# Each step squares what is left for turns about one axis, and divides it by 10 or so at 60° apart.
+_MEAN_STEPS = 16
 
 
 def as_quaternions(q: ArrayLike) -> Floats:
@@ -165,3 +167,37 @@ def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
     weight_a = np.where(close, 1.0 - share, from_a * scale)
     weight_b = np.where(close, share, from_b * scale)
     return np.asarray(a * weight_a[..., np.newaxis] + b * weight_b[..., np.newaxis])
+
+
+def average(q: ArrayLike, weights: ArrayLike) -> Floats:
+    """The weighted mean of turns, (..., d, 4), weights (..., d) ≥ 0 → (..., 4); NaN where all weigh 0.
+
+    The mean on the sphere of rotations: from it the weighted turns to all others cancel. Of two
+    turns it is `slerp`, with the weights as shares of the angle. The order does not matter while all
+    lie within a right angle of each other; farther apart there may be several means, and the one
+    near the heaviest is taken.
+
+    Source: X. Pennec, "Computing the mean of geometric features", 1998 (gradient descent).
+    """
+    q, weights = as_quaternions(q), np.asarray(weights, dtype=np.float64)
+    count = q.shape[-2]
+    total = weights[..., 0]
+    for k in range(1, count):
+        total = total + weights[..., k]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = weights / total[..., np.newaxis]
+    heaviest = np.argmax(np.broadcast_to(shares, q.shape[:-1]), axis=-1)[..., np.newaxis, np.newaxis]
+    mean = unit(np.take_along_axis(q, heaviest, axis=-2)[..., 0, :])
+    for _ in range(_MEAN_STEPS):
+        step = np.zeros((*mean.shape[:-1], 3))
+        for k in range(count):
+            turn = multiply(conjugate(mean), q[..., k, :])
+            turn = np.where(turn[..., 3:] < 0, -turn, turn)
+            size = length(turn[..., :3])
+            half = arc_tangent(size, turn[..., 3]) / np.where(size == 0, 1.0, size)
+            step = step + (shares[..., k] * half)[..., np.newaxis] * turn[..., :3]
+        size = length(step)
+        sine, cosine = sin_cos(size)
+        xyz = step * (sine / np.where(size == 0, 1.0, size))[..., np.newaxis]
+        mean = unit(multiply(mean, np.concatenate([xyz, cosine[..., np.newaxis]], axis=-1)))
+    return mean

@@ -28,6 +28,7 @@ from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate,
 from rigtri.records import Booleans, Integers, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
+from rigtri.turned_rules import turned_notes
 from rigtri.vectors import length
 
 # Scale components that differ by less (share of the largest) are one number: exporters leave
@@ -67,7 +68,9 @@ def reframe(rig: Rig, turn: Floats, *, scales: Scales | None = None) -> Rig:
     rig = _turn_rest(rig, turn, above, fold, scales)
     rig = _turn_skins(rig, turn)
     rig = _turn_clips(rig, turn, above, fold, scales)
-    rig = replace(_turn_bound(rig, turn), constraints=turned_constraints(rig, turn))
+    rig = replace(
+        _turn_bound(rig, turn), constraints=turned_constraints(rig, turn), notes=turned_notes(rig, turn)
+    )
     return _hand_over_payload(rig, turn)
 
 

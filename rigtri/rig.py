@@ -25,7 +25,7 @@ from rigtri.trigonometry import Floats
 # would need n² characters.
 DEEPEST_PATH = 256
 # Notes on nodes that are there only because rigtri has added them.
-ADDED = ("control", "group", "limb", "offset", "poleVector", "twist")
+ADDED = ("constraint", "control", "group", "limb", "offset", "poleVector", "twist")
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
 
@@ -252,6 +252,15 @@ class Rig:
     def has(self, name: str) -> bool:
         """Whether any node is called so, by name, label, path or VRM bone."""
         return bool(name and (self._by_name.get(name) or self._by_address.get(name)))
+
+    def known(self, name: object) -> int | None:
+        """The one node called so, as `find` has it; None where there is none, or several, or no name."""
+        if not isinstance(name, str):
+            return None
+        try:
+            return self.find(name)
+        except (NameNotFoundError, AmbiguousNameError):
+            return None
 
     def match(self, pattern: str, among: Iterable[int] | None = None) -> list[int]:
         """All nodes that a glob such as ``*_L`` matches by name, label or path.

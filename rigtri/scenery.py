@@ -7,11 +7,12 @@ where their facts are equal. Facts of two formats are not compared.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from rigtri.constraints import told_by_rules
 from rigtri.matching import Matching
 from rigtri.records import Mesh, Surface
 from rigtri.rig import Rig
@@ -109,6 +110,7 @@ def compare_scenery(
         return [], []
     sides = _Sides(rigs, m, share, apart)
     found = list(sides.facts("", mine.whole, theirs.whole))
+    mine, theirs = _without_rules(rigs[0], mine), _without_rules(rigs[1], theirs)
     for partners, here, there in ((m.shown, mine.nodes, theirs.nodes), (m.node, mine.own, theirs.own)):
         known = set()
         for node, facts in here.items():
@@ -121,6 +123,12 @@ def compare_scenery(
             found += sides.facts(f" of {rigs[0].title(back[node])}", {}, there[node])
     seen = [text for name, text in found if name not in UNSEEN]
     return seen, [text for name, text in found if name in UNSEEN]
+
+
+def _without_rules(rig: Rig, scenery: Scenery) -> Scenery:
+    """Without what nodes say of constraints that rules of rigtri's are told by: it changes by intent."""
+    ours = told_by_rules(rig)
+    return replace(scenery, own={k: facts for k, facts in scenery.own.items() if k not in ours})
 
 
 def _told(value: Any, rig: Rig) -> str:

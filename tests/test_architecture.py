@@ -26,9 +26,12 @@ trigonometry
 vectors
 quaternions
 matrices
-triangle shapes records
+euler triangle shapes records
 rig
-pose constraints spread twist
+pose constraints rules spread twist
+following
+dependence
+turned_rules
 reframe report reach
 lengths
 naming

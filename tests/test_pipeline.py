@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import shutil
+import weakref
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -263,3 +265,20 @@ def test_a_pole_vector_may_be_moved_by_a_second_run(name: str, samples: Path, tm
     outcome = edit(one, two, lambda rig, report: add_polevector(rig, options=further))
     assert outcome.changed
     assert len(read(one).rig) == len(read(two).rig)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -> None:
+    """A ring of references would keep it open until the next collection, and layers stale."""
+    gc.collect()
+    gc.disable()
+    try:
+        document = read(samples / name)
+        gone = weakref.ref(document)
+        rig = document.rig
+        assert len(rig.drawn())
+        assert all(skin.weighted.any() for skin in rig.skins)
+        del document, rig
+        assert gone() is None
+    finally:
+        gc.enable()

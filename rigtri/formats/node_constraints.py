@@ -73,3 +73,12 @@ def stored_axis(kind: str, axis: Sequence[float]) -> tuple[str, str]:
     key, words = _AXES[kind]
     numbers = tuple(abs(x) if kind == "roll" else x for x in axis)
     return key, next(word for word, known in words.items() if known == numbers)
+
+
+def stored(kind: str, source: int, axis: Sequence[float]) -> dict[str, object]:
+    """The extension of a node that follows ``source``, a file index, in full."""
+    told: dict[str, object] = {"source": source, "weight": 1.0}
+    if _AXES[kind][1]:
+        key, word = stored_axis(kind, axis)
+        told = {key: word, **told}
+    return {"specVersion": "1.0", "constraint": {kind: told}}

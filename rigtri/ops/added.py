@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from rigtri.matrices import from_frame, inverse, multiply, orthonormal_axes
-from rigtri.pose import world_of
 from rigtri.quaternions import IDENTITY, from_axes
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -83,12 +82,25 @@ def plain_name(wanted: str) -> str:
 
 
 def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
-    """Put a node at a place in the world, position (3,) and axes as rows (3, 3), seen from its parent."""
-    above = world_of(rig, int(rig.parents[node]))
+    """Put a node at a place in the world, position (3,) and axes as rows (3, 3), seen from its parent.
+
+    What an animator has set on controls above it carries it along: it stands there while they are zero.
+    """
+    above = unposed(rig, int(rig.parents[node]))
     place = multiply(from_frame(axes, position), inverse(above))
     # A place near its parent's keeps the rounding of both in the world.
     largest = max(float(length(position)), float(length(above[3, :3])))
     return stand_local(rig, node, place, noise=_SAME_PLACE * largest)
+
+
+def unposed(rig: Rig, node: int) -> Floats:
+    """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
+    world = np.eye(4)
+    while node >= 0:
+        if rig.notes.get(node, {}).get("type") != "control":
+            world = multiply(world, rig.local[node])
+        node = int(rig.parents[node])
+    return world
 
 
 def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:
@@ -98,7 +110,8 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
     least = max(_SAME_PLACE * float(length(place[3, :3])), noise, 1e-30)
     if length(place[3, :3] - translation[node]) > least:
         translation[node] = place[3, :3]
-    if np.abs(turn - rotation[node]).max() > _SAME_PLACE:
+    # q and −q are one rotation; of a half turn, rounding picks either.
+    if min(np.abs(turn - rotation[node]).max(), np.abs(turn + rotation[node]).max()) > _SAME_PLACE:
         rotation[node] = turn
     if rig.has_matrix[node]:
         matrix = rig.matrix.copy()

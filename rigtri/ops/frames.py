@@ -187,7 +187,7 @@ def mirrored_turns(
         axes = transform_directions(to_axes(turns[source]), ref.world[source])
         result[joint] = turn_onto(mirrored_axes(axes, mirror, reflect), ref, joint)
     if not any(side_of(rig, joint) for joint in turns):
-        raise GeometryError("--mirror: no joint that turns says left or right in its name")
+        raise GeometryError("no joint that turns says left or right in its name")
     return result
 
 

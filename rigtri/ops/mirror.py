@@ -9,7 +9,7 @@ Source: `rigtri.ops.twins` (what each way of mirroring means).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -18,17 +18,15 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import given
 from rigtri.matrices import inverse, multiply, orthonormal_axes
 from rigtri.naming import Side, twin
-from rigtri.ops.added import add, find, group, noted, stand, stand_local
+from rigtri.ops.added import add, find, group, noted, stand, stand_local, unposed
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
-from rigtri.ops.frames import mirrored_turns
 from rigtri.ops.orient import Options as OrientOptions
 from rigtri.ops.orient import orient_joints
-from rigtri.ops.plan import UNCHANGED
-from rigtri.ops.select import Selection, chosen
+from rigtri.ops.scale import Policy
+from rigtri.ops.select import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
 from rigtri.ops.twins import Mirror, Plane, mirrored_axes, reflection, side_of, twin_of
-from rigtri.pose import world_of
-from rigtri.quaternions import IDENTITY, turn_angle
+from rigtri.reach import TOLERANCE
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import reference, skeleton
@@ -53,6 +51,9 @@ class Options:
     selection: Selection = Selection()
     pose: str | None = None
     root: str | None = None
+    on_nonuniform_scale: Policy = "snap"
+    on_constraint: Literal["freeze", "error"] = "freeze"
+    tolerance: float = TOLERANCE
 
 
 def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = None) -> Rig:
@@ -80,38 +81,34 @@ def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = 
 
 def _joints(rig: Rig, options: Options, report: Report) -> Rig:
     """Turn the joints of the other side onto the mirrored axes of this side's."""
-    tree = skeleton(rig, options.root)
-    ref = reference(tree, options.pose)
-    both = chosen(tree, _both_sides(rig, options.selection))
-    sided = {joint: IDENTITY for joint in both if side_of(rig, joint) and joint not in rig.fixed}
-    if not sided:
+    both = _both_sides(rig, options)
+    if not both.named:
         return rig
-    turns = mirrored_turns(
-        tree,
-        ref,
-        sided,
+    oriented = OrientOptions(
+        keep=True,
         mirror=options.mode,
         from_side=options.from_side,
         plane=options.plane,
-        report=report,
+        selection=both,
+        on_nonuniform_scale=options.on_nonuniform_scale,
+        on_constraint=options.on_constraint,
+        pose=options.pose,
+        root=options.root,
+        tolerance=options.tolerance,
     )
-    meant = {joint: turn for joint, turn in turns.items() if float(turn_angle(turn)) > UNCHANGED}
-    if not meant:
-        return rig
-    frames = {rig.address(joint): turn.tolist() for joint, turn in meant.items()}
-    stored = {"rigtri": "frames", "v": 1, "joints": frames}
-    oriented = OrientOptions(frames=stored, pose=options.pose, root=options.root)
     return orient_joints(rig, options=oriented, report=report)
 
 
-def _both_sides(rig: Rig, selection: Selection) -> Selection:
-    """The selection with the twins of the joints that it names."""
-    if not selection.named:
-        return selection
-    tree = skeleton(rig, None)
-    named = chosen(tree, selection)
-    twins = [rig.address(other) for joint in named if (other := twin_of(rig, joint)) is not None]
-    return replace(selection, joints=(*selection.joints, *twins))
+def _both_sides(rig: Rig, options: Options) -> Selection:
+    """The joints on either side that may turn, of those that the user has named; all unless any are."""
+    tree = skeleton(rig, options.root)
+    turning, kept = select(tree, reference(tree, options.pose), Selection())
+    # A twin may be turned for its own sake, where orient-joints has no reason to.
+    may = {*turning, *(joint for joint, why in kept.items() if why in (ROOT, WEIGHTLESS, LONE))}
+    named = set(chosen(tree, options.selection))
+    named |= {other for joint in named if (other := twin_of(rig, joint)) is not None}
+    joints = [joint for joint in tree.joints if joint in named & may and side_of(rig, joint)]
+    return Selection(joints=tuple(rig.address(joint) for joint in joints))
 
 
 def _controls(rig: Rig, options: Options, report: Report) -> Rig:
@@ -121,12 +118,16 @@ def _controls(rig: Rig, options: Options, report: Report) -> Rig:
         for node, note in rig.notes.items()
         if note.get("type") == "control" and note.get("kind") in ("fk", "ik") and _is_of(rig, note, options)
     }
+    twins: dict[int, dict[str, Any]] = {}
     for node, note in wanted.items():
         there = _twin_note(rig, note)
         if there is None:
             report.warn("no-twin", f"the joint of '{rig.title(node)}' has no twin; nothing to put it on")
-            continue
-        rig = _one_control(rig, node, note, there, options, report)
+        else:
+            twins[node] = there
+    # Parents first, as the twins hang below each other.
+    for node in sorted(twins, key=lambda node: (rig.find(twins[node]["joint"]), node)):
+        rig = _one_control(rig, node, wanted[node], twins[node], options, report)
     return rig
 
 
@@ -154,14 +155,15 @@ def _one_control(
 def _edited(rig: Rig, control: int, other: int, reflect: Floats) -> Rig:
     """Give a control the mirrored motion of its twin, both against their offsets.
 
-    With O and O' the offsets in the world, M the reflection and L what the animator has set:
+    With O and O' the offsets in the world while controls are zero, M the reflection and L what the
+    animator has set:
     L' = O'·M·O⁻¹·L·O·M·O'⁻¹. Untouched controls stay exactly as they are.
     """
     own = rig.local[control]
     if np.array_equal(own, np.eye(4)) and np.array_equal(rig.local[other], np.eye(4)):
         return rig
     mirrored = np.diag([*reflect, 1.0])
-    here, there = (world_of(rig, int(rig.parents[node])) for node in (control, other))
+    here, there = (unposed(rig, int(rig.parents[node])) for node in (control, other))
     across = multiply(multiply(there, mirrored), inverse(here))
     place = multiply(multiply(across, own), inverse(across))
     return stand_local(rig, other, place)
@@ -183,7 +185,7 @@ def _poles(rig: Rig, options: Options, report: Report) -> Rig:
             rig, parent = _home(rig, node)
             rig, other = add(rig, twin(rig.names[node]), parent, there)
         rig = noted(rig, other, there)
-        world = world_of(rig, node)
+        world = unposed(rig, node)
         axes = mirrored_axes(orthonormal_axes(world), options.mode, reflect)
         rig = stand(rig, other, world[3, :3] * reflect, axes)
         report.added.append({"node": rig.names[other], "type": "poleVector", "new": new})

@@ -22,6 +22,7 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.triangle import axis_of
 from rigtri.trigonometry import Floats
+from rigtri.turned_rules import lost_rules
 
 # What products of float64 quaternions leave of a rotation that is undone.
 LAST_BITS = 1e-12
@@ -70,8 +71,19 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     tell_straight(plan)
     check(plan, turns)
     record(plan, wanted, turns, parted)
+    _tell_rules(rig, exact, report)
     out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
     return split(out, parted)
+
+
+def _tell_rules(rig: Rig, turns: Floats, report: Report) -> None:
+    """The constraints of rigtri's own whose rules the new axes cannot tell."""
+    for node in lost_rules(rig, turns):
+        report.warn(
+            "constraint-lost",
+            f"'{rig.names[node]}' tells its rule by axes that turned, so it means something else now; "
+            "set it again with rigtri constrain",
+        )
 
 
 def _at_frames(rig: Rig, turns: Floats) -> Floats:

@@ -44,7 +44,10 @@ UNCHANGED_LIKE = 5e-7
 
 @dataclass(frozen=True)
 class Options:
-    """Everything that `orient_joints` can be told; the defaults are the command's."""
+    """Everything that `orient_joints` can be told; the defaults are the command's.
+
+    keep: joints have their axes already; only ``mirror`` turns those of the other side.
+    """
 
     style: Style = Style()
     selection: Selection = Selection()
@@ -61,6 +64,7 @@ class Options:
     on_constraint: Literal["freeze", "error"] = "freeze"
     snap: bool = False
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    keep: bool = False
     mirror: Mirror | None = None
     from_side: Literal["left", "right"] = "left"
     plane: Plane = "yz"
@@ -133,7 +137,9 @@ class Plan:
         if options.frames is not None:  # applied as they are, however small
             stored, undo = options.frames, options.inverse
             return stored_turns(rig, self.turning, stored, inverted=undo, report=self.report)
-        if options.like is not None:
+        if options.keep:
+            turns = dict.fromkeys(self.turning, IDENTITY)
+        elif options.like is not None:
             turns = like_turns(self.tree, self.ref, self.turning, options.like, self.report)
         else:
             turns = self._oriented()

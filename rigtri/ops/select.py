@@ -15,6 +15,8 @@ _EYES = ("leftEye", "rightEye")
 EXCLUDED = "excluded"
 ROOT = "root joint: its motion is root motion"
 EYE = "VRM eye"
+WEIGHTLESS = "no weight on or below it"
+LONE = "lone end joint beside siblings"
 # Joints that are kept for these reasons do not turn for the sake of another joint either.
 STEADFAST = frozenset({EXCLUDED, ROOT, EYE})
 
@@ -127,13 +129,13 @@ class _Stays:
         if above < 0:
             return ROOT
         if not tree.carries[joint]:
-            return "no weight on or below it"
+            return WEIGHTLESS
         if joint in self._eyes:
             return EYE
         if joint in self._driven:
             return "a roll constraint drives it"
         if not tree.below[joint] and self._siblings(above) and chain_child(tree, self._ref, above) != joint:
-            return "lone end joint beside siblings"
+            return LONE
         return ""
 
     def _siblings(self, above: int) -> bool:

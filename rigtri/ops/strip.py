@@ -10,7 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rigtri.constraints import told_by_rules
 from rigtri.errors import GeometryError
+from rigtri.records import Constraint
 from rigtri.report import Report
 from rigtri.rig import Rig
 
@@ -50,6 +52,7 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
         names=names,
         notes=notes,
         removed=rig.removed | gone,
+        constraints=_others(rig),
         shapes={node: shape for node, shape in rig.shapes.items() if node not in gone},
         clips=tuple(
             replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in gone))
@@ -64,6 +67,12 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
             for skin in rig.skins
         ),
     )
+
+
+def _others(rig: Rig) -> tuple[Constraint, ...]:
+    """The node constraints that no rule of ours is told by."""
+    ours = told_by_rules(rig)
+    return tuple(c for c in rig.constraints if ours.get(c.node) != c.kind)
 
 
 def _gone(rig: Rig) -> frozenset[int]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,7 @@ from rigtri.formats.gltf.values import Value
 from rigtri.formats.gltf.writer import write_file
 from rigtri.formats.vrm import read_bindings
 from rigtri.formats.vrm_facts import read_facts
-from rigtri.records import Booleans, Bound, Constraint, Mesh
+from rigtri.records import Bound, Constraint, Mesh
 from rigtri.report import Notice
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
@@ -93,7 +94,7 @@ class GltfDocument:
         """The same; where a file has very many points, some of them and boxes for its largest meshes."""
         if not self._reader.crowd:
             return self.meshes()
-        return self._reader.read(self._rig.skins, "closely" if closely else "stated")
+        return self._reader.outlines(self._rig.skins, closely=closely)
 
     def scenery(self, *, closely: bool = False) -> Scenery:
         """Scenes, lenses, lights and materials of the nodes that show something, and what avatars say."""
@@ -142,16 +143,15 @@ class GltfDocument:
             )
         return write_file(self, rig, part, target)
 
-    def _weigh(self, skin: int) -> Booleans:
-        return self._reader.weighted(skin, len(self._rig.skins[skin].joints))
-
     def _read_rig(self, gltf: Value) -> Rig:
         tree, rest, options = self.tree, self.rest, self.options
         nodes = gltf.object().get("nodes", [])
         ordered = [nodes[index] for index in tree.order]
         names = [node.get("name") for node in ordered]
         extras = [node.get("extras") for node in ordered]
-        skins = read_skins(gltf, self.accessors, tree, self.notices, self._weigh, lenient=options.lenient)
+        skins = read_skins(
+            gltf, self.accessors, tree, self.notices, self._reader.weighted, lenient=options.lenient
+        )
         clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
         bindings = read_bindings(gltf, tree.above)
         self.notices += bindings.notices
@@ -192,7 +192,8 @@ class GltfDocument:
                 if isinstance(e, dict) and isinstance(e.get("rigtri"), dict)
             },
             facing=bindings.facing,
-            drawn=self.outlines,
+            # Of the reader alone: a rig that held its document would keep the file open in a ring.
+            drawn=partial(self._reader.outlines, skins),
         )
         self._freeze(rig, ordered, fixed)
         return rig

@@ -69,6 +69,12 @@ class MeshReader:
         self._numbers.clear()
         return found
 
+    def outlines(self, skins: Sequence[Skin], *, closely: bool = False) -> list[Mesh]:
+        """The same; where there are very many points, some of them and boxes for the largest meshes."""
+        if not self.crowd:
+            return self.read(skins)
+        return self.read(skins, "closely" if closely else "stated")
+
     @cached_property
     def crowd(self) -> set[tuple[int, int]]:
         """Node and number of the primitives to outline: the largest, until few enough points are left."""

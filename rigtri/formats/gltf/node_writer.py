@@ -16,12 +16,12 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import unit_rotations
 from rigtri.formats.gltf.validate import SHOWN_EXTENSIONS
-from rigtri.formats.node_constraints import stored_axis
+from rigtri.formats.node_constraints import CONSTRAINT, stored, stored_axis
 from rigtri.formats.vrm import mesh_references
 from rigtri.formats.vrm0 import stored_vector
 from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.pose import worlds
-from rigtri.records import Integers
+from rigtri.records import Constraint, Integers
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
@@ -266,13 +266,43 @@ class NodeWriter:
 
     def _write_constraints(self) -> None:
         before = {constraint.key: constraint.axis for constraint in self._source.constraints}
+        kept = {constraint.key for constraint in self._rig.constraints}
+        for key in before:
+            if isinstance(key, tuple) and key not in kept:
+                self._remove_constraint(key[1])
         for constraint in self._rig.constraints:
             key = constraint.key
+            if key is None and constraint.kind != "tail":
+                self._add_constraint(constraint)
             if isinstance(key, tuple) and (constraint.axis != before[key]).any():
                 name, word = stored_axis(constraint.kind, constraint.axis.tolist())
                 holder = self._draft.own(*key)
                 if holder.get(name) != word:
                     holder[name] = word
+
+    def _add_constraint(self, constraint: Constraint) -> None:
+        holder = self._node(constraint.node)
+        source = self.index[constraint.source]
+        told = stored(constraint.kind, source, constraint.axis.tolist())
+        holder["extensions"] = {**holder.get("extensions", {}), CONSTRAINT: told}
+        used = self._draft.need("extensionsUsed", empty=[])
+        if CONSTRAINT not in used:
+            used.append(CONSTRAINT)
+
+    def _remove_constraint(self, index: int) -> None:
+        """Take the extension from a node, and from the list of extensions with the last of them."""
+        holder = self._draft.own("nodes", index)
+        left = {name: value for name, value in holder["extensions"].items() if name != CONSTRAINT}
+        holder["extensions"] = left
+        if not left:
+            holder.pop("extensions")
+        gltf = self._draft.gltf
+        still = any(CONSTRAINT in (node.get("extensions") or {}) for node in gltf["nodes"])
+        if not still and CONSTRAINT in gltf.get("extensionsUsed", []):
+            used = self._draft.own("extensionsUsed")
+            used.remove(CONSTRAINT)
+            if not used:
+                gltf.pop("extensionsUsed")
 
     def repair(self, repaired: set[int]) -> None:
         """Give nodes that contradicted themselves the TRS that was understood, and nothing else.

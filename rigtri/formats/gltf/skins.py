@@ -6,6 +6,7 @@ Source: glTF 2.0 §3.7.3.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -27,11 +28,11 @@ def read_skins(
     accessors: Accessors,
     tree: Tree,
     notices: list[Notice],
-    weigh: Callable[[int], Booleans],
+    weigh: Callable[[int, int], Booleans],
     *,
     lenient: bool,
 ) -> tuple[Skin, ...]:
-    """All skins. weigh: which joints of skin k move any point."""
+    """All skins. weigh: which of so many joints of skin k move any point."""
     skins = []
     drawn = {node.get("skin") for node in gltf.object().get("nodes", []) if "mesh" in node}
     for number, item in enumerate(gltf.each("skins")):
@@ -45,16 +46,12 @@ def read_skins(
                 joints=np.array([tree.place[joint] for joint in joints], dtype=np.int64),
                 inverse_bind=np.tile(np.eye(4), (len(joints), 1, 1)) if matrices is None else matrices,
                 stored=matrices is not None,
-                weigh=_later(weigh, number),
+                weigh=partial(weigh, number, len(joints)),
                 key=number,
                 drawn=number in drawn,
             )
         )
     return tuple(skins)
-
-
-def _later(weigh: Callable[[int], Booleans], number: int) -> Callable[[], Booleans]:
-    return lambda: weigh(number)
 
 
 def _joints(gltf: Value, skin: Value, tree: Tree, notices: list[Notice]) -> list[int]:

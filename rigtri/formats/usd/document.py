@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -50,9 +51,10 @@ class UsdDocument:
 
     def __init__(self, source: Source, options: Options, layer: Any) -> None:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
-        rig = replace(source.rig, drawn=self.outlines)
-        self._source, self._options, self._layer = replace(source, rig=rig), options, layer
         self._notices = list(source.warnings)
+        # Of the source alone: a rig that held its document would keep the stage open in a ring.
+        rig = replace(source.rig, drawn=partial(_read_meshes, source, self._notices))
+        self._source, self._options, self._layer = replace(source, rig=rig), options, layer
 
     @classmethod
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
@@ -72,18 +74,7 @@ class UsdDocument:
 
     def meshes(self) -> Sequence[Mesh]:
         """Skinned and rigid points, blend shapes as morphs without inbetweens."""
-        rig, source = self.rig, self._source
-        nodes = {label: node for node, label in enumerate(rig.labels) if kind(rig.keys[node]) == "prim"}
-        skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
-        tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
-        with quiet(f"{source.path}: USD cannot read its meshes"):
-            found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
-        for mesh in found:
-            if mesh.skin is not None and not np.isfinite(mesh.weights).all():
-                text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
-                if (notice := Notice("mesh-unread", text)) not in self._notices:
-                    self._notices.append(notice)
-        return found
+        return _read_meshes(self._source, self._notices)
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same: USD keeps what is drawn in memory anyway."""
@@ -261,6 +252,22 @@ class UsdDocument:
         fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
         if wanted != own and wanted not in fits:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
+
+
+def _read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
+    """The meshes of a source; those that nobody can measure are noticed."""
+    rig = source.rig
+    nodes = {label: node for node, label in enumerate(rig.labels) if kind(rig.keys[node]) == "prim"}
+    skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
+    tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
+    with quiet(f"{source.path}: USD cannot read its meshes"):
+        found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+    for mesh in found:
+        if mesh.skin is not None and not np.isfinite(mesh.weights).all():
+            text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
+            if (notice := Notice("mesh-unread", text)) not in notices:
+                notices.append(notice)
+    return found
 
 
 def opened(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,9 @@ from rigtri.pose import worlds
 from rigtri.records import Skin
 from rigtri.rig import Rig
 
+# What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
+SOURCE = "rigtri:source"
+
 
 def is_ours(rig: Rig, node: int) -> bool:
     """Whether a prim was made by rigtri: it carries a note, and its place is ours to set."""
@@ -28,6 +32,8 @@ def is_ours(rig: Rig, node: int) -> bool:
 
 def edits(source: Source, rig: Rig) -> list[Edit]:
     """New nodes as prims, and prims of ours brought up to date."""
+    if any(c.key is None and c.kind != "tail" for c in rig.constraints):
+        raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
     return [*_update(source, rig), *_Additions(source, rig).edits(), *_removals(source, rig)]
 
 
@@ -41,6 +47,7 @@ def _update(source: Source, rig: Rig) -> list[Edit]:
             old, new = notes.attributes_of(before.notes.get(node, {})), notes.attributes_of(note)
             found += [_remove(path, name) for name in old if name not in new]
             found += _attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
+            found += _relations(path, note, _prims(rig, note, {}))
         if not is_ours(before, node):
             continue
         if (before.local[node] != rig.local[node]).any():
@@ -134,6 +141,7 @@ class _Additions:
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
         found = [define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
+        found += _relations(path, note, _prims(self.rig, note, self.paths))
         if node in self.rig.shapes:
             found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
         return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found
@@ -151,7 +159,8 @@ class _Additions:
 
     def _top(self, node: int) -> Any:
         """The top-level prim that holds the skeleton a node is about."""
-        rig, wanted = self.rig, self.rig.notes.get(node, {}).get("chain", ())
+        rig, note = self.rig, self.rig.notes.get(node, {})
+        wanted = note.get("chain", [note["child"]] if note.get("type") == "constraint" else [])
         about = [
             parts(rig.keys[joint])[1]
             for joint in range(len(self.source.rig))
@@ -186,6 +195,34 @@ class _Additions:
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
         above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
         return path, above
+
+
+def _prims(rig: Rig, note: Mapping[str, Any], made: Mapping[int, Any]) -> list[Any]:
+    """The prims among a constraint's drivers."""
+    found = []
+    for name in note.get("drivers", ()):
+        node = rig.known(name)
+        if node is not None and node in made:
+            found.append(made[node])
+        elif node is not None and kind(rig.keys[node]) == "prim":
+            found.append(Sdf.Path(rig.labels[node]))
+    return found
+
+
+def _relations(path: Any, note: Mapping[str, Any], targets: list[Any]) -> list[Edit]:
+    """The relationship of a constraint to its drivers; none for other notes."""
+    if note.get("type") != "constraint":
+        return []
+
+    def edit(layer: Any) -> None:
+        spec = Sdf.CreatePrimInLayer(layer, path)
+        if SOURCE in spec.relationships:
+            del spec.properties[SOURCE]
+        if targets:
+            relation = Sdf.RelationshipSpec(spec, SOURCE, custom=True)
+            relation.targetPathList.explicitItems = targets
+
+    return [Edit(Sdf.Path(path), edit)]
 
 
 def _addresses(rig: Rig, node: int) -> tuple[str, ...]:

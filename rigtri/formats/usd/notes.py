@@ -19,6 +19,8 @@ PREFIX = "rigtri:"
 TWIN = "userProperties:"
 # Words from a fixed list are tokens, in USD's own way; all other words are strings.
 TOKENS = ("type",)
+# Numbers that are no vector where there happen to be three.
+ARRAYS = ("weights",)
 # On a Skeleton: which joints have notes, and the notes.
 JOINT_NOTES = ("rigtri:joints", "rigtri:jointNotes")
 
@@ -98,7 +100,7 @@ def _typed(key: str, value: Any) -> tuple[Any, Any]:
         return (types.Token if key in TOKENS else types.String), value
     if _all(value, str):
         return types.TokenArray, Vt.TokenArray(list(value))
-    if len(value) == 3:
+    if len(value) == 3 and key not in ARRAYS:
         return types.Double3, Gf.Vec3d(*map(float, value))
     return types.DoubleArray, Vt.DoubleArray([float(number) for number in value])
 
