@@ -22,6 +22,7 @@ COMMANDS = {
     "add-polevector": "Add a locator that says which way a limb bends.",
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
     "make-limb": "Make an oriented chain of joints and its pole vector from three points.",
+    "add-twist": "Put twist joints along bones, so that skin does not wring.",
     "constrain": "Let a node follow others: parent, point, orient, scale, aim, pole vector.",
     "mirror": "Give one side of a character the axes, controls and pole vectors of the other.",
     "strip": "Take out again what rigtri has put into a file.",

@@ -17,6 +17,7 @@ _WHERE = {
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "make_limb": "rigtri.ops.limb",
+    "add_twist": "rigtri.ops.twist",
     "add_controls": "rigtri.ops.controls",
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
@@ -36,6 +37,7 @@ __all__ = [
     "RigtriError",
     "add_controls",
     "add_polevector",
+    "add_twist",
     "check",
     "constrain",
     "describe",
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.strip import strip
+    from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit
     from rigtri.report import Report
     from rigtri.rig import Rig

@@ -92,7 +92,8 @@ class Comparison:
     deviation by title. poses: how many were looked at; 0 where both are the same to
     the bit. lost, added, changed: `rigtri.matching.Matching`. different: what looks
     different whatever the pose (`rigtri.scenery`). boxed: meshes of which only some points
-    were looked at, and the box that the file states for all.
+    were looked at, and the box that the file states for all. moved: where an edit changes poses on
+    purpose, how far, relative to ``diagonal``; None where none was meant to.
     """
 
     deviation: float
@@ -109,6 +110,7 @@ class Comparison:
     different: tuple[str, ...]
     poses: int
     boxed: tuple[str, ...] = ()
+    moved: float | None = None
     raw_counts: bool = False
 
     @property
@@ -139,6 +141,7 @@ class Comparison:
             "different": list(self.different),
             "poses": self.poses,
             "boxed": list(self.boxed),
+            **({} if self.moved is None else {"moved": _finite(self.moved)}),
         }
 
     def summary(self) -> str:
@@ -153,6 +156,8 @@ class Comparison:
             )
         if self.boxed:
             line += f"; {len(self.boxed)} large meshes by their boxes"
+        if self.moved is not None:
+            line += f" while no twist joint turns; as they turn, points move by up to {self.moved:.2g}"
         for word, found in (("lost", self.lost), ("different", self.different)):
             if found:
                 line += f"; {word}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"

@@ -12,6 +12,7 @@ from typing import Literal
 from rigtri.errors import UsageError
 from rigtri.naming import Side, limb_parts, number, part, side, without_prefix
 from rigtri.rig import Rig
+from rigtri.twist import is_twist
 
 Kind = Literal["arm", "leg", ""]
 
@@ -77,9 +78,11 @@ def recognise(rig: Rig) -> list[Limb]:
     """The arms and legs that a VRM humanoid map or joint names tell of, left before right."""
     if rig.humanoid:
         return _from_humanoid(rig)
-    joints = [node for node in range(len(rig)) if rig.is_joint[node] and rig.names[node]]
+    # Twist joints are called like the bones that they stand along.
+    named = [node for node, name in enumerate(rig.names) if name and not is_twist(rig.notes.get(node))]
+    joints = [node for node in named if rig.is_joint[node]]
     if not joints:  # a hierarchy without skin: its plain nodes may be named like limbs
-        joints = [node for node in range(len(rig)) if rig.names[node]]
+        joints = named
     return [limb for group in _characters(rig, joints) for limb in _from_names(rig, group)]
 
 
@@ -147,7 +150,7 @@ def _from_words(rig: Rig, names: dict[int, str], kind: Kind, which: Side) -> Lim
 def _only_joint_below(rig: Rig, node: int) -> int | None:
     children = rig.children[node]
     below = [k for child in children for k in (rig.children[child] if child in rig.holders else (child,))]
-    joints = [child for child in below if rig.is_joint[child]]
+    joints = [child for child in below if rig.is_joint[child] and not is_twist(rig.notes.get(child))]
     return joints[0] if len(joints) == 1 else None
 
 

@@ -32,6 +32,7 @@ from rigtri.outputs import Written, as_file_error, spare
 from rigtri.pose import worlds
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
+from rigtri.stilled import check_split
 
 Step = Callable[[Rig, Report], Rig]
 
@@ -204,6 +205,8 @@ def _checked(
         return self_check(document, document)
     with called(names):
         after = document.reopen(written.part)
+        if rig.spreads:
+            return check_split(document, after)
         if rig.removed:
             return _without(after, document, rig)
         result = self_check(document, after)

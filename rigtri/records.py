@@ -46,12 +46,14 @@ class Clip:
 
     idle: nothing plays its tracks but those of weights, until the file is changed: they are turned
     all the same, so that they fit then, and are no motion.
+    fixed_times: new rotation keys can only stand where the clip has some, as its joints share them.
     """
 
     name: str
     tracks: tuple[Track, ...]
     key: Hashable = None
     idle: bool = False
+    fixed_times: bool = False
 
     @property
     def played(self) -> Clip:
@@ -84,6 +86,23 @@ class Skin:
     def weighted(self) -> Booleans:
         """Which joints move any point, (m,); all of them when nobody can tell."""
         return np.ones(len(self.joints), dtype=bool) if self.weigh is None else self.weigh()
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """The weight of a bone's points, to be shared among joints that stand along it.
+
+    skin: its number. joints: rows of the skin, (k,), the bone's own among them; at: where each
+    stands along the bone, (k,), rising. start, end: of the bone, in the space of the skin's
+    points as ``Mesh.bind`` leaves them, (3,) each. most: joints that a point may have, 0 for any number.
+    """
+
+    skin: int
+    joints: Integers
+    at: Floats
+    start: Floats
+    end: Floats
+    most: int = 0
 
 
 @dataclass(frozen=True, eq=False)

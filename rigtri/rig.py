@@ -17,7 +17,7 @@ import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
-from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Mesh, Skin, Track
+from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Mesh, Skin, Spread, Track
 from rigtri.shapes import Shape
 from rigtri.trigonometry import Floats
 
@@ -25,7 +25,7 @@ from rigtri.trigonometry import Floats
 # would need n² characters.
 DEEPEST_PATH = 256
 # Notes on nodes that are there only because rigtri has added them.
-ADDED = ("constraint", "control", "group", "limb", "offset", "poleVector")
+ADDED = ("constraint", "control", "group", "limb", "offset", "poleVector", "twist")
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
 
@@ -46,7 +46,8 @@ class Rig:
     transform is data and places nothing, so that they are no joints whoever names them.
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
-    at nodes; what a file has drawn before is payload, and stays as it is.
+    at nodes; what a file has drawn before is payload, and stays as it is. spreads: what is to be
+    done to the weights of meshes when the rig is written.
     removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
     raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
@@ -75,6 +76,7 @@ class Rig:
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     shapes: Mapping[int, Shape] = field(default_factory=dict)
+    spreads: tuple[Spread, ...] = ()
     removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)

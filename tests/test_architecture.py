@@ -28,7 +28,7 @@ quaternions
 matrices
 euler triangle shapes records
 rig
-pose constraints rules
+pose constraints rules spread twist
 following
 dependence
 turned_rules
@@ -42,6 +42,7 @@ playing
 moving scenery attached
 watched
 compare describe description changes
+stilled
 delivery
 ahead ops formats
 inputs outputs

@@ -118,7 +118,8 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
         # A matrix keeps its own scale, as translation and rotation beside a scale do.
         size = length(matrix[node, :3, :3])
         moved = from_frame(orthonormal_axes(place) * size[:, np.newaxis], place[3, :3])
-        if np.abs(moved - matrix[node]).max() > _SAME_PLACE * max(1.0, float(np.abs(moved).max())):
+        # An element of a matrix moves by up to four times as much as those of a quaternion.
+        if np.abs(moved - matrix[node]).max() > 4.0 * _SAME_PLACE * max(1.0, float(np.abs(moved).max())):
             matrix[node] = moved
         return replace(rig, matrix=matrix)
     return replace(rig, translation=translation, rotation=rotation)

@@ -15,6 +15,7 @@ from rigtri.naming import twin
 from rigtri.rig import Rig
 from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
 from rigtri.trigonometry import Floats
+from rigtri.twist import is_twist
 from rigtri.vectors import dot, length, normalise
 
 # A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
@@ -106,9 +107,9 @@ def aim_of(tree: Skeleton, ref: Reference, joint: int, rules: Rules) -> Aim:
 
 
 def _candidates(tree: Skeleton, ref: Reference, joint: int) -> list[int]:
-    """Joints below that may continue a chain: no eyes, and only weighted ones where some are."""
+    """Joints below that may continue a chain: no eyes, no twist joints, only weighted ones if some are."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
-    below = [k for k in tree.below[joint] if k not in eyes]
+    below = [k for k in tree.below[joint] if k not in eyes and not is_twist(tree.rig.notes.get(k))]
     weighted = [k for k in below if tree.carries[k]]
     some = weighted or below
     if not some:

@@ -30,6 +30,7 @@ from rigtri.rig import Rig
 from rigtri.shapes import COLORS, KINDS, Kind, drawn
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
 from rigtri.trigonometry import Floats
+from rigtri.twist import is_twist
 from rigtri.vectors import dot
 
 TOKENS = ("joint", "side", "kind")
@@ -138,11 +139,11 @@ class _Builder:
         return self.rig
 
     def _joints(self) -> list[int]:
-        """The joints that get FK controls, parents first."""
+        """The joints that get FK controls, parents first; twist joints follow by themselves."""
         options = self.options
         if not (options.selection.named or options.whole_character):
             return []
-        found = chosen(self.tree, options.selection)
+        found = [k for k in chosen(self.tree, options.selection) if not is_twist(self.rig.notes.get(k))]
         return found if options.selection.named else [joint for joint in found if self.tree.carries[joint]]
 
     def _root(self) -> None:

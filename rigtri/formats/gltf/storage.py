@@ -10,9 +10,11 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from numpy.typing import NDArray
+
 from rigtri.errors import FileError
 from rigtri.formats import Companion
-from rigtri.formats.gltf.accessors import FLOAT, Accessors, Layout
+from rigtri.formats.gltf.accessors import COMPONENTS, Accessors, Layout
 from rigtri.formats.gltf.container import Container, Piece
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
@@ -20,7 +22,12 @@ from rigtri.formats.gltf.rounding import Singles
 from rigtri.formats.gltf.uris import encode_data, escape, is_data
 
 # A view holds one kind only: validators call anything else an override.
-Role = Literal["inverse bind matrices", "animation", "shapes"]
+Role = Literal[
+    "inverse bind matrices", "animation", "shapes", "influences 4", "influences 8", "influences 16"
+]
+# Attributes of vertices that share a view must say their stride.
+_STRIDES: dict[Role, int] = {"shapes": 12, "influences 4": 4, "influences 8": 8, "influences 16": 16}
+Numbers = NDArray[Any]
 OWN_NAME = "rigtri"
 _ARRAY_BUFFER = 34962
 
@@ -69,15 +76,27 @@ class Storage:
             _set_bounds(self._draft.own("accessors", accessor), rows)
 
     def add(
-        self, rows: Singles, kind: str, role: Role, like: int | None = None, *, bounds: bool = False
+        self,
+        rows: Numbers,
+        kind: str,
+        role: Role,
+        like: int | None = None,
+        *,
+        bounds: bool = False,
+        normalized: bool = False,
     ) -> int:
-        """A new accessor, or the one that already got the same rows. like: whose name and bounds it takes."""
+        """A new accessor, or the one that already got the same rows. like: whose name and bounds it takes.
+
+        normalized: integers stand for 0 to 1.
+        """
         source = self._gltf["accessors"][like] if like is not None else {}
         bounds = bounds or "min" in source or "max" in source
         content = rows.tobytes()
-        key = (role, kind, content, bounds)
+        key = (role, kind, content, bounds, rows.dtype.str, normalized)
         if key not in self._added:
             self._added[key] = self._append(content, rows, kind, role, source, bounds)
+            if normalized:
+                self._draft.own("accessors", self._added[key])["normalized"] = True
         return self._added[key]
 
     @property
@@ -92,19 +111,19 @@ class Storage:
             self._draft.own("buffers", buffer)["byteLength"] = length
 
     def _append(
-        self, content: bytes, rows: Singles, kind: str, role: Role, source: dict[str, Any], bounds: bool
+        self, content: bytes, rows: Numbers, kind: str, role: Role, source: dict[str, Any], bounds: bool
     ) -> int:
         if role not in self._tails:
             views = self._draft.need("bufferViews", empty=[])
             self._tails[role] = _Tail(len(views))
-            # Attributes of vertices that share a view must say their stride.
-            views.append({"byteStride": 12, "target": _ARRAY_BUFFER} if role == "shapes" else {})
+            stride = _STRIDES.get(role)
+            views.append({"byteStride": stride, "target": _ARRAY_BUFFER} if stride else {})
         tail = self._tails[role]
         accessor: dict[str, Any] = {key: source[key] for key in ("name", "extras") if key in source}
         accessor |= {
             "bufferView": tail.view,
             "byteOffset": len(tail.content),
-            "componentType": FLOAT,
+            "componentType": next(k for k, item in COMPONENTS.items() if item == rows.dtype),
             "count": len(rows),
             "type": kind,
         }
@@ -205,7 +224,7 @@ class Storage:
         return [Companion(name, bytes(content))]
 
 
-def _set_bounds(accessor: dict[str, Any], rows: Singles) -> None:
+def _set_bounds(accessor: dict[str, Any], rows: Numbers) -> None:
     for key, bound in (("min", rows.min(axis=0)), ("max", rows.max(axis=0))):
         if key in accessor:
             accessor[key] = [float(number) for number in bound]

@@ -19,6 +19,7 @@ from rigtri.formats.gltf.prune import prune
 from rigtri.formats.gltf.resources import accompany, relink
 from rigtri.formats.gltf.shape_writer import write_shapes
 from rigtri.formats.gltf.storage import Storage
+from rigtri.formats.gltf.weight_writer import WeightWriter
 from rigtri.rig import Rig
 
 if TYPE_CHECKING:
@@ -41,6 +42,9 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
         clips = ClipWriter(draft, storage, document.accessors, document.rig, rig, nodes.index, nodes.moved)
         nodes.write()
         write_shapes(draft, storage, rig, nodes.index)
+        weights = WeightWriter(draft, storage, document.accessors, str(container.path))
+        weights.write(rig)
+        document.notices += [notice for notice in weights.notices if notice not in document.notices]
         try:
             clips.write()
         except OverflowError as error:

@@ -214,7 +214,7 @@ def clips(
             for property_name, item in animation.properties.items()
             for track in _tracks(property_name, item, columns, start, interpolation)
         ]
-        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path), animation.idle))
+        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path), animation.idle, True))
     held = [
         Track(node, PROPERTIES[property_name], "STEP", _ZERO, values[:, column], (property_name, column))
         for property_name, item in animation.properties.items()
@@ -222,7 +222,7 @@ def clips(
         for column, node in columns
     ]
     if held:
-        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path), animation.idle))
+        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path), animation.idle, True))
     return result
 
 

@@ -19,6 +19,7 @@ from rigtri.formats import Companion, Options
 from rigtri.formats.usd import (
     external,
     instances,
+    joint_tracks,
     joints,
     layers,
     meshes,
@@ -27,6 +28,7 @@ from rigtri.formats.usd import (
     splice,
     splits,
     variant_edits,
+    weights,
     writer,
 )
 from rigtri.formats.usd.confirm import Expected
@@ -95,10 +97,13 @@ class UsdDocument:
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
             source, rig, first = joints.extended(self._source, rig, self._options)
+            source, rig, keyed = joint_tracks.driven(source, rig, self._options)
+            first += keyed
             source, rig, split = splits.widened(source, rig, self._options, notices)
             first += split
             rig, last = joints.shortened(source, rig)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
+            edits += weights.weight_edits(source, rig, notices)
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)
             self._write([*first, *routed, *last], part, target, notices)

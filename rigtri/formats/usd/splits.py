@@ -234,7 +234,7 @@ def _aligned(wide: Source, rig: Rig) -> Rig:
         raise ValueError("nodes of a file keep their order, and new ones come last")
     skins = [_aligned_skin(old, new, rig) for old, new in zip(wide.rig.skins, rig.skins, strict=False)]
     skins += rig.skins[len(skins) :]
-    clips = [_aligned_clip(old, new, rig) for old, new in zip(wide.rig.clips, rig.clips, strict=True)]
+    clips = [aligned_clip(old, new, rig) for old, new in zip(wide.rig.clips, rig.clips, strict=True)]
     return replace(rig, keys=(*wide.rig.keys, *rig.keys[count:]), skins=tuple(skins), clips=tuple(clips))
 
 
@@ -260,7 +260,8 @@ def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Fl
     return turn_before(conjugate(turn), from_frame(bind[:3, :3] / size[:, np.newaxis], bind[3, :3]))
 
 
-def _aligned_clip(wide: Clip, clip: Clip, rig: Rig) -> Clip:
+def aligned_clip(wide: Clip, clip: Clip, rig: Rig) -> Clip:
+    """A clip of a rig with a track for every one that the widened source has."""
     if wide.key != clip.key:
         raise FileError(f"Clip '{clip.name}': clips of USD files keep their order.")
     known: dict[tuple[int, str], Track] = {(track.node, track.path): track for track in clip.tracks}

@@ -1,0 +1,150 @@
+"""rigtri add-twist"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import (
+    direction,
+    edit_options,
+    given_options,
+    output_options,
+    reading_options,
+    run_edit,
+    source_argument,
+    target_option,
+)
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+
+@click.command("add-twist")
+@source_argument
+@target_option
+@click.option(
+    "--limb",
+    "limbs",
+    nargs=3,
+    multiple=True,
+    metavar="ROOT MIDDLE END",
+    help="Both bones of this limb, or with --upper or --lower one of them. Repeatable.",
+)
+@click.option("--limbs", "auto", type=click.Choice(["auto"]), help="Every limb that is known.")
+@click.option(
+    "--joint", "joints", multiple=True, metavar="JOINT", help="The bone from this joint … Repeatable."
+)
+@click.option(
+    "--to", "children", multiple=True, metavar="CHILD", help="… to this one; one --to for each --joint."
+)
+@click.option(
+    "--upper", is_flag=True, help="Upper bones: the joint's own twist is taken away towards its root."
+)
+@click.option("--lower", is_flag=True, help="Lower bones: the twist of the bone's end is spread up the bone.")
+@click.option(
+    "--count",
+    type=click.IntRange(1, 64),
+    default=2,
+    show_default=True,
+    help="Twist joints for a bone, at equal distances.",
+)
+@click.option(
+    "--weights",
+    metavar="W1,W2,…",
+    help="The share of the driver's twist that each turns by, -1 to 1. "
+    "[i/(n+1) on lower, i/(n+1) - 1 on upper bones]",
+)
+@click.option(
+    "--axis",
+    callback=direction,
+    metavar="AXIS|X,Y,Z",
+    help="The axis of the twist as the bone's joint sees it. [the bone]",
+)
+@click.option(
+    "--split-weights",
+    is_flag=True,
+    help="Share the skin weights of the bone among its joint and the twist joints, by place along it.",
+)
+@click.option(
+    "--max-influences",
+    "most",
+    type=click.IntRange(0),
+    default=0,
+    metavar="N",
+    help="With --split-weights: a point that would get more joints than N gets the nearest alone. [any]",
+)
+@click.option(
+    "--keys/--no-keys", default=True, show_default=True, help="Let the joints follow in every clip."
+)
+@click.option(
+    "--name",
+    default="{joint}_twist_{number}",
+    show_default=True,
+    help="Names of the twist joints; {joint} and {number} stand for what they say.",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Put twist joints along bones, so that forearms and shoulders turn without wringing.
+
+    Each of n joints at i/(n+1) of a bone carries i/(n+1) of the twist and none of the swing. On
+    the lower bone of a limb it comes from the end joint (the wrist), on the upper bone the
+    joint's own is taken away towards the root. No point changes its weights unless
+    --split-weights says so; then the rest pose looks as before, and twisted poses better.
+
+    \b
+    Examples:
+        rigtri add-twist hero.glb -o out.glb --limbs auto
+        rigtri add-twist hero.glb -o out.glb --limb upper_arm forearm hand --count 3 --split-weights
+        rigtri add-twist hero.usdz -o out.usdz --joint forearm --to hand --weights 0.25,0.8
+    """
+    from rigtri.limbs import given
+    from rigtri.ops.twist import Options, add_twist
+
+    joints, children = values["joints"], values["children"]
+    if len(joints) != len(children):
+        raise UsageError(f"{len(joints)} --joint and {len(children)} --to: each bone has one of both")
+    if values["most"] and not values["split_weights"]:
+        raise UsageError("--max-influences says how --split-weights shares; give both")
+    weights = _weights(values["weights"])
+
+    def step(rig: Rig, report: Report) -> Rig:
+        options = Options(
+            limbs=tuple(given(rig, *names) for names in values["limbs"]),
+            auto=values["auto"] == "auto",
+            bones=tuple(zip(joints, children, strict=True)),
+            count=values["count"],
+            weights=weights,
+            upper=values["upper"],
+            lower=values["lower"],
+            axis=values["axis"],
+            split_weights=values["split_weights"],
+            most=values["most"],
+            keys=values["keys"],
+            name=values["name"],
+        )
+        return add_twist(rig, options=options, report=report)
+
+    run_edit("add-twist", values, step, given_options(ctx), _summary)
+
+
+def _weights(text: str | None) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(",")) if text else ()
+    except ValueError as error:
+        raise UsageError(f"--weights {text}: give numbers with commas between them") from error
+
+
+def _summary(report: Report) -> str:
+    new = [entry for entry in report.added if entry["new"]]
+    bones = {(entry["joint"], entry["to"]) for entry in report.added}
+    clips = {clip["clip"] for entry in report.added for clip in entry["clips"]}
+    keys = f", with keys in {len(clips)} clips" if clips else ""
+    return f"{len(report.added)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}"

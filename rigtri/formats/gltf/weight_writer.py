@@ -1,0 +1,161 @@
+"""Weights of meshes shared anew among joints, as a rig's spreads say.
+
+Accessors may be shared, so changed influences get new ones; the old bytes stay. Whole numbers
+stay whole, and a fifth joint of a point opens a second set.
+
+Source: glTF 2.0 §3.7.3.3 (skinned mesh attributes).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.accessors import COMPONENTS, FLOAT, FULL, Accessors
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.meshes import DRACO
+from rigtri.formats.gltf.storage import Role, Storage
+from rigtri.records import Integers, Spread
+from rigtri.report import Notice
+from rigtri.rig import Rig
+from rigtri.spread import shared
+from rigtri.trigonometry import Floats
+
+_ROLES: dict[int, Role] = {4: "influences 4", 8: "influences 8", 16: "influences 16"}
+BYTE, SHORT = 5121, 5123
+
+
+@dataclass(frozen=True, eq=False)
+class _Influences:
+    """What the sets of a primitive hold: joints and weights (v, 4·sets), and how they are stored.
+
+    Weights are in the units of ``weight`` where that is an integer.
+    """
+
+    joints: Integers
+    weights: Floats
+    joint: int
+    weight: int
+
+
+class WeightWriter:
+    """Carries the spreads of a rig into a draft. where: what to call the file."""
+
+    def __init__(self, draft: Draft, storage: Storage, accessors: Accessors, where: str) -> None:
+        self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
+        self._known: dict[tuple[Any, ...], dict[str, int]] = {}
+        self.notices: list[Notice] = []
+
+    def write(self, rig: Rig) -> None:
+        """Share weights in all meshes that are drawn with the skins of spreads."""
+        by_skin: dict[int, list[Spread]] = {}
+        for spread in rig.spreads:
+            by_skin.setdefault(int(str(rig.skins[spread.skin].key)), []).append(spread)
+        for skin, spreads in by_skin.items():
+            for mesh in self._meshes(skin):
+                self._check_alone(mesh, skin)
+                for number in range(len(self._draft.gltf["meshes"][mesh]["primitives"])):
+                    self._primitive(mesh, number, skin, spreads)
+
+    def _meshes(self, skin: int) -> list[int]:
+        nodes = self._draft.gltf["nodes"]
+        return sorted({n["mesh"] for n in nodes if n.get("skin") == skin and "mesh" in n})
+
+    def _check_alone(self, mesh: int, skin: int) -> None:
+        """FileError where a mesh is drawn with another skin too, whose joints its indices mean as well."""
+        skins = {n.get("skin") for n in self._draft.gltf["nodes"] if n.get("mesh") == mesh} - {None, skin}
+        if skins:
+            raise FileError(
+                f"{self._where}: mesh '{self._title(mesh)}' is drawn with several skins, so its weights "
+                "cannot be split for one. Give each skin a mesh of its own, or leave out --split-weights"
+            )
+
+    def _title(self, mesh: int) -> str:
+        return str(self._draft.gltf["meshes"][mesh].get("name") or f"#{mesh}")
+
+    def _primitive(self, mesh: int, number: int, skin: int, spreads: Sequence[Spread]) -> None:
+        raw = self._draft.gltf["meshes"][mesh]["primitives"][number]
+        attributes = raw["attributes"]
+        sets = _sets(attributes)
+        if not sets or "POSITION" not in attributes:
+            return
+        if DRACO in raw.get("extensions", {}):
+            raise FileError(
+                f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}, so its weights "
+                "cannot be split. Store it uncompressed, or leave out --split-weights"
+            )
+        key = (skin, attributes["POSITION"], *(attributes[name] for name in sets))
+        if key not in self._known:
+            self._known[key] = self._shared(attributes, sets, spreads, self._title(mesh))
+        wanted = self._known[key]
+        if any(attributes.get(name) != accessor for name, accessor in wanted.items()):
+            self._draft.own("meshes", mesh, "primitives", number, "attributes").update(wanted)
+
+    def _shared(
+        self, attributes: dict[str, int], sets: Sequence[str], spreads: Sequence[Spread], title: str
+    ) -> dict[str, int]:
+        """The accessors of a primitive's influences after the spreads; only of sets that change."""
+        before = self._read(attributes, sets)
+        points = self._accessors.read(attributes["POSITION"])
+        if len(points) != len(before.joints):
+            raise FileError(f"{self._where}: mesh '{title}' has not as many influences as points")
+        joints, weights = before.joints, before.weights
+        for spread in spreads:
+            joints, weights = shared(spread, points, joints, weights, units=before.weight != FLOAT)
+        room = -joints.shape[1] % 4
+        joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
+        old = len(sets) // 2
+        if joints.shape[1] > 4 * old:
+            text = (
+                f"mesh '{title}' has points with more than {4 * old} joints now, which some engines do not "
+                "show; --max-influences keeps them"
+            )
+            self.notices.append(Notice("more-influences", text))
+        return dict(self._added(attributes, before, joints, weights))
+
+    def _added(
+        self, attributes: dict[str, int], before: _Influences, joints: Integers, weights: Floats
+    ) -> Iterator[tuple[str, int]]:
+        kind = before.joint if joints.max(initial=0) < 256 or before.joint != BYTE else SHORT
+        for number in range(joints.shape[1] // 4):
+            own = slice(4 * number, 4 * number + 4)
+            for name, now, then, component in (
+                ("JOINTS", joints, before.joints, kind),
+                ("WEIGHTS", weights, before.weights, before.weight),
+            ):
+                name = f"{name}_{number}"
+                same_kind = component == before.joint or name.startswith("WEIGHTS")
+                if name in attributes and same_kind and np.array_equal(now[:, own], then[:, own]):
+                    continue
+                rows = np.ascontiguousarray(now[:, own].astype(COMPONENTS[component]))
+                yield name, self._add(rows, attributes.get(name), name.startswith("WEIGHTS"))
+
+    def _add(self, rows: NDArray[Any], like: int | None, weights: bool) -> int:
+        whole = weights and rows.dtype.kind == "u"
+        return self._storage.add(rows, "VEC4", _ROLES[rows.itemsize * 4], like, normalized=whole)
+
+    def _read(self, attributes: dict[str, int], sets: Sequence[str]) -> _Influences:
+        layouts = {name: self._accessors.layout(attributes[name]) for name in sets}
+        kinds = {layouts[name].component for name in sets if name.startswith("WEIGHTS")}
+        weight = kinds.pop() if len(kinds) == 1 else FLOAT
+        joint = max(layouts[name].component for name in sets if name.startswith("JOINTS"))
+        rows = {name: self._accessors.read(attributes[name]) for name in sets}
+        joints = np.concatenate([rows[n] for n in sets if n.startswith("JOINTS")], axis=1)
+        weights = np.concatenate([rows[n] for n in sets if n.startswith("WEIGHTS")], axis=1)
+        if weight in FULL:
+            weights = np.rint(weights * FULL[weight])
+        return _Influences(joints.astype(np.int64), weights, joint, weight)
+
+
+def _sets(attributes: dict[str, int]) -> list[str]:
+    """The names of a primitive's sets of joints and weights, in their order."""
+    found: list[str] = []
+    while f"JOINTS_{len(found) // 2}" in attributes and f"WEIGHTS_{len(found) // 2}" in attributes:
+        number = len(found) // 2
+        found += [f"JOINTS_{number}", f"WEIGHTS_{number}"]
+    return found

@@ -1,0 +1,85 @@
+"""Weights of a bone's points shared anew among joints along it; what each point has of them stays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.records import Booleans, Integers, Spread
+from rigtri.trigonometry import Floats
+from rigtri.vectors import dot
+
+# A share this near to none or all is none or all: it would cost an influence and show nothing.
+WHOLE = 1e-3
+# Weights that differ by less are the ones that were there.
+SAME = 1e-6
+
+
+def along(spread: Spread, points: Floats) -> Floats:
+    """Where points, (v, 3), stand along the bone, (v,): 0 at its start, 1 at its end."""
+    line = spread.end - spread.start
+    return np.asarray(dot(points - spread.start, line) / dot(line, line))
+
+
+def shared(
+    spread: Spread, points: Floats, joints: Integers, weights: Floats, *, units: bool = False
+) -> tuple[Integers, Floats]:
+    """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
+
+    points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the spread's joints together
+    goes to the two nearest along the bone, linear between them. units: weights are whole numbers
+    and stay so. What was so already keeps its bits and its place.
+    """
+    mine = np.isin(joints, spread.joints) & (weights != 0)
+    touched = mine.any(axis=1)
+    total = np.where(mine, weights, 0.0).cumsum(axis=1)[:, -1] if joints.shape[1] else np.zeros(len(joints))
+    near, far, share = _neighbours(spread, along(spread, points))
+    others = np.count_nonzero((weights != 0) & ~mine, axis=1)
+    if spread.most:
+        share = np.where(others + 2 > spread.most, np.where(share < 0.5, 0.0, 1.0), share)
+    second = total * share
+    second = np.rint(second) if units else second.astype(np.float32).astype(np.float64)
+    first = total - second
+    out_joints = np.where(mine, 0, joints)
+    out_weights = np.where(mine, 0.0, weights)
+    for joint, weight in ((near, first), (far, second)):
+        out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0))
+    return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
+
+
+def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
+    """The joints before and after places along the bone, and the share of the one after, (v,) each."""
+    last = len(spread.at) - 1
+    after = np.searchsorted(spread.at, t, side="right")
+    near, far = np.clip(after - 1, 0, last), np.clip(after, 0, last)
+    span = spread.at[far] - spread.at[near]
+    share = np.where(span > 0, (t - spread.at[near]) / np.where(span > 0, span, 1.0), 0.0)
+    share = np.where(share < WHOLE, 0.0, np.where(share > 1.0 - WHOLE, 1.0, share))
+    return spread.joints[near], spread.joints[far], share
+
+
+def _put(
+    joints: Integers, weights: Floats, joint: Integers, weight: Floats, where: Booleans
+) -> tuple[Integers, Floats]:
+    """One influence more for some points, in their first free place; a column more where one has none."""
+    free = weights == 0
+    if (where & ~free.any(axis=1)).any():
+        joints = np.concatenate([joints, np.zeros((len(joints), 1), dtype=np.int64)], axis=1)
+        weights = np.concatenate([weights, np.zeros((len(weights), 1))], axis=1)
+        free = weights == 0
+    rows = np.flatnonzero(where)
+    column = np.argmax(free[rows], axis=1)
+    joints[rows, column], weights[rows, column] = joint[rows], weight[rows]
+    return joints, weights
+
+
+def _kept(
+    joints: Integers, weights: Floats, new_joints: Integers, new_weights: Floats, least: float
+) -> tuple[Integers, Floats]:
+    """The new influences, with the old bits of those points whose influences are as they were."""
+    width = joints.shape[1]
+    wider = (new_weights[:, width:] != 0).any(axis=1)
+    alike = (new_joints[:, :width] == joints) | ((weights == 0) & (new_weights[:, :width] == 0))
+    close = np.abs(new_weights[:, :width] - weights) <= least
+    same = (alike & close).all(axis=1) & ~wider
+    new_joints[same, :width], new_weights[same, :width] = joints[same], weights[same]
+    return new_joints, new_weights

@@ -1,0 +1,202 @@
+"""--split-weights in glTF and USD: how influences are stored afterwards, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from gltf_files import Builder, glb_json, small
+from numpy.testing import assert_allclose
+from second_opinions import khronos_errors, validator
+
+from rigtri.errors import FileError
+from rigtri.formats import Document, read
+from rigtri.ops.twist import Options, add_twist
+from rigtri.pipeline import edit
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+# A bone of three twist joints, and a triangle with points at 0, 0.5 and 1 of it.
+POINTS = [[0, 1, 0], [1, 1.5, 0], [0, 2, 0]]
+SPLIT = Options(bones=(("joint 0", "joint 1"),), lower=True, count=3, split_weights=True)
+
+
+def bone(
+    weights: Any, joints: Any = ((0, 1, 0, 0),) * 3, kinds: tuple[str, str] = ("u1", "f4"), **more: Any
+) -> Builder:
+    """The smallest real thing with other influences."""
+    builder = small(4)
+    (primitive,) = builder.gltf["meshes"][0]["primitives"]
+    primitive["attributes"] = {
+        "POSITION": builder.points(POINTS),
+        "JOINTS_0": builder.accessor(joints, kinds[0]),
+        "WEIGHTS_0": builder.accessor(weights, kinds[1], **more),
+    }
+    return builder
+
+
+def split(rig: Rig, report: Report) -> Rig:
+    return add_twist(rig, options=SPLIT, report=report)
+
+
+def result(builder: Builder, tmp_path: Path) -> Document:
+    source, target = builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    edit(source, target, split)
+    return read(target)
+
+
+def named(document: Document) -> list[dict[str, float]]:
+    """The weights of each point by the names of its joints."""
+    (mesh,) = document.meshes()
+    assert mesh.skin is not None
+    names = [document.rig.names[node] for node in document.rig.skins[mesh.skin].joints.tolist()]
+    pairs = zip(mesh.joints.tolist(), mesh.weights.tolist(), strict=True)
+    return [{names[j]: w for j, w in zip(*row, strict=True) if w} for row in pairs]
+
+
+def layouts(path: Path) -> dict[str, tuple[int, bool]]:
+    gltf = glb_json(path)
+    attributes = gltf["meshes"][0]["primitives"][0]["attributes"]
+    accessors = {name: gltf["accessors"][index] for name, index in attributes.items() if name != "POSITION"}
+    return {name: (a["componentType"], a.get("normalized", False)) for name, a in accessors.items()}
+
+
+def test_weights_go_to_the_joints_along_the_bone(tmp_path: Path) -> None:
+    found = named(result(bone([[0.5, 0.5, 0, 0]] * 3), tmp_path))
+    assert found == [
+        {"joint 0": 0.5, "joint 1": 0.5},
+        {"joint_0_twist_2": 0.5, "joint 1": 0.5},
+        {"joint_0_twist_3": 0.5, "joint 1": 0.5},
+    ]
+
+
+@pytest.mark.parametrize(("kind", "full", "code"), [("u1", 255, 5121), ("u2", 65535, 5123)])
+def test_whole_weights_stay_whole(kind: str, full: int, code: int, tmp_path: Path) -> None:
+    rows = np.array([[full - 9, 9, 0, 0]] * 3)
+    builder = bone(rows, kinds=("u1", kind), normalized=True)
+    document = result(builder, tmp_path)
+    assert layouts(tmp_path / "out.glb") == {"JOINTS_0": (5121, False), "WEIGHTS_0": (code, True)}
+    (mesh,) = document.meshes()
+    assert_allclose(mesh.weights * full, np.rint(mesh.weights * full), atol=1e-9)
+    assert_allclose(mesh.weights.sum(axis=1), 1.0, atol=1e-12)
+
+
+def test_a_fifth_joint_opens_a_second_set_unless_the_nearest_is_to_take_all(tmp_path: Path) -> None:
+    builder = bone([[0.4, 0.3, 0.2, 0.1]] * 3, joints=[[0, 1, 2, 3]] * 3)
+    (primitive,) = builder.gltf["meshes"][0]["primitives"]
+    primitive["attributes"]["POSITION"] = builder.points([[0, 1, 0], [1, 1.6, 0], [0, 2, 0]])
+    source = builder.glb(tmp_path / "in.glb")
+    report = Report()
+    edit(source, tmp_path / "wide.glb", split, report=report)
+    assert "more-influences" in {notice.code for notice in report.warnings}
+    assert set(layouts(tmp_path / "wide.glb")) == {"JOINTS_0", "JOINTS_1", "WEIGHTS_0", "WEIGHTS_1"}
+    options = replace(SPLIT, most=4)
+    edit(source, tmp_path / "same.glb", lambda rig, report: add_twist(rig, options=options, report=report))
+    assert set(layouts(tmp_path / "same.glb")) == {"JOINTS_0", "WEIGHTS_0"}
+    assert named(read(tmp_path / "same.glb"))[1]["joint_0_twist_2"] == pytest.approx(0.4)
+    (before, *after) = khronos_errors(source, tmp_path / "wide.glb", tmp_path / "same.glb")
+    assert not [errors - before for errors in after if errors - before]
+
+
+def test_more_than_256_joints_need_larger_numbers(tmp_path: Path) -> None:
+    builder = small(255)
+    (primitive,) = builder.gltf["meshes"][0]["primitives"]
+    primitive["attributes"]["POSITION"] = builder.points(POINTS)
+    result(builder, tmp_path)
+    assert layouts(tmp_path / "out.glb")["JOINTS_0"] == (5123, False)
+
+
+def test_what_other_meshes_share_stays(tmp_path: Path) -> None:
+    builder = bone([[0.5, 0.5, 0, 0]] * 3)
+    gltf = builder.gltf
+    (primitive,) = gltf["meshes"][0]["primitives"]
+    gltf["meshes"][0]["primitives"].append({"attributes": dict(primitive["attributes"]), "mode": 0})
+    gltf["meshes"].append({"primitives": [dict(primitive)]})
+    gltf["nodes"].append({"mesh": 1})
+    gltf["scenes"][0]["nodes"].append(5)
+    before = dict(primitive["attributes"])
+    result(builder, tmp_path)
+    new = glb_json(tmp_path / "out.glb")
+    first, second = (p["attributes"] for p in new["meshes"][0]["primitives"])
+    assert first == second != before
+    assert new["meshes"][1]["primitives"][0]["attributes"] == before
+
+
+def test_a_mesh_of_two_skins_is_refused_by_name(tmp_path: Path) -> None:
+    builder = bone([[0.5, 0.5, 0, 0]] * 3)
+    gltf = builder.gltf
+    gltf["meshes"][0]["name"] = "twins"
+    gltf["skins"].append(dict(gltf["skins"][0]))
+    gltf["nodes"].append({"mesh": 0, "skin": 1})
+    gltf["scenes"][0]["nodes"].append(5)
+    with pytest.raises(FileError, match="'twins' is drawn with several skins"):
+        result(builder, tmp_path)
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_a_draco_mesh_is_refused_by_name(tmp_path: Path) -> None:
+    builder = bone([[0.5, 0.5, 0, 0]] * 3)
+    gltf = builder.gltf
+    stream = builder.view(b"DRACO, or so it says")
+    draco = {"bufferView": stream, "attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}}
+    gltf["meshes"][0]["primitives"][0]["extensions"] = {"KHR_draco_mesh_compression": draco}
+    gltf["meshes"][0]["name"] = "packed"
+    gltf["extensionsUsed"] = gltf["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+    with pytest.raises(FileError, match="'packed' is compressed with KHR_draco"):
+        result(builder, tmp_path)
+
+
+def test_usd_influences_keep_their_form(samples: Path, tmp_path: Path) -> None:
+    from pxr import Usd
+
+    options = Options(auto=True, split_weights=True)
+    target = tmp_path / "out.usda"
+    edit(samples / "biped.usda", target, lambda r, report: add_twist(r, options=options, report=report))
+    stages = [Usd.Stage.Open(str(path)) for path in (samples / "biped.usda", target)]
+    bodies = [stage.GetPrimAtPath("/biped/figure/body") for stage in stages]
+    for name in ("jointIndices", "jointWeights"):
+        old, new = (body.GetAttribute(f"primvars:skel:{name}") for body in bodies)
+        assert new.GetTypeName() == old.GetTypeName()
+        assert new.GetMetadata("interpolation") == "vertex"
+        width = int(new.GetMetadata("elementSize"))
+        assert len(new.Get()) == width * len(bodies[1].GetAttribute("points").Get())
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_the_command_reports_every_twist_joint(
+    suffix: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    arguments: list[Any] = ["add-twist", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}"]
+    arguments += ["--limbs", "auto", "--count", "3", "--split-weights", "--json", "-q"]
+    run = CliRunner().invoke(app, list(map(str, arguments)))
+    assert run.exit_code == 0, run.output
+    document = json.loads(run.stdout)
+    validator("report").validate(document)
+    assert len(document["added"]) == 24
+    assert document["verification"]["moved"] > 0
+    assert {entry["weight"] < 0 for entry in document["added"]} == {False, True}
+    assert all((entry["driver"] == entry["joint"]) is (entry["weight"] < 0) for entry in document["added"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--joint", "forearm_L"], "1 --joint and 0 --to"),
+        (["--limbs", "auto", "--max-influences", "4"], "give both"),
+        (["--limbs", "auto", "--upper", "--weights", "a,b"], "commas"),
+    ],
+)
+def test_options_that_do_not_fit_are_told(
+    arguments: list[str], words: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    run = CliRunner().invoke(
+        app, ["add-twist", str(samples / "biped.glb"), "-o", str(tmp_path / "o.glb"), *arguments]
+    )
+    assert run.exit_code == 2
+    assert words in run.output

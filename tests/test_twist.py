@@ -1,0 +1,292 @@
+"""add-twist: twist joints along bones, by swing and twist."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from numpy.testing import assert_allclose
+from rigs import chain, random_rig
+from strategies import directions, quaternions
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.limbs import Limb
+from rigtri.ops.twist import Options, add_twist
+from rigtri.ops.twist_keys import BOUND
+from rigtri.pose import locals_at, worlds
+from rigtri.quaternions import IDENTITY, conjugate, from_axis_angle, multiply, rotate, turn_angle
+from rigtri.records import Clip, Spread, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.spread import shared
+from rigtri.trigonometry import Floats
+from rigtri.twist import swing_twist, twist_angle, twists
+from rigtri.vectors import normalise
+
+# Upper arm, forearm, hand and a finger, along x.
+ARM = chain((0, 0, 0), (4, 0, 0), (8, 0, 0), (9, 0, 0))
+LOWER = Options(bones=(("b", "c"),), count=3, lower=True)
+UPPER = Options(bones=(("a", "b"),), count=3, upper=True)
+X, Y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
+
+
+def turning(rig: Rig, joint: str, *turns: Floats, mode: str = "LINEAR") -> Rig:
+    """The rig with a clip that turns one joint, a key a second."""
+    times = np.arange(len(turns), dtype=np.float64)
+    node = rig.find(joint)
+    values = np.array([multiply(rig.rotation[node], turn) for turn in turns])
+    track = Track(node, "rotation", mode, times, values)  # type: ignore[arg-type]
+    return replace(rig, clips=(Clip("turn", (track,)),))
+
+
+def angles(rig: Rig, time: float) -> list[float]:
+    """How far each twist joint turns about x in the clip, in degrees."""
+    local = locals_at(rig, rig.clips[0], [time])[0]
+    return [float(np.degrees(np.arctan2(local[t.node, 1, 2], local[t.node, 1, 1]))) for t in twists(rig)]
+
+
+@given(quaternions, directions)
+def test_swing_after_twist_is_the_turn(q: Floats, axis: Floats) -> None:
+    axis = normalise(axis)
+    swing, twist = swing_twist(q, axis)
+    assert_allclose(turn_angle(multiply(conjugate(q), multiply(swing, twist))), 0.0, atol=1e-7)
+    # The twist leaves the axis, the swing takes it to where the turn does, about an axis across it.
+    assert_allclose(rotate(twist, axis), axis, atol=1e-9)
+    assert_allclose(rotate(swing, axis), rotate(q, axis), atol=1e-9)
+    assert_allclose(twist_angle(swing, axis), 0.0, atol=1e-6)
+
+
+def test_a_swing_by_half_a_turn_has_no_twist() -> None:
+    for q in ([0, 1, 0, 0], [0, 0, -1, 0], [0.0, 0.6, 0.8, 0]):
+        assert twist_angle(q, X) == 0.0
+    assert_allclose(twist_angle(multiply(from_axis_angle(Y, np.pi), from_axis_angle(X, 0.5)), X), 0.0)
+
+
+def test_a_turn_and_its_negative_have_one_twist() -> None:
+    q = from_axis_angle(X, np.radians([30, -30, 179, -179]))
+    assert_allclose(np.degrees(twist_angle(q, X)), [30, -30, 179, -179])
+    assert_allclose(np.degrees(twist_angle(-q, X)), [30, -30, 179, -179])
+
+
+def test_n_twist_joints_carry_their_share_of_the_twist_and_none_of_the_swing() -> None:
+    turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
+    rig = add_twist(turning(ARM, "c", IDENTITY, turn), options=LOWER)
+    assert_allclose(angles(rig, 1.0), [20, 40, 60], atol=1e-6)
+    assert_allclose(angles(rig, 0.0), 0.0, atol=1e-12)
+    world = worlds(rig, locals_at(rig, rig.clips[0], [1.0]))[0]
+    for twist in twists(rig):  # the bone's line stays: no swing
+        assert_allclose(world[twist.node, 0, :3], X, atol=1e-12)
+
+
+def test_an_upper_bone_loses_its_twist_towards_its_root_and_keeps_its_swing() -> None:
+    turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
+    rig = add_twist(turning(ARM, "a", IDENTITY, turn), options=UPPER)
+    assert_allclose(angles(rig, 1.0), [-60, -40, -20], atol=1e-6)
+    world = worlds(rig, locals_at(rig, rig.clips[0], [1.0]))[0]
+    swing, _ = swing_twist(turn, X)
+    for share, twist in zip((0.25, 0.5, 0.75), twists(rig), strict=True):
+        seen = multiply(swing, from_axis_angle(X, share * np.radians(80)))
+        assert_allclose(world[twist.node, :3, :3], rotate(seen, np.eye(3)), atol=1e-9)
+
+
+def test_twist_joints_stand_along_the_bone_in_its_joints_axes() -> None:
+    rig = add_twist(ARM, options=LOWER)
+    nodes = [t.node for t in twists(rig)]
+    assert_allclose(worlds(rig)[nodes, 3, :3], [[5, 0, 0], [6, 0, 0], [7, 0, 0]])
+    assert_allclose(rig.rotation[nodes], np.tile(IDENTITY, (3, 1)), atol=1e-12)
+    assert [int(rig.parents[node]) for node in nodes] == [1, 1, 1]
+    assert rig.skins[0].joints.tolist()[-3:] == nodes
+    bind = rig.skins[0].inverse_bind[-3:, 3, :3]
+    assert_allclose(bind, [[-5, 0, 0], [-6, 0, 0], [-7, 0, 0]], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_notes_alone_say_what_the_keys_hold(seed: int) -> None:
+    rig = random_rig(seed, joints=8)
+    bones = [(k, int(p)) for k, p in enumerate(rig.parents) if p >= 0 and not rig.has_matrix[[k, p]].any()]
+    child, joint = bones[seed % len(bones)]
+    named = ((f"j{joint}", f"j{child}"),)
+    out = add_twist(rig, options=Options(bones=named, upper=seed % 2 > 0, lower=seed % 2 == 0))
+    for twist in twists(out):
+        for times in ([0.0, 0.4, 1.0], [0.1, 0.3, 0.77]):
+            local = locals_at(out, out.clips[0], times)
+            off = turn_angle(multiply(conjugate(twist.rotations(local)), _turns(local[:, twist.node])))
+            assert off.max() < 40 * BOUND  # a random spline jumps between keys as no clip does
+        at_keys = locals_at(out, out.clips[0], [0.0, 0.4, 1.0])
+        off = turn_angle(multiply(conjugate(twist.rotations(at_keys)), _turns(at_keys[:, twist.node])))
+        assert off.max() < 1e-6
+
+
+def _turns(local: Floats) -> Floats:
+    from rigtri.matrices import nearest_rotation
+    from rigtri.quaternions import from_axes
+
+    return from_axes(nearest_rotation(local))
+
+
+def test_a_mirrored_joint_turns_its_twist_joints_the_other_way() -> None:
+    mirrored = replace(ARM, scale=ARM.scale * [[-1], [1], [1], [1]])
+    turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
+    rig = add_twist(turning(mirrored, "a", IDENTITY, turn), options=UPPER)
+    straight = add_twist(turning(ARM, "a", IDENTITY, turn), options=UPPER)
+    for one, other in zip(twists(rig), twists(straight), strict=True):
+        world = [worlds(r, locals_at(r, r.clips[0], [1.0]))[0] for r in (rig, straight)]
+        assert_allclose(world[0][one.node, :3, :3], -world[1][other.node, :3, :3], atol=1e-9)
+
+
+def test_between_keys_a_twist_joint_is_off_by_less_than_the_bound() -> None:
+    first = multiply(from_axis_angle([0, 1, 1], 1.2), from_axis_angle(X, 1.5))
+    rig = add_twist(turning(ARM, "c", IDENTITY, first, from_axis_angle(Y, -1.4)), options=LOWER)
+    times = np.linspace(-0.5, 2.5, 997)
+    local = locals_at(rig, rig.clips[0], times)
+    for twist in twists(rig):
+        shown = _turns(local[:, twist.node])
+        off = turn_angle(multiply(conjugate(twist.rotations(local)), shown))
+        assert off.max() < 1.2 * BOUND
+        (track,) = [t for t in rig.clips[0].tracks if t.node == twist.node]
+        assert 3 < len(track.times) < 200
+
+
+def test_a_clip_whose_times_are_shared_gets_no_more_and_says_how_far_off_it_is() -> None:
+    rig = turning(ARM, "c", IDENTITY, multiply(from_axis_angle([0, 1, 1], 2.0), from_axis_angle(X, 1.5)))
+    rig = replace(rig, clips=(replace(rig.clips[0], fixed_times=True),))
+    report = Report()
+    out = add_twist(rig, options=LOWER, report=report)
+    assert {len(track.times) for track in out.clips[0].tracks} == {2}
+    assert {notice.code for notice in report.warnings} == {"twist-between-keys"}
+    assert report.added[0]["clips"][0]["off"] > BOUND
+
+
+def test_steps_stay_steps() -> None:
+    rig = add_twist(turning(ARM, "c", IDENTITY, from_axis_angle(X, 1.0), mode="STEP"), options=LOWER)
+    assert {track.interpolation for track in rig.clips[0].tracks} == {"STEP"}
+    assert_allclose(angles(rig, 0.99), 0.0, atol=1e-9)
+    assert_allclose(angles(rig, 1.0), np.degrees([0.25, 0.5, 0.75]), atol=1e-6)
+
+
+def test_a_twist_that_jumps_is_told() -> None:
+    turns = [from_axis_angle(X, np.radians(angle)) for angle in (170, 190)]
+    report = Report()
+    add_twist(turning(ARM, "c", *turns), options=LOWER, report=report)
+    assert {notice.code for notice in report.warnings} == {"twist-jumps"}
+
+
+def test_a_clip_that_turns_no_driver_gets_no_keys() -> None:
+    rig = turning(ARM, "d", IDENTITY, from_axis_angle(X, 1.0))
+    assert len(add_twist(rig, options=LOWER).clips[0].tracks) == 1
+    rig = turning(ARM, "c", IDENTITY, from_axis_angle(X, 1.0))
+    assert len(add_twist(rig, options=replace(LOWER, keys=False)).clips[0].tracks) == 1
+
+
+def test_weights_and_axis_are_the_users() -> None:
+    rig = turning(ARM, "c", IDENTITY, from_axis_angle(X, np.radians(80)))
+    out = add_twist(rig, options=replace(LOWER, weights=(-1.0, 0.0, 0.5)))
+    assert_allclose(angles(out, 1.0), [-80, 0, 40], atol=1e-6)
+    out = add_twist(rig, options=replace(LOWER, axis=(0.0, 1.0, 0.0)))
+    assert_allclose(angles(out, 1.0), 0.0, atol=1e-6)
+
+
+def test_a_limb_gets_both_bones_unless_one_is_named() -> None:
+    limb = Limb(0, 1, 2)
+    for options, bones in (
+        (Options(limbs=(limb,)), ["a", "a", "b", "b"]),
+        (Options(limbs=(limb,), upper=True), ["a", "a"]),
+        (Options(limbs=(limb,), lower=True), ["b", "b"]),
+    ):
+        assert [note["joint"] for note in add_twist(ARM, options=options).notes.values()] == bones
+
+
+def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:
+    turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, 1.0))
+    once = add_twist(turning(ARM, "c", IDENTITY, turn), options=LOWER)
+    twice = add_twist(once, options=LOWER)
+    assert twice.names == once.names
+    assert twice.clips is once.clips
+    moved = add_twist(once, options=replace(LOWER, count=4))
+    assert_allclose(worlds(moved)[[t.node for t in twists(moved)], 3, 0], [4.8, 5.6, 6.4, 7.2])
+    with pytest.raises(UsageError, match="4 twist joints already"):
+        add_twist(moved, options=LOWER)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (Options(), "say which"),
+        (replace(LOWER, count=0), "1 to 64"),
+        (replace(LOWER, weights=(0.5,)), "1 weights for 3"),
+        (replace(LOWER, weights=(0.5, 1.5, 0.0)), "between -1 and 1"),
+        (Options(limbs=(Limb(0, 1, 2),), weights=(0.1, 0.2)), "--upper or --lower"),
+        (replace(LOWER, axis=(0.0, 0.0, 0.0)), "length"),
+        (replace(LOWER, name="{bone}"), "tokens"),
+        (Options(bones=(("b", "b"),)), "both ends"),
+        (Options(bones=(("c", "b"),)), "below"),
+    ],
+)
+def test_what_fits_no_twist_is_told(options: Options, words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        add_twist(ARM, options=options)
+
+
+def test_a_bone_without_length_is_an_error() -> None:
+    rig = chain((0, 0, 0), (4, 0, 0), (4, 0, 0))
+    with pytest.raises(GeometryError, match="at one place"):
+        add_twist(rig, options=Options(bones=(("b", "c"),)))
+
+
+# --- weights along a bone
+
+
+SPREAD = Spread(0, np.array([1, 4, 5]), np.array([0.0, 0.25, 0.5]), np.zeros(3), np.array([4.0, 0, 0]))
+
+
+def test_a_bones_weight_goes_to_the_two_nearest_along_it() -> None:
+    points = np.array([[x, 7.0, 0] for x in (-1, 0, 0.5, 1, 1.75, 2, 9)])
+    joints, weights = np.tile([1, 2, 0, 0], (7, 1)), np.tile([0.6, 0.4, 0, 0], (7, 1))
+    new_joints, new = shared(SPREAD, points, joints, weights)
+
+    def of(joint: int) -> Floats:
+        return np.where(new_joints == joint, new, 0.0).sum(axis=1)
+
+    assert_allclose(of(1), [0.6, 0.6, 0.3, 0, 0, 0, 0], atol=1e-7)
+    assert_allclose(of(4), [0, 0, 0.3, 0.6, 0.15, 0, 0], atol=1e-7)
+    assert_allclose(of(5), [0, 0, 0, 0, 0.45, 0.6, 0.6], atol=1e-7)
+    assert_allclose(of(2), 0.4)
+    assert new.shape == (7, 4)
+
+
+def test_the_sum_stays_and_a_second_time_changes_no_bit() -> None:
+    random = np.random.default_rng(3)
+    points = random.uniform(-1, 5, (500, 3))
+    joints = np.array([random.permutation(4) for _ in range(500)])
+    weights = random.dirichlet(np.ones(4), 500).astype(np.float32).astype(np.float64)
+    once = shared(SPREAD, points, joints, weights)
+    assert once[0].shape == (500, 5)
+    assert_allclose(once[1].sum(axis=1), weights.sum(axis=1), atol=1e-7)
+    single = once[1].astype(np.float32).astype(np.float64)
+    twice = shared(SPREAD, points, once[0], single)
+    assert np.array_equal(twice[0], once[0])
+    assert np.array_equal(twice[1], single)
+
+
+def test_whole_numbers_stay_whole_and_their_sum_too() -> None:
+    random = np.random.default_rng(4)
+    points = random.uniform(-1, 5, (300, 3))
+    weights = random.multinomial(255, [0.4, 0.3, 0.2, 0.1], 300).astype(np.float64)
+    joints = np.tile([1, 2, 3, 0], (300, 1))
+    once = shared(SPREAD, points, joints, weights, units=True)
+    assert (once[1] == np.rint(once[1])).all()
+    assert (once[1].sum(axis=1) == 255).all()
+    twice = shared(SPREAD, points, *once, units=True)
+    assert all(np.array_equal(a, b) for a, b in zip(once, twice, strict=True))
+
+
+def test_where_a_point_may_have_no_more_joints_the_nearest_takes_all() -> None:
+    points = np.array([[0.3, 0, 0], [0.3, 0, 0]])
+    joints = np.array([[1, 2, 3, 0], [1, 2, 0, 0]])
+    weights = np.array([[0.4, 0.3, 0.2, 0.1], [0.5, 0.5, 0, 0]])
+    new_joints, new = shared(replace(SPREAD, most=4), points, joints, weights)
+    assert new_joints.shape == (2, 4)
+    assert (new[0] > 0).sum() == 4
+    assert (new[1] > 0).sum() == 3

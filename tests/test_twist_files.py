@@ -1,0 +1,183 @@
+"""add-twist in files: every format, every real file with known limbs, and the weights of meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Golden
+from numpy.testing import assert_allclose
+from places import NO_LIMB, asset_files, leave_out, leave_out_refused, sample_files
+from second_opinions import khronos_errors, usd_errors, validator
+
+from rigtri.compare import verify
+from rigtri.describe import describe
+from rigtri.errors import FileError, GeometryError
+from rigtri.formats import Options as ReadOptions
+from rigtri.formats import read
+from rigtri.limbs import recognise
+from rigtri.matrices import nearest_rotation
+from rigtri.ops.twist import Options, add_twist
+from rigtri.pipeline import edit
+from rigtri.pose import key_times, locals_at
+from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.skeleton import skeleton
+from rigtri.trigonometry import Floats
+from rigtri.twist import twists
+
+TRUSTING = ReadOptions(allow_external_paths=True)
+
+
+def bones(rig: Rig) -> Options:
+    """All limbs, or where none is known the first bone that has a length."""
+    if recognise(rig):
+        return Options(auto=True)
+    tree = skeleton(rig)
+    places = rig.world[:, 3, :3]
+    found = [
+        (j, k)
+        for j in tree.joints
+        for k in tree.below[j]
+        if rig.labels.count(rig.labels[j]) == rig.labels.count(rig.labels[k]) == 1
+        and np.abs(places[j] - places[k]).max() > 1e-3 * np.ptp(places, axis=0).max()
+    ]
+    if not found:
+        return Options(auto=True)  # which says that no limb is known
+    joint, child = found[0]
+    return Options(bones=((rig.labels[joint], rig.labels[child]),))
+
+
+def plain(rig: Rig, report: Report) -> Rig:
+    return add_twist(rig, options=bones(rig), report=report)
+
+
+def off_notes(rig: Rig) -> float:
+    """How far twist joints are from what their notes say, at the keys of all clips, in radians."""
+    worst = 0.0
+    for clip in rig.clips:
+        times = key_times(clip)[:50]
+        local = locals_at(rig, clip, times) if len(times) else np.zeros((0, len(rig), 4, 4))
+        for twist in twists(rig):
+            shown = from_axes(nearest_rotation(local[:, twist.node]))
+            off = turn_angle(multiply(conjugate(twist.rotations(local)), shown))
+            worst = max(worst, float(off.max(initial=0.0)))
+    return worst
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_twist_joints_change_nothing_follow_their_notes_and_come_only_once(
+    path: Path, tmp_path: Path
+) -> None:
+    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
+    try:
+        outcome = edit(path, once, plain, options=TRUSTING)
+    except GeometryError as error:
+        leave_out(path, NO_LIMB, error)
+    except FileError as error:
+        leave_out_refused(path, error)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    found = verify(read(path, TRUSTING), read(once, TRUSTING))
+    assert found.deviation == 0.0
+    assert found.lost == ()
+    rig = read(once, TRUSTING).rig
+    assert len(twists(rig)) == len(outcome.report.added)
+    assert off_notes(rig) < 1e-3
+    report = edit(once, twice, plain, options=TRUSTING).report
+    assert once.read_bytes() == twice.read_bytes()
+    assert not any(entry["new"] for entry in report.added)
+    says = validator("node")
+    for note in rig.notes.values():
+        says.validate(note)
+
+
+# --- split weights
+
+
+def split(rig: Rig, report: Report) -> Rig:
+    return add_twist(rig, options=replace(bones(rig), split_weights=True), report=report)
+
+
+def weight_on_bones(path: Path) -> dict[str, Floats]:
+    """By mesh: what each point has of each bone with twist joints, all of its joints together, (v, bones)."""
+    document = read(path, TRUSTING)
+    rig = document.rig
+    heads = {
+        node: rig.find(str(note["joint"])) for node, note in rig.notes.items() if note["type"] == "twist"
+    }
+    known = sorted(node for node in range(len(rig)) if node not in heads)
+    found = {}
+    for mesh in document.meshes():
+        if mesh.skin is not None:
+            nodes = rig.skins[mesh.skin].joints
+            of = np.array([known.index(heads.get(node, node)) for node in nodes.tolist()])
+            table = np.zeros((len(mesh.points), len(known)))
+            rows = np.broadcast_to(np.arange(len(table))[:, np.newaxis], mesh.joints.shape)
+            np.add.at(table, (rows, of[mesh.joints]), mesh.weights)
+            # By name: nodes of prims and joints come in another order with more joints.
+            order = np.argsort([f"{rig.names[k]}{rig.labels[k]}" for k in known], kind="stable")
+            found[mesh.name] = table[:, order]
+    return found
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_split_weights_change_no_pose_that_does_not_twist_and_split_once(path: Path, tmp_path: Path) -> None:
+    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
+    try:
+        outcome = edit(path, once, split, options=TRUSTING)
+    except GeometryError as error:
+        leave_out(path, NO_LIMB, error)
+    except FileError as error:
+        leave_out_refused(path, error)
+    assert outcome.verification is not None
+    assert outcome.verification.passes()
+    assert outcome.verification.moved is not None
+    before, after = weight_on_bones(path), weight_on_bones(once)
+    assert before.keys() == after.keys()
+    for name, table in before.items():
+        assert_allclose(after[name], table, atol=2e-7)
+    again = edit(once, twice, split, options=TRUSTING).verification
+    assert once.read_bytes() == twice.read_bytes()
+    assert again is not None
+    assert_allclose(again.moved, outcome.verification.moved, rtol=1e-6)
+
+
+def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
+    for name in ("biped.usda", "biped.usdz"):
+        edit(samples / name, tmp_path / name, split)
+        assert not usd_errors(tmp_path / name) - usd_errors(samples / name)
+    edit(samples / "biped.glb", tmp_path / "biped.glb", split)
+    before, after = khronos_errors(samples / "biped.glb", tmp_path / "biped.glb")
+    assert not after - before
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_biped_with_twist_joints_reads_as_in_its_golden(
+    name: str, samples: Path, tmp_path: Path, golden: Golden
+) -> None:
+    edit(samples / name, tmp_path / name, split)
+    golden.check(f"add-twist_{name}.txt", describe(read(tmp_path / name).rig) + "\n")
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
+    once, more = tmp_path / name, tmp_path / f"more_{name}"
+    edit(samples / name, once, split)
+    four = Options(auto=True, count=4, split_weights=True)
+    checked = edit(once, more, lambda rig, report: add_twist(rig, options=four, report=report)).verification
+    assert checked is not None
+    assert checked.passes()
+    rig = read(more).rig
+    assert off_notes(rig) < 1e-3
+    for clip in rig.clips:
+        local = locals_at(rig, clip, key_times(clip)[:3])
+        nodes = [twist.node for twist in twists(rig)]
+        assert_allclose(
+            local[:, nodes, 3], np.broadcast_to(rig.local[nodes, 3], (len(local), len(nodes), 4)), atol=1e-6
+        )
