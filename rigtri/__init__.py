@@ -16,6 +16,7 @@ _WHERE = {
     "edit": "rigtri.pipeline",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
+    "add_rivet": "rigtri.ops.rivet",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
@@ -30,6 +31,7 @@ __all__ = [
     "Rig",
     "RigtriError",
     "add_polevector",
+    "add_rivet",
     "check",
     "describe",
     "diff",
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
     from rigtri.formats import read
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
+    from rigtri.ops.rivet import add_rivet
     from rigtri.pipeline import edit
     from rigtri.report import Report
     from rigtri.rig import Rig

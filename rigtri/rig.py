@@ -7,7 +7,7 @@ nodes; matrices are row-vector matrices (`rigtri.matrices`).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
-from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Skin, Track
+from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Mesh, Skin, Track
 from rigtri.shapes import Shape
 from rigtri.trigonometry import Floats
 
@@ -44,7 +44,9 @@ class Rig:
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
     at nodes; what a file has drawn before is payload, and stays as it is.
-    facing: the direction the character looks in, where the format prescribes one.
+    facing: the direction the character looks in, where the format prescribes one. drawn: reads
+    what is drawn, as `meshes`; asked only by who wants it. shelf: the node that a new group of
+    ours goes under, −1 where it is a root. per_second: units of clips' time in a second.
     """
 
     names: tuple[str, ...]
@@ -71,9 +73,17 @@ class Rig:
     shapes: Mapping[int, Shape] = field(default_factory=dict)
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    drawn: Callable[[], Sequence[Mesh]] | None = None
+    shelf: int = -1
+    per_second: float = 1.0
 
     def __len__(self) -> int:
         return len(self.names)
+
+    @cached_property
+    def meshes(self) -> Sequence[Mesh]:
+        """All that is drawn and can be read; none for a rig that no file was read for."""
+        return () if self.drawn is None else self.drawn()
 
     @cached_property
     def local(self) -> Floats:
@@ -363,6 +373,8 @@ class Rig:
             humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
             notes={moved(k): note for k, note in self.notes.items()},
             shapes={moved(k): shape for k, shape in self.shapes.items()},
+            drawn=lambda: [replace(mesh, node=moved(mesh.node)) for mesh in self.meshes],
+            shelf=moved(self.shelf),
         )
 
     def with_nodes(

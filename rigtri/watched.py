@@ -23,7 +23,7 @@ from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 # What rigtri adds to a file, by the type in its note; the rest of a file it must not move.
-OWN = ("poleVector", "group")
+OWN = ("poleVector", "group", "rivet", "poseReader", "poseWeight")
 # Where no points can be read: how thick a body is at least, as a share of its longest side.
 THICKNESS = 0.1
 # Points moved in one matrix product; of a skin with more joints than that, only so many:

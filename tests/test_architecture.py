@@ -29,6 +29,8 @@ matrices
 triangle shapes records
 rig
 pose constraints
+timelines fitting triangles
+carried
 reframe report
 naming
 limbs

@@ -191,6 +191,7 @@ class GltfDocument:
                 if isinstance(e, dict) and isinstance(e.get("rigtri"), dict)
             },
             facing=bindings.facing,
+            drawn=self.meshes,
         )
         self._freeze(rig, ordered, fixed)
         return rig

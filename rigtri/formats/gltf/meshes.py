@@ -223,6 +223,7 @@ class MeshReader:
             weights=weights,
             morphs=morphs,
             morph_weights=self._morph_weights(node, mesh, len(morphs)),
+            morph_names=_target_names(mesh, len(morphs)),
             surface=lambda: self._surface(primitive, len(points)),
         )
 
@@ -310,6 +311,15 @@ class MeshReader:
 
 def _blocks(rows: int) -> list[tuple[int, int]]:
     return [(start, start + BLOCK) for start in range(0, rows, BLOCK)]
+
+
+def _target_names(mesh: dict[str, Any], count: int) -> tuple[str, ...]:
+    """What the targets of a mesh are called, by the convention that all tools share."""
+    extras = mesh.get("extras")
+    names = extras.get("targetNames") if isinstance(extras, dict) else None
+    if isinstance(names, list) and len(names) == count and all(isinstance(name, str) for name in names):
+        return tuple(names)
+    return ()
 
 
 def _within(primitive: Value, joints: Integers, weights: Floats, count: int) -> tuple[Integers, Floats]:

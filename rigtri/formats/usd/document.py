@@ -45,6 +45,7 @@ class UsdDocument:
 
     def __init__(self, source: Source, options: Options, layer: Any) -> None:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
+        source = replace(source, rig=replace(source.rig, drawn=self.meshes))
         self._source, self._options, self._layer = source, options, layer
         self._notices = list(source.warnings)
 

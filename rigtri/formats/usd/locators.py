@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,10 @@ from rigtri.formats.usd.reader import GROUP, Source
 from rigtri.formats.usd.shapes import drawing
 from rigtri.formats.usd.stage import why_locked
 from rigtri.formats.usd.values import Edit, apply_schema, define, kind, parts, set_value
-from rigtri.formats.usd.xform import stand
+from rigtri.formats.usd.xform import SAME_TURN, stand
 from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
+from rigtri.records import Track
 from rigtri.rig import Rig
 
 SCHEMAS = {"poleVector": "RigtriPoleVectorAPI"}
@@ -26,12 +28,18 @@ def is_ours(rig: Rig, node: int) -> bool:
     return "type" in rig.notes.get(node, {})
 
 
-def edits(source: Source, rig: Rig) -> list[Edit]:
-    """New nodes as prims, and prims of ours brought up to date."""
-    return [*_update(source, rig), *_Additions(source, rig).edits()]
+def edits(source: Source, rig: Rig, keyed: Sequence[Track] = ()) -> list[Edit]:
+    """New nodes as prims, and prims of ours brought up to date. keyed: their tracks that are new."""
+    return [*_update(source, rig, {track.node for track in keyed}), *_Additions(source, rig).edits()]
 
 
-def _update(source: Source, rig: Rig) -> list[Edit]:
+def _tracks(rig: Rig, node: int) -> list[Track]:
+    """All that moves a prim of ours; a scale that stays 1 is none."""
+    found = [t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights"]
+    return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_TURN]
+
+
+def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
     before, found, renamed = source.rig, [], []
     for node, key in enumerate(before.keys):
         if kind(key) != "prim":
@@ -43,11 +51,11 @@ def _update(source: Source, rig: Rig) -> list[Edit]:
             found += _attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
         if not is_ours(before, node):
             continue
-        if (before.local[node] != rig.local[node]).any():
+        if node in keyed or (before.local[node] != rig.local[node]).any():
             locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
             if locked:
                 raise FileError(f"{locked}.")
-            found += stand(path, rig.local[node])
+            found += stand(path, rig.local[node], _tracks(rig, node))
         if before.names[node] != rig.names[node]:
             renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
     # Renaming comes last: all other edits know a prim by the path it had.
@@ -94,7 +102,11 @@ class _Additions:
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
-        found = [define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
+        found = [
+            define(path, "Xform"),
+            *stand(path, local, _tracks(self.rig, node)),
+            *_attributes(path, notes.attributes_of(note)),
+        ]
         schema = SCHEMAS.get(str(note.get("type")))
         if node in self.rig.shapes:
             found += drawing(path.AppendChild("shape"), self.rig.shapes[node])

@@ -183,22 +183,21 @@ def blend_tracks(
 def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     morphs = _morphs(query, len(mesh.points)) if query.HasBlendShapes() else mesh.morphs
     rest = np.zeros(len(morphs))
+    order = [str(name) for name in query.GetBlendShapeOrder() or ()] if len(morphs) else []
+    names = tuple(order) if len(order) == len(morphs) else ()
+    mesh = replace(mesh, morphs=morphs, morph_weights=rest, morph_names=names)
     if not query.HasJointInfluences():
-        return Mesh(mesh.name, mesh.node, mesh.points, morphs=morphs, morph_weights=rest)
+        return mesh
     influences = _influences(query, tokens, len(mesh.points))
     if influences is None:
-        return Mesh(mesh.name, mesh.node, mesh.points, morphs=morphs, morph_weights=rest)
+        return mesh
     joints, weights = influences
-    return Mesh(
-        name=mesh.name,
-        node=mesh.node,
-        points=mesh.points,
+    return replace(
+        mesh,
         skin=skin,
         joints=joints,
         weights=weights,
         bind=np.array(query.GetGeomBindTransform(DEFAULT), dtype=np.float64),
-        morphs=morphs,
-        morph_weights=rest,
         dual_quaternion=str(query.GetSkinningMethod()) == "dualQuaternion",
     )
 
