@@ -14,8 +14,10 @@ from rigtri.trigonometry import Floats
 
 # Places of a gap that are looked at: quarters, and one where nothing meets by chance.
 LOOKED_AT = (0.25, 0.5, 0.75, 0.29)
-# A gap is halved so often at most.
-_DEEPEST = 12
+# A gap is halved so often at most: float32 has no times in between any more.
+_DEEPEST = 24
+# More keys than this are a bound below the rounding of what is sampled.
+MOST_KEYS = 100_000
 
 Sampled = Callable[[Floats], Floats]
 Error = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
@@ -34,6 +36,7 @@ def fitted(
     sample: times (f,) → values (f, c). error: how far values (f, c) are from what keys say there,
     from (values, left values, right values, share (f,), times) → (f,). keep: rounds times to what
     the file can hold; a gap that has no such time inside stays.
+    OverflowError where more than `MOST_KEYS` would be needed.
     """
     gaps = np.stack([times[:-1], times[1:]], axis=1)
     found = [times]
@@ -46,6 +49,8 @@ def fitted(
         inside = (middle > gaps[:, 0]) & (middle < gaps[:, 1])
         gaps, middle = gaps[inside], middle[inside]
         found.append(middle)
+        if len(middle) > MOST_KEYS:
+            raise OverflowError(f"more than {MOST_KEYS} keys would be needed")
         gaps = np.concatenate(
             [np.stack([gaps[:, 0], middle], axis=1), np.stack([middle, gaps[:, 1]], axis=1)]
         )

@@ -97,7 +97,8 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
     least = max(_SAME_PLACE * float(length(place[3, :3])), noise, 1e-30)
     if length(place[3, :3] - translation[node]) > least:
         translation[node] = place[3, :3]
-    if np.abs(turn - rotation[node]).max() > _SAME_PLACE:
+    # q and −q are one rotation; of a half turn, rounding picks either.
+    if min(np.abs(turn - rotation[node]).max(), np.abs(turn + rotation[node]).max()) > _SAME_PLACE:
         rotation[node] = turn
     if rig.has_matrix[node]:
         matrix = rig.matrix.copy()

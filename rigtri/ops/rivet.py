@@ -284,7 +284,12 @@ class _Rivet:
             before = just_before(jumps(moving))
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
             bound = self.options.within * self.size
-            times = fitted(seats, self._error, times, within=bound, keep=single)
+            try:
+                times = fitted(seats, self._error, times, within=bound, keep=single)
+            except OverflowError as error:
+                raise GeometryError(
+                    f"Rivet '{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
+                ) from None
         values = self._whole(seats(times), timeline, times)
         if (self._apart(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
             times, values = times[:1], values[:1]
