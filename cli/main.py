@@ -22,6 +22,7 @@ COMMANDS = {
     "add-polevector": "Add a locator that says which way a limb bends.",
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
     "add-rivet": "Tie locators to the surface of a mesh, through skinning and morphs.",
+    "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",
     "verify": "Measure how far two files look apart, in every pose.",
     "diff": "Say in rig terms and in file terms what differs between two files.",

@@ -175,6 +175,12 @@ def edit_options(command: F) -> F:
             type=click.Path(dir_okay=False),
             help="Write what was done, per joint and limb, with the measured deviation.",
         ),
+        click.option(
+            "--sidecar",
+            is_flag=True,
+            help="Also write what rigtri has stored in OUT as a file beside it, OUT's name with .rig.json, "
+            "for engines and exporters that drop extras.",
+        ),
         click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure."),
         click.option("--overwrite", is_flag=True, help="Replace OUT where it exists."),
     ):
@@ -219,6 +225,8 @@ def run_edit(
     if values["as_json"] and target == "-":
         raise UsageError("--json and -o - both want standard output; use --report FILE.json")
     report_path = values["report_path"]
+    if values["sidecar"] and target == "-":
+        raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
     _check_format(values)
     check_side_files(values)
     report = Report()
@@ -251,6 +259,8 @@ def run_edit(
     )
     if report_path is not None:
         write_text(Path(report_path), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+    if values["sidecar"] and not values["dry_run"]:
+        _write_sidecar(values)
     if values["as_json"]:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     if not quiet:
@@ -287,7 +297,31 @@ def _side_files(values: dict[str, Any]) -> dict[str, Path]:
     from pathlib import Path
 
     flags = {"--report": "report_path", "--save-frames": "save_frames"}
-    return {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
+    found = {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
+    if values.get("sidecar"):
+        found["--sidecar"] = _sidecar(values)
+    return found
+
+
+def _sidecar(values: dict[str, Any]) -> Path:
+    """The file beside OUT that says what rigtri has stored in it."""
+    from pathlib import Path
+
+    from rigtri.description import SUFFIX
+
+    return Path(values["target"]).with_suffix(SUFFIX)
+
+
+def _write_sidecar(values: dict[str, Any]) -> None:
+    """Describe OUT as it is on disk, so that the names are those that the format has left."""
+    from pathlib import Path
+
+    from rigtri.description import description
+    from rigtri.formats import read
+    from rigtri.outputs import write_text
+
+    rig = read(Path(values["target"]), read_options(values)).rig
+    write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
 
 
 def check_side_files(values: dict[str, Any]) -> None:

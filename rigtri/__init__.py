@@ -17,6 +17,8 @@ _WHERE = {
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "add_rivet": "rigtri.ops.rivet",
+    "add_controls": "rigtri.ops.controls",
+    "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
@@ -30,6 +32,7 @@ __all__ = [
     "Report",
     "Rig",
     "RigtriError",
+    "add_controls",
     "add_polevector",
     "add_rivet",
     "check",
@@ -38,6 +41,7 @@ __all__ = [
     "edit",
     "orient_joints",
     "read",
+    "strip",
     "verify",
 ]
 
@@ -48,9 +52,11 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.controls import add_controls
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.rivet import add_rivet
+    from rigtri.ops.strip import strip
     from rigtri.pipeline import edit
     from rigtri.report import Report
     from rigtri.rig import Rig

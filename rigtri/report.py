@@ -28,6 +28,7 @@ class Report:
     joints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[dict[str, Any]] = field(default_factory=list)
     added: list[dict[str, Any]] = field(default_factory=list)
+    removed: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 

@@ -44,6 +44,7 @@ class Rig:
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
     at nodes; what a file has drawn before is payload, and stays as it is.
+    removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one. drawn: reads
     what is drawn, as `meshes`; asked only by who wants it. shelf: the node that a new group of
     ours goes under, −1 where it is a root. per_second: units of clips' time in a second.
@@ -71,6 +72,7 @@ class Rig:
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     shapes: Mapping[int, Shape] = field(default_factory=dict)
+    removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     drawn: Callable[[], Sequence[Mesh]] | None = None
@@ -375,6 +377,7 @@ class Rig:
             shapes={moved(k): shape for k, shape in self.shapes.items()},
             drawn=lambda: [replace(mesh, node=moved(mesh.node)) for mesh in self.meshes],
             shelf=moved(self.shelf),
+            removed=frozenset(map(moved, self.removed)),
         )
 
     def with_nodes(

@@ -118,6 +118,13 @@ def glb_json(path: Path) -> dict[str, Any]:
     return found
 
 
+def glb_parts(path: Path) -> tuple[dict[str, Any], bytes]:
+    """The JSON and the BIN chunk of a GLB, read without rigtri."""
+    content = path.read_bytes()
+    (length,) = struct.unpack_from("<I", content, 12)
+    return glb_json(path), content[28 + length :]
+
+
 # --- the character
 
 NODES: list[dict[str, Any]] = [

@@ -38,7 +38,7 @@ skeleton bend
 matching
 moving scenery attached
 watched
-compare describe changes
+compare describe description changes
 delivery
 ops formats
 inputs outputs

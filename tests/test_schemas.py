@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
+from places import SAMPLES
 from second_opinions import SCHEMAS, schema, validator
 
 POLE: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": ["shoulder", "elbow", "wrist"]}
@@ -67,6 +72,7 @@ def test_a_report_has_exactly_its_keys() -> None:
         "options": {},
         "joints": [{"joint": "a", "address": "a", "path": "/a", "status": "kept", "reason": "a root joint"}],
         "added": [{"node": "a_ctl", "type": "control", "new": True}],
+        "removed": [],
         "limbs": [
             {
                 "limb": ["a", "b", "c"],
@@ -88,3 +94,36 @@ def test_a_report_has_exactly_its_keys() -> None:
     turned = {"joint": "a", "address": "a", "path": "/a", "status": "turned"}
     assert not check.is_valid(report | {"joints": [turned]})
     assert not check.is_valid(report | {"limbs": [report["limbs"][0] | {"source": "noise"}]})
+
+
+def test_the_usd_schema_is_what_the_node_schema_says() -> None:
+    from rigtri.schemas.make import generated
+
+    layer, plugin = generated(schema("node"))
+    folder = Path(str(files("rigtri.schemas"))) / "usd"
+    assert (folder / "generatedSchema.usda").read_text(encoding="utf-8") == layer
+    assert (folder / "plugInfo.json").read_text(encoding="utf-8") == plugin
+
+
+def test_usd_knows_the_schemas_of_prims_that_rigtri_makes(tmp_path: Path) -> None:
+    """In a process of its own: USD takes schemas up only before its first stage."""
+    out = tmp_path / "out.usda"
+    program = f"""
+from pathlib import Path
+from rigtri import add_controls, edit
+from rigtri.ops.controls import Options
+options = Options(whole_character=True)
+source, target = Path({str(SAMPLES / "biped.usda")!r}), Path({str(out)!r})
+edit(source, target, lambda rig, _: add_controls(rig, options=options))
+from pxr import Usd
+stage = Usd.Stage.Open({str(out)!r})
+for prim in stage.Traverse():
+    kind = prim.GetAttribute("rigtri:type").Get()
+    if kind:
+        name = f"Rigtri{{kind[0].upper()}}{{kind[1:]}}API"
+        assert prim.HasAPI(name), (prim, name)
+        assert prim.GetPrimDefinition().GetSchemaAttributeSpec("rigtri:type")
+        print(kind)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert {"group", "control", "offset", "poleVector"} <= set(done.stdout.split())

@@ -102,9 +102,9 @@ class Document(Protocol):
         """
 
 
-def read(path: Path, options: Options | None = None) -> Document:
+def read(path: Path | str, options: Options | None = None) -> Document:
     """Read a rig file; its suffix says the format. Raises FileError for anything unreadable."""
-    options = options or Options()
+    path, options = Path(path), options or Options()
     suffix = path.suffix.lower()
     if suffix in GLTF_SUFFIXES:
         from rigtri.formats.gltf.document import GltfDocument

@@ -42,6 +42,7 @@ class Storage:
         self._gltf = container.gltf
         self._patches: dict[int, list[tuple[int, Singles]]] = {}
         self._tails: dict[Role, _Tail] = {}
+        self._cuts: dict[int, int] = {}
         self._added: dict[tuple[Any, ...], int] = {}
         self._free: set[int] | None = None
         self._users: Counter[int] | None = None
@@ -78,6 +79,17 @@ class Storage:
         if key not in self._added:
             self._added[key] = self._append(content, rows, kind, role, source, bounds)
         return self._added[key]
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing has been given to it."""
+        return not self._tails and not self._patches
+
+    def cut(self, buffer: int, length: int) -> None:
+        """Let a buffer that is ours to change end after ``length`` bytes; another stays as it is."""
+        if self._buffers.place(buffer) in ("bin", "data", "own"):
+            self._cuts[buffer] = length
+            self._draft.own("buffers", buffer)["byteLength"] = length
 
     def _append(
         self, content: bytes, rows: Singles, kind: str, role: Role, source: dict[str, Any], bounds: bool
@@ -117,7 +129,7 @@ class Storage:
             tail += bytes(self._tails[role].content)
         home = self._home() if tail else -1
         binary, companions = None, []
-        for index in sorted({*self._patches, *([home] if tail else [])}):
+        for index in sorted({*self._patches, *self._cuts, *([home] if tail else [])}):
             more = tail if index == home else b""
             place = self._place(index)
             if place == "bin":
@@ -163,7 +175,7 @@ class Storage:
                 pieces.append(old[at:start])
             pieces.append(rows.data.cast("B"))
             at = start + rows.nbytes
-        pieces.append(old[at:])
+        pieces.append(old[at : self._cuts.get(index, len(old))])
         if tail:
             padding = -len(old) % 4
             self._settle(index, len(old) + padding)
@@ -180,6 +192,7 @@ class Storage:
             content += b"\0" * (-len(content) % 4)
             self._settle(index, len(content))
             content += tail
+        del content[self._cuts.get(index, len(content)) :]
         buffer = self._draft.own("buffers", index)
         buffer["byteLength"] = len(content)
         if place == "data":

@@ -13,6 +13,7 @@ from rigtri.formats.gltf.container import Piece
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.mapped import pour, settling
 from rigtri.formats.gltf.node_writer import NodeWriter
+from rigtri.formats.gltf.prune import prune
 from rigtri.formats.gltf.resources import accompany, relink
 from rigtri.formats.gltf.shape_writer import write_shapes
 from rigtri.formats.gltf.storage import Storage
@@ -42,9 +43,11 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
             clips.write()
         except OverflowError as error:
             raise FileError(f"{container.path}: {error}; scale the file down") from None
+        if draft.changed or not storage.idle:
+            nodes.repair(document.rest.repaired)
+        if rig.removed:
+            prune(draft, storage, {nodes.index[node] for node in rig.removed})
     binary, companions = storage.finish(target.stem)
-    if rig is not document.rig and (draft.changed or binary is not None):
-        nodes.repair(document.rest.repaired)
     if not draft.changed and binary is None:
         _write(part, [container.source])
     else:

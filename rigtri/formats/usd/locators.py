@@ -20,8 +20,6 @@ from rigtri.pose import worlds
 from rigtri.records import Track
 from rigtri.rig import Rig
 
-SCHEMAS = {"poleVector": "RigtriPoleVectorAPI"}
-
 
 def is_ours(rig: Rig, node: int) -> bool:
     """Whether a prim was made by rigtri: it carries a note, and its place is ours to set."""
@@ -30,7 +28,8 @@ def is_ours(rig: Rig, node: int) -> bool:
 
 def edits(source: Source, rig: Rig, keyed: Sequence[Track] = ()) -> list[Edit]:
     """New nodes as prims, and prims of ours brought up to date. keyed: their tracks that are new."""
-    return [*_update(source, rig, {track.node for track in keyed}), *_Additions(source, rig).edits()]
+    updated = _update(source, rig, {track.node for track in keyed})
+    return [*updated, *_Additions(source, rig).edits(), *_removals(source, rig)]
 
 
 def _tracks(rig: Rig, node: int) -> list[Track]:
@@ -42,7 +41,7 @@ def _tracks(rig: Rig, node: int) -> list[Track]:
 def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
     before, found, renamed = source.rig, [], []
     for node, key in enumerate(before.keys):
-        if kind(key) != "prim":
+        if kind(key) != "prim" or node in rig.removed:
             continue
         path, note = before.labels[node], rig.notes.get(node, {})
         if dict(note) != dict(before.notes.get(node, {})):
@@ -60,6 +59,30 @@ def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
             renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
     # Renaming comes last: all other edits know a prim by the path it had.
     return [*found, *renamed]
+
+
+def _removals(source: Source, rig: Rig) -> list[Edit]:
+    """Prims of ours that go, each with all below it."""
+    gone = [node for node in sorted(rig.removed) if kind(rig.keys[node]) == "prim"]
+    tops = [node for node in gone if int(rig.parents[node]) not in rig.removed]
+    for node in gone:
+        stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
+        for spec in stack[1:]:
+            raise FileError(
+                f"<{rig.labels[node]}> is written in {stack[0].layer.identifier} and in "
+                f"{spec.layer.identifier}, so it cannot be taken out of one of them."
+            )
+    return [_erase(rig.labels[node]) for node in tops]
+
+
+def _erase(path: str) -> Edit:
+    def erase(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is None:
+            raise FileError(f"<{path}> is written in another layer, so it cannot be taken out here.")
+        del spec.nameParent.nameChildren[spec.name]
+
+    return Edit(Sdf.Path(path), erase)
 
 
 class _Additions:
@@ -102,15 +125,11 @@ class _Additions:
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
-        found = [
-            define(path, "Xform"),
-            *stand(path, local, _tracks(self.rig, node)),
-            *_attributes(path, notes.attributes_of(note)),
-        ]
-        schema = SCHEMAS.get(str(note.get("type")))
+        found = [define(path, "Xform"), *stand(path, local, _tracks(self.rig, node))]
+        found += _attributes(path, notes.attributes_of(note))
         if node in self.rig.shapes:
             found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
-        return [*found, apply_schema(path, schema)] if schema else found
+        return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:
         """The prim that a new node goes under, and that prim's world matrix."""
@@ -149,6 +168,7 @@ class _Additions:
                 [
                     define(path, "Scope"),
                     *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
+                    apply_schema(path, notes.api_name("group")),
                 ],
             )
         nodes = {label: node for node, label in enumerate(self.rig.labels)}

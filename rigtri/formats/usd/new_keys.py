@@ -39,9 +39,10 @@ def divided(
         if new is old:
             clips.append(new)
             continue
+        known = {(track.node, track.path): track for track in old.tracks}
         kept: list[Track] = []
-        for number, now in enumerate(new.tracks):
-            was = old.tracks[number] if number < len(old.tracks) else None
+        for now in new.tracks:
+            was = known.get((now.node, now.path))
             if now is was or not (now.path == "weights" or ours(now.node)):
                 kept.append(now)
                 continue

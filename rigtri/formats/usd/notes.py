@@ -25,6 +25,11 @@ JOINT_NOTES = ("rigtri:joints", "rigtri:jointNotes")
 Note = Mapping[str, Any]
 
 
+def api_name(kind: str) -> str:
+    """The applied API schema of a type of note: ``RigtriPoleVectorAPI`` for ``poleVector``."""
+    return f"Rigtri{kind[0].upper()}{kind[1:]}API"
+
+
 def read_prim(prim: Any) -> dict[str, Any]:
     """The note that a prim's ``rigtri:*`` attributes hold; empty where there are none."""
     note: dict[str, Any] = {}

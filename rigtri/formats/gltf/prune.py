@@ -1,0 +1,207 @@
+"""Nodes taken out of a draft, and what only they were using.
+
+What stands at the end of its list goes without any other number changing. What has come to
+stand between others goes where all that may count is known; else nodes are refused, and the rest
+stays, unused, in its place.
+
+Source: glTF 2.0 §5 (which properties hold indices); KHR_animation_pointer; VRM 0.0 and 1.0.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection
+from typing import Any
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.draft import Draft
+from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
+from rigtri.formats.gltf.storage import OWN_NAME, Storage
+
+# Meshes and materials that rigtri draws shapes with; others stay, whoever used them.
+_OURS = {"meshes": re.compile("rigtri_"), "materials": re.compile("rigtri_[0-9a-f]{6}$")}
+# Sections of the file that hold indices of a kind, and the words that they stand at there.
+_NODE_WORDS = "node nodes children joints skeleton source center bones ids firstPersonBone"
+_WORDS: dict[str, tuple[tuple[str, ...], frozenset[str]]] = {
+    "nodes": (("nodes", "scenes", "skins", "animations", "extensions"), frozenset(_NODE_WORDS.split())),
+    "meshes": (("nodes", "extensions"), frozenset({"mesh"})),
+    "materials": (("meshes", "extensions"), frozenset({"material"})),
+}
+# Extensions whose indices of these kinds all stand at those words, or that have none.
+_KNOWN = ("EXT_mesh", "EXT_texture", "GODOT_single_root", "KHR_", "MSFT_lod", "VRM")
+
+
+def prune(draft: Draft, storage: Storage, nodes: Collection[int]) -> None:
+    """Take nodes out of the file, by their indices there, with the shapes and keys that were theirs alone."""
+    gltf = draft.gltf
+    used = used_accessors(gltf)
+    meshes = {gltf["nodes"][node].get("mesh") for node in nodes} - {None}
+    _detach(draft, nodes)
+    _drop(draft, "nodes", nodes)
+    meshes = _unneeded(gltf, "meshes", meshes, {node.get("mesh") for node in gltf["nodes"]})
+    materials = {p.get("material") for mesh in meshes for p in gltf["meshes"][mesh]["primitives"]} - {None}
+    dropped = _drop(draft, "meshes", meshes)
+    rest = {p.get("material") for mesh in gltf.get("meshes", []) for p in mesh.get("primitives", ())}
+    if dropped:
+        _drop(draft, "materials", _unneeded(gltf, "materials", materials, rest))
+    if storage.idle:
+        _drop_bytes(draft, storage, {k for k, n in (used - used_accessors(gltf)).items() if n == used[k]})
+
+
+def _detach(draft: Draft, nodes: Collection[int]) -> None:
+    """Take nodes out of lists of children, scenes and joints, and channels away that drive them."""
+    gltf = draft.gltf
+    for section, key in (("nodes", "children"), ("scenes", "nodes"), ("skins", "joints")):
+        for number, holder in enumerate(gltf.get(section, [])):
+            inside = holder.get(key)
+            if inside and any(node in nodes for node in inside):
+                owned = draft.own(section, number)
+                owned[key] = [node for node in inside if node not in nodes]
+                if not owned[key]:
+                    owned.pop(key)
+    for number, animation in enumerate(gltf.get("animations", [])):
+        channels = animation.get("channels", [])
+        kept = [c for c in channels if c.get("target", {}).get("node") not in nodes]
+        if len(kept) < len(channels):
+            draft.own("animations", number)["channels"] = kept
+            _drop_samplers(draft, number, {c["sampler"] for c in channels} - {c["sampler"] for c in kept})
+    _drop_empty_animations(draft)
+
+
+def _drop_samplers(draft: Draft, number: int, unused: Collection[int]) -> None:
+    animation = draft.own("animations", number)
+    moved = _moves(len(animation["samplers"]), unused)
+    animation["samplers"] = [s for k, s in enumerate(animation["samplers"]) if k not in unused]
+    for k, channel in enumerate(animation["channels"]):
+        now = moved[channel["sampler"]]
+        if now != channel["sampler"]:
+            animation["channels"][k] = {**channel, "sampler": now}
+
+
+def _drop_empty_animations(draft: Draft) -> None:
+    """An animation without channels is not allowed; nothing refers to animations by number."""
+    animations = draft.gltf.get("animations", [])
+    if any(not animation.get("channels") for animation in animations):
+        kept = [animation for animation in animations if animation.get("channels")]
+        draft.own("animations")[:] = kept
+        if not kept:
+            draft.gltf.pop("animations")
+
+
+def _unneeded(
+    gltf: dict[str, Any], kind: str, candidates: Collection[Any], used: Collection[Any]
+) -> set[int]:
+    """The candidates of ours that nothing uses any more."""
+    ours = _OURS[kind]
+    return {k for k in candidates if k not in used and ours.match(str(gltf[kind][k].get("name", "")))}
+
+
+def _drop(draft: Draft, kind: str, gone: Collection[int]) -> bool:
+    """Take entries out of a list and count the others anew; False where they have to stay."""
+    entries = draft.gltf.get(kind, [])
+    if not gone:
+        return False
+    count = len(entries)
+    at_the_end = min(gone) == count - len(gone)
+    if not at_the_end and (unknown := _unknown(draft.gltf)):
+        if kind != "nodes":
+            return False
+        raise FileError(
+            f"What rigtri added stands between other nodes, and {unknown} may count nodes in ways that "
+            "rigtri does not know. Take that extension out first"
+        )
+    draft.own(kind)[:] = [entry for k, entry in enumerate(entries) if k not in gone]
+    if not at_the_end:
+        _renumber(draft, kind, _moves(count, gone))
+    if not draft.gltf[kind]:
+        draft.gltf.pop(kind)
+    return True
+
+
+def _unknown(gltf: dict[str, Any]) -> str:
+    """An extension in use that may hold indices at words of its own, "" where there is none."""
+    used = map(str, gltf.get("extensionsUsed", []))
+    return next((name for name in used if not name.startswith(_KNOWN)), "")
+
+
+def _moves(count: int, gone: Collection[int]) -> dict[int, int]:
+    """Old index → new index of what stays."""
+    kept = [k for k in range(count) if k not in gone]
+    return {old: new for new, old in enumerate(kept)}
+
+
+def _renumber(draft: Draft, kind: str, moved: dict[int, int]) -> None:
+    sections, words = _WORDS[kind]
+    pointer = re.compile(rf"/{kind}/(\d+)(?=/|$)")
+
+    def text(match: re.Match[str]) -> str:
+        old = int(match[1])
+        return f"/{kind}/{moved.get(old, old)}"
+
+    for section in sections:
+        if section in draft.gltf:
+            draft.own(section)  # so that the whole counts as changed
+            draft.gltf[section] = _renumbered(
+                draft.gltf[section], words, moved, lambda value: pointer.sub(text, value)
+            )
+
+
+def _renumbered(value: Any, words: frozenset[str], moved: dict[int, int], point: Callable[[str], str]) -> Any:
+    """``value`` with its indices counted anew; the very object where nothing in it changes."""
+    if isinstance(value, list):
+        items = [_renumbered(item, words, moved, point) for item in value]
+        return value if all(new is old for new, old in zip(items, value, strict=True)) else items
+    if not isinstance(value, dict):
+        return value
+    members: dict[str, Any] = {}
+    for key, item in value.items():
+        if key == "extras":
+            members[key] = item
+        elif key in words and type(item) is int:
+            members[key] = moved.get(item, item)
+        elif key in words and isinstance(item, list) and item and type(item[0]) is int:
+            members[key] = [moved.get(k, k) for k in item]
+        elif key == "pointer" and isinstance(item, str):
+            members[key] = point(item)
+        else:
+            members[key] = _renumbered(item, words, moved, point)
+    same = all(members[key] is item or members[key] == item for key, item in value.items())
+    return value if same else members
+
+
+def _drop_bytes(draft: Draft, storage: Storage, accessors: Collection[int]) -> None:
+    """Take away accessors that nothing uses any more, their views, and bytes at the ends of buffers."""
+    gltf = draft.gltf
+    entries = gltf.get("accessors", [])
+    others = used_views(gltf)
+    last = len(entries)
+    while last and last - 1 in accessors:
+        last -= 1
+    views = {accessor.get("bufferView") for accessor in entries[last:]} - {None}
+    if last == len(entries):
+        return
+    del draft.own("accessors")[last:]
+    views -= others | {accessor.get("bufferView") for accessor in entries[:last]}
+    count = len(gltf["bufferViews"])
+    while count and count - 1 in views:
+        count -= 1
+    freed = gltf["bufferViews"][count:]
+    del draft.own("bufferViews")[count:]
+    for index in sorted({view["buffer"] for view in freed}, reverse=True):
+        _cut(draft, storage, index, min(v.get("byteOffset", 0) for v in freed if v["buffer"] == index))
+    for kind in ("accessors", "bufferViews", "buffers"):
+        if not gltf[kind]:
+            gltf.pop(kind)
+
+
+def _cut(draft: Draft, storage: Storage, index: int, start: int) -> None:
+    """Let a buffer end at ``start`` where nobody uses what is behind; one of ours may go as a whole."""
+    gltf = draft.gltf
+    ends = [v.get("byteOffset", 0) + v["byteLength"] for v in gltf["bufferViews"] if v["buffer"] == index]
+    ends += [end for buffer, _, end in compressed_spans(gltf) if buffer == index]
+    if max(ends, default=0) > start:
+        return
+    if start:
+        storage.cut(index, start)
+    elif index == len(gltf["buffers"]) - 1 and gltf["buffers"][index].get("name") == OWN_NAME:
+        del draft.own("buffers")[index]

@@ -1,0 +1,56 @@
+"""The description beside a file says what is stored in it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from second_opinions import validator
+
+from rigtri.cli.main import program
+from rigtri.description import description
+from rigtri.formats import read
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz"])
+def test_the_sidecar_describes_what_the_file_holds(samples: Path, tmp_path: Path, name: str) -> None:
+    out, beside = tmp_path / name, tmp_path / "biped.rig.json"
+    command = ["add-controls", str(samples / name), "-o", str(out), "--whole-character", "--sidecar"]
+    done = CliRunner().invoke(program, command)
+    assert done.exit_code == 0, done.output
+    said = json.loads(beside.read_text())
+    validator("rig").validate(said)
+    rig = read(out).rig
+    assert said == json.loads(json.dumps(description(rig)))
+    for entry in said["nodes"]:
+        node = rig.find(entry["node"], "node")
+        assert entry["note"] == dict(rig.notes[node])
+        assert entry["parent"] is None or rig.find(entry["parent"], "node") == rig.parents[node]
+    kinds = {entry["note"]["type"] for entry in said["nodes"]}
+    assert kinds == {"group", "control", "offset", "poleVector"}
+
+
+def test_a_sidecar_replaces_nothing_unasked(samples: Path, tmp_path: Path) -> None:
+    (tmp_path / "out.rig.json").write_text("mine")
+    command = ["add-controls", str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb")]
+    done = CliRunner().invoke(program, [*command, "--whole-character", "--sidecar"])
+    assert done.exit_code == 2
+    assert "out.rig.json exists" in done.output
+    assert (tmp_path / "out.rig.json").read_text() == "mine"
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_a_stream_has_no_file_beside_it(samples: Path) -> None:
+    command = ["add-controls", str(samples / "biped.glb"), "-o", "-", "--whole-character", "--sidecar"]
+    done = CliRunner().invoke(program, command)
+    assert done.exit_code == 2
+    assert "--sidecar needs a file" in done.output
+
+
+def test_with_dry_run_there_is_no_sidecar(samples: Path, tmp_path: Path) -> None:
+    command = ["add-controls", str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb"), "-n"]
+    done = CliRunner().invoke(program, [*command, "--whole-character", "--sidecar"])
+    assert done.exit_code == 0
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,141 @@
+"""strip: what was put in comes out again, and nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from gltf_files import glb_bytes, glb_parts
+from places import USD, asset_files, leave_out_refused, sample_files
+from second_opinions import khronos_errors
+
+from rigtri import diff, verify
+from rigtri.errors import FileError, GeometryError
+from rigtri.formats import Options as Reading
+from rigtri.formats import read
+from rigtri.ops.controls import Options, add_controls
+from rigtri.ops.select import Selection
+from rigtri.ops.strip import strip
+from rigtri.pipeline import edit
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+TRUSTING = Reading(lenient=True, allow_external_paths=True)
+
+
+def controls(rig: Rig, report: Report) -> Rig:
+    try:
+        return add_controls(rig, options=Options(whole_character=True), report=report)
+    except GeometryError:  # a straight limb that nothing tells of
+        return add_controls(rig, options=Options(selection=Selection(joints=("*",))), report=report)
+
+
+def stripped(rig: Rig, report: Report) -> Rig:
+    return strip(rig, report=report)
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_controls_put_in_and_taken_out_leave_the_file_as_it_was(path: Path, tmp_path: Path) -> None:
+    built, bare = tmp_path / f"built{path.suffix}", tmp_path / path.name
+    try:
+        edit(path, built, controls, options=TRUSTING)
+    except FileError as error:
+        leave_out_refused(path, error)
+    outcome = edit(built, bare, stripped, options=TRUSTING)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    assert not read(bare, TRUSTING).rig.notes
+    found = diff(path, bare, options=TRUSTING)
+    assert not found.rig
+    other = [str(change) for change in found.file or ()]
+    if path.suffix in USD:
+        # usd-core writes layers its own way, and paths are anchored at another folder.
+        other = [text for text in other if not text.startswith((">", "~ bytes")) and "references" not in text]
+        other = [text for text in other if not text.endswith(" bytes")]
+    assert other == []
+
+
+def test_a_glb_comes_back_byte_for_byte(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.glb", tmp_path / "built.glb", controls)
+    edit(tmp_path / "built.glb", tmp_path / "bare.glb", stripped)
+    assert (tmp_path / "bare.glb").read_bytes() == (samples / "biped.glb").read_bytes()
+
+
+def test_all_that_went_is_reported(samples: Path, tmp_path: Path) -> None:
+    added = edit(samples / "hand.glb", tmp_path / "built.glb", controls).report.added
+    removed = edit(tmp_path / "built.glb", tmp_path / "bare.glb", stripped).report.removed
+    names = {entry["node"] for entry in removed}
+    assert {entry["node"] for entry in added} <= names
+    assert {entry["type"] for entry in removed} >= {"group", "control", "offset"}
+    assert not any(entry["kept"] for entry in removed)
+
+
+def test_a_file_without_anything_of_ours_stays_byte_for_byte(samples: Path, tmp_path: Path) -> None:
+    for name in ("biped.glb", "biped.usda", "biped.usdz"):
+        edit(samples / name, tmp_path / name, stripped)
+        assert (tmp_path / name).read_bytes() == (samples / name).read_bytes()
+
+
+def test_a_node_of_someone_else_below_ours_is_named_and_nothing_is_done(
+    samples: Path, tmp_path: Path
+) -> None:
+    edit(samples / "biped.glb", tmp_path / "built.glb", controls)
+    gltf, binary = glb_parts(tmp_path / "built.glb")
+    control = next(k for k, node in enumerate(gltf["nodes"]) if node["name"] == "hand_L_ctl")
+    gltf["nodes"].append({"name": "Sword"})
+    gltf["nodes"][control].setdefault("children", []).append(len(gltf["nodes"]) - 1)
+    (tmp_path / "used.glb").write_bytes(glb_bytes(gltf, binary))
+    with pytest.raises(GeometryError, match="'Sword' hangs below 'hand_L_ctl'"):
+        edit(tmp_path / "used.glb", tmp_path / "bare.glb", stripped)
+    assert not (tmp_path / "bare.glb").exists()
+
+
+def reordered(path: Path, extension: str) -> None:
+    """Let the nodes of a file stand the other way round, as another tool may write them."""
+    gltf, binary = glb_parts(path)
+    last = len(gltf["nodes"]) - 1
+    gltf["nodes"].reverse()
+    for holder, key in (
+        *((node, "children") for node in gltf["nodes"]),
+        *((scene, "nodes") for scene in gltf["scenes"]),
+        *((skin, "joints") for skin in gltf["skins"]),
+    ):
+        if key in holder:
+            holder[key] = [last - k for k in holder[key]]
+    for skin in gltf["skins"]:
+        if "skeleton" in skin:
+            skin["skeleton"] = last - skin["skeleton"]
+    for animation in gltf.get("animations", []):
+        for channel in animation["channels"]:
+            channel["target"]["node"] = last - channel["target"]["node"]
+    gltf["extensionsUsed"] = [extension]
+    path.write_bytes(glb_bytes(gltf, binary))
+
+
+def test_nodes_that_another_tool_has_moved_go_too(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.glb", tmp_path / "built.glb", controls)
+    reordered(tmp_path / "built.glb", "KHR_materials_unlit")
+    source, bare = read(samples / "biped.glb"), tmp_path / "bare.glb"
+    outcome = edit(tmp_path / "built.glb", bare, stripped)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    assert sorted(read(bare).rig.names) == sorted(source.rig.names)
+    found = verify(source, read(bare))
+    assert found.deviation == 0.0
+    assert not found.lost
+    before, after = khronos_errors(tmp_path / "built.glb", bare)
+    assert not after - before
+
+
+def test_an_extension_that_may_count_nodes_is_named(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.glb", tmp_path / "built.glb", controls)
+    reordered(tmp_path / "built.glb", "XX_unknown")
+    with pytest.raises(FileError, match="XX_unknown may count nodes"):
+        edit(tmp_path / "built.glb", tmp_path / "bare.glb", stripped)
+    assert not (tmp_path / "bare.glb").exists()
+
+
+def test_nothing_in_a_stripped_layer_speaks_of_rigtri(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.usda", tmp_path / "built.usda", controls)
+    edit(tmp_path / "built.usda", tmp_path / "bare.usda", stripped)
+    assert "rigtri:" not in (tmp_path / "bare.usda").read_text()
