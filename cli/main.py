@@ -21,6 +21,7 @@ COMMANDS = {
     "orient-joints": "Give joints new axes; nothing that can be seen moves.",
     "add-polevector": "Add a locator that says which way a limb bends.",
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
+    "add-posereader": "Let morph targets or values follow a joint's pose.",
     "add-rivet": "Tie locators to the surface of a mesh, through skinning and morphs.",
     "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",

@@ -16,6 +16,7 @@ _WHERE = {
     "edit": "rigtri.pipeline",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
+    "add_posereader": "rigtri.ops.posereader",
     "add_rivet": "rigtri.ops.rivet",
     "add_controls": "rigtri.ops.controls",
     "strip": "rigtri.ops.strip",
@@ -34,6 +35,7 @@ __all__ = [
     "RigtriError",
     "add_controls",
     "add_polevector",
+    "add_posereader",
     "add_rivet",
     "check",
     "describe",
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
     from rigtri.ops.controls import add_controls
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
+    from rigtri.ops.posereader import add_posereader
     from rigtri.ops.rivet import add_rivet
     from rigtri.ops.strip import strip
     from rigtri.pipeline import edit

@@ -19,6 +19,7 @@ import numpy as np
 
 from rigtri import pose
 from rigtri.attached import compare_attached
+from rigtri.driven import Driven, moved, set_aside
 from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
@@ -90,7 +91,8 @@ class Comparison:
     deviation by title. poses: how many were looked at; 0 where both are the same to
     the bit. lost, added, changed: `rigtri.matching.Matching`. different: what looks
     different whatever the pose (`rigtri.scenery`). boxed: meshes of which only some points
-    were looked at, and the box that the file states for all.
+    were looked at, and the box that the file states for all. driven: how far morph weights that
+    the edit drives on purpose move points of each mesh, of the diagonal; the rest is without them.
     """
 
     deviation: float
@@ -107,6 +109,7 @@ class Comparison:
     different: tuple[str, ...]
     poses: int
     boxed: tuple[str, ...] = ()
+    driven: Mapping[str, float] = field(default_factory=dict)
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
@@ -130,6 +133,11 @@ class Comparison:
             "different": list(self.different),
             "poses": self.poses,
             "boxed": list(self.boxed),
+            **(
+                {"driven": {name: _finite(value) for name, value in self.driven.items()}}
+                if self.driven
+                else {}
+            ),
         }
 
     def summary(self) -> str:
@@ -144,6 +152,9 @@ class Comparison:
             )
         if self.boxed:
             line += f"; {len(self.boxed)} large meshes by their boxes"
+        if self.driven:
+            name, most = max(self.driven.items(), key=lambda item: item[1])
+            line += f"; without driven morphs, which move up to {most:.2g} of the size ({name})"
         for word, found in (("lost", self.lost), ("different", self.different)):
             if found:
                 line += f"; {word}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
@@ -173,16 +184,23 @@ class Comparison:
         return f"in {self.poses} poses" if self.poses else "for nothing can have moved"
 
 
-def self_check(before: Source, after: Source, *, closely: bool = False) -> Comparison:
+def self_check(
+    before: Source, after: Source, *, closely: bool = False, driven: Driven | None = None
+) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
     An upper bound: skin matrices move the corners of the box of the points that
     each joint moves. Nodes whose rest, tracks, ancestors and inverse binds are
     the same to the bit are not evaluated. Meshes that cannot be read are bounded
     by the box of their skin's joints. closely: look at every point also of very large
-    meshes, where else the box that the file states for all stands for what any joint moves.
+    meshes, where else the box that the file states for all stands for what any joint moves. driven:
+    morph weights that are meant to be other ones: they are set aside in both and told apart.
     """
-    mine, theirs = played_together(before.rig, after.rig, by_key=True)
+    rigs = before.rig, after.rig
+    if driven:
+        resting = {mesh.node: mesh.morph_weights for mesh in before.outlines(closely=closely)}
+        rigs = set_aside(*rigs, driven, resting)
+    mine, theirs = played_together(*rigs, by_key=True)
     matching = match(mine, theirs, by_key=True)
     added = theirs.holders.difference(matching.node.tolist())
     if any(added.intersection(skin.joints.tolist()) for skin in theirs.skins):
@@ -202,7 +220,9 @@ def self_check(before: Source, after: Source, *, closely: bool = False) -> Compa
     kept = [w for w in watched if len(w.titles)]
     compared = _compare(mine, theirs, matching, kept, diagonal, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
-    return replace(compared, boxed=() if closely else boxed)
+    far = moved((before.rig, after.rig), (before.meshes(), after.meshes()), driven) if driven else {}
+    shares = {name: value / diagonal for name, value in far.items()}
+    return replace(compared, boxed=() if closely else boxed, driven=shares)
 
 
 def verify(before: Source, after: Source) -> Comparison:

@@ -30,7 +30,7 @@ triangle shapes records
 rig
 pose constraints
 timelines fitting triangles
-carried
+carried readers driven
 reframe report
 naming
 limbs

@@ -17,7 +17,7 @@ import rigtri
 
 # Modules that only measure or print; nothing of theirs reaches a file but a report.
 MEASURING = {"compare", "describe", "matching", "moving", "watched", "pipeline", "report"}
-MEASURING |= {"changes", "diff", "difference", "scenery", "attached"}
+MEASURING |= {"driven", "changes", "diff", "difference", "scenery", "attached"}
 # Functions of the writing modules that only measure: module.function → why it may.
 _POINTS = "points are measured, never written"
 ALLOWED = {
