@@ -14,7 +14,7 @@ import numpy as np
 from rigtri import pose
 from rigtri.records import Clip, Mesh, Track
 from rigtri.rig import Rig
-from rigtri.timelines import Timeline, single, timelines
+from rigtri.timelines import Timeline, looked_at, timelines
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
@@ -66,9 +66,7 @@ def _alike(
     """Both tracks sampled at one set of times, without the driven columns."""
     known = [track for track in tracks if track is not None]
     keys = np.unique(np.concatenate([track.times for track in known]))
-    # Between two keys that float32 can just tell apart there is no time to ask for.
-    inside = single(np.concatenate([keys[:-1] + share * np.diff(keys) for share in (0.29, 0.5)]))
-    times = np.unique(np.concatenate([keys, inside]))
+    times = looked_at(keys)
     width = known[0].values.shape[-1]
     still = np.zeros(width) if resting is None or len(resting) != width else resting
     found = []

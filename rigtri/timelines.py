@@ -134,6 +134,15 @@ def just_before(times: Floats) -> Floats:
     return np.asarray(np.nextafter(times.astype(_SINGLE), _SINGLE(-np.inf)).astype(np.float64))
 
 
+def looked_at(keys: Floats) -> Floats:
+    """Keys and two places between each two, as far as float32 has times there.
+
+    Across a jump, between a key and the one just before it, there is nothing to look at.
+    """
+    inside = single(np.concatenate([keys[:-1] + share * np.diff(keys) for share in (0.29, 0.5)]))
+    return np.unique(np.concatenate([keys, inside]))
+
+
 def jumps(timeline: Timeline) -> Floats:
     """The times, (k,), at which a track that holds its values goes on to the next one."""
     held = {id(t.times): t.times[1:] for t in timeline.clip.tracks if t.interpolation == "STEP"}

@@ -197,13 +197,14 @@ class _Builder:
         if options.reader == "rbf":
             mine = {"kernel": options.kernel, "mode": options.mode, "rest": self._numbers(self._resting)}
         names = options.names()
+        controls = {name: self._control(name) for _, name, _ in options.attributes}
         outputs = [
             *(
                 {"target": t, "mesh": self._mesh_address(mesh), "morph": morph}
                 for t, mesh, morph in options.morphs
             ),
             *(
-                {"target": t, "control": rig.address(rig.find(control, "node")), "attribute": attribute}
+                {"target": t, "control": rig.address(controls[control]), "attribute": attribute}
                 for t, control, attribute in options.attributes
             ),
         ]
@@ -221,6 +222,13 @@ class _Builder:
             "within": float(options.within),
             **({"fps": float(options.fps)} if options.fps is not None else {}),
         }
+
+    def _control(self, name: str) -> int:
+        """A control that add-controls has made."""
+        node = self.rig.find(name, "node")
+        if self.rig.notes.get(node, {}).get("type") != "control":
+            raise UsageError(f"'{name}' is no control; make some with: rigtri add-controls")
+        return node
 
     def _mesh_address(self, name: str) -> str:
         return self.rig.address(meshes_named(self.rig, name)[0].node)
@@ -323,7 +331,7 @@ class _Builder:
             note: dict[str, Any] = {"v": 1, "type": "poseWeight", "reader": self.name, "target": name}
             if name in outputs:
                 control, attribute = outputs[name]
-                note |= {"control": self.rig.address(self.rig.find(control, "node")), "attribute": attribute}
+                note |= {"control": self.rig.address(self._control(control)), "attribute": attribute}
             node = find(self.rig, type="poseWeight", reader=self.name, target=name)
             if node is None:
                 self.rig, node = add(self.rig, f"{self.name}_{name}", reader, note)
@@ -402,7 +410,7 @@ class _Builder:
                 "reader": self.options.reader,
                 "new": self.rig.keys[node] is None,
                 "rest": dict(zip(self.options.names(), map(float, rest), strict=True)),
-                "morphs": sum(len(drive.columns) for drive in self.drives),
+                "morphs": sum(len(drive.columns) for drive in self.drives) if counts else 0,
                 "keys": dict(counts),
             }
         )
@@ -413,7 +421,10 @@ def _value_tracks(values: Mapping[int, int], times: Floats, found: Floats) -> It
     for column, node in values.items():
         places = np.zeros((len(times), 3))
         places[:, 0] = found[:, column]
-        yield Track(node, "translation", way, times, places)
+        if np.abs(places - places[0]).max() <= STILL:
+            yield Track(node, "translation", "STEP", times[:1], places[:1])
+        else:
+            yield Track(node, "translation", way, times, places)
 
 
 def _error(values: Floats, left: Floats, right: Floats, share: Floats, times: Floats) -> Floats:

@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.carried import Carried
-from rigtri.compare import between_keys
 from rigtri.errors import GeometryError, UsageError
 from rigtri.fitting import fitted
 from rigtri.ops.added import add, find, group, noted, stand
@@ -23,6 +22,7 @@ from rigtri.timelines import (
     Timeline,
     jumps,
     just_before,
+    looked_at,
     placed,
     single,
     steps_only,
@@ -334,7 +334,7 @@ class _Rivet:
     def _off(self, held: Carried, timeline: Timeline, tracks: Sequence[Track]) -> float:
         """The largest distance of the baked rivet, stored as float32, from the surface, in file units."""
         moving = held.affecting(timeline)
-        times = tracks[0].times if steps_only(moving) else between_keys(tracks[0].times)
+        times = tracks[0].times if steps_only(moving) else looked_at(tracks[0].times)
         surface = self._seats(held.sample(moving, times))[:, :3]
         stored = replace(tracks[0], values=single(tracks[0].values))
         return float(length(surface - sample(stored, times)).max(initial=0.0))

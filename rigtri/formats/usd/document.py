@@ -73,6 +73,12 @@ class UsdDocument:
         tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
         with quiet(f"{source.path}: USD cannot read its meshes"):
             found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+            playing = {
+                path: source.stage.GetPrimAtPath(skeleton.animation)
+                for path, skeleton in source.skeletons.items()
+                if skeleton.animation
+            }
+            found = meshes.resting_weights(found, source.bindings.every, playing)
         for mesh in found:
             if mesh.skin is not None and not np.isfinite(mesh.weights).all():
                 text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"

@@ -38,6 +38,21 @@ def _tracks(rig: Rig, node: int) -> list[Track]:
     return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_TURN]
 
 
+def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
+    """The attribute of a control that a pose reader drives: what its value node says by its x translation."""
+    note = rig.notes.get(node, {})
+    name = notes.TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
+    samples = {
+        float(time): float(row[0])
+        for track in _tracks(rig, node)
+        if track.path == "translation"
+        for time, row in zip(track.times, track.values, strict=True)
+    }
+    resting = float(rig.translation[node, 0])
+    double = Sdf.ValueTypeNames.Double
+    return [set_value(control, name, double, resting, samples=samples, custom=True, alone=True)]
+
+
 def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
     before, found, renamed = source.rig, [], []
     for node, key in enumerate(before.keys):
@@ -55,6 +70,8 @@ def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
             if locked:
                 raise FileError(f"{locked}.")
             found += stand(path, rig.local[node], _tracks(rig, node))
+            if "attribute" in note:
+                found += _values(rig, node, rig.labels[rig.find(str(note["control"]), "node")])
         if before.names[node] != rig.names[node]:
             renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
     # Renaming comes last: all other edits know a prim by the path it had.
@@ -127,6 +144,9 @@ class _Additions:
         note = self.rig.notes.get(node, {})
         found = [define(path, "Xform"), *stand(path, local, _tracks(self.rig, node))]
         found += _attributes(path, notes.attributes_of(note))
+        if "attribute" in note:
+            control = self.rig.find(str(note["control"]), "node")
+            found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.shapes:
             found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
         return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found

@@ -180,6 +180,36 @@ def blend_tracks(
     return tracks
 
 
+def resting_weights(
+    found: Sequence[Mesh], bound: Sequence[tuple[str, Any]], animations: Mapping[str, Any]
+) -> list[Mesh]:
+    """The meshes with the morph weights that their animation has by default, which hold without samples.
+
+    animations: SkelAnimation prims by the path of the skeleton that plays them.
+    """
+    skeletons = {str(query.GetPrim().GetPath()): path for path, query in bound}
+    return [_resting(mesh, animations.get(skeletons.get(mesh.name, ""))) for mesh in found]
+
+
+def _resting(mesh: Mesh, animation: Any) -> Mesh:
+    if not mesh.morph_names or animation is None:
+        return mesh
+    known = default_weights(animation)
+    if not any(known.get(name) for name in mesh.morph_names):
+        return mesh
+    return replace(mesh, morph_weights=np.array([known.get(name, 0.0) for name in mesh.morph_names]))
+
+
+def default_weights(animation: Any) -> dict[str, float]:
+    """The default weights of an animation by blend shape; none where they are not one for each."""
+    order, weights = animation.GetAttribute("blendShapes"), animation.GetAttribute("blendShapeWeights")
+    names = [str(name) for name in usable(order, order.Get(DEFAULT)) or ()] if order else []
+    values = usable(weights, weights.Get(DEFAULT)) if weights else None
+    if values is None or len(values) != len(names):
+        return {}
+    return {name: float(value) for name, value in zip(names, values, strict=True)}
+
+
 def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     morphs = _morphs(query, len(mesh.points)) if query.HasBlendShapes() else mesh.morphs
     rest = np.zeros(len(morphs))

@@ -16,6 +16,7 @@ from pxr import Sdf, Usd, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.animations import Animation
+from rigtri.formats.usd.meshes import default_weights
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.samples import time_samples
 from rigtri.formats.usd.stage import DEFAULT
@@ -61,10 +62,11 @@ def weight_edits(source: Source, changed: Sequence[tuple[Track | None, Track]]) 
     for was, now in changed:
         path, animation, names = _bound(source, now)
         columns = driven.setdefault(animation, {})
+        resting = default_weights(source.stage.GetPrimAtPath(animation))
         for number, name in enumerate(names):
             if was is not None and np.array_equal(sample(was, now.times)[:, number], now.values[:, number]):
                 continue
-            if was is None and not now.values[..., number].any():
+            if was is None and (now.values[:, number] == resting.get(name, 0.0)).all():
                 continue
             column = _Column(path, now.times, now.values[:, number])
             if name in columns and not columns[name].same(column):
