@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -14,7 +16,10 @@ from .options import json_option, quiet_option
 
 if TYPE_CHECKING:
     from rigtri.checks.findings import Finding
+    from rigtri.confined import Confined
 
+# What may be binary USD, which can crash OpenUSD.
+BINARY_USD = (".usd", ".usdc", ".usdz")
 # Findings of one kind in a file that are shown without -v.
 MOST_ALIKE = 4
 
@@ -53,6 +58,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
         rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
     """
     from rigtri.checks.catalogue import matching
+    from rigtri.confined import Confined
 
     if values["list_rules"]:
         _list(values["as_json"])
@@ -62,7 +68,8 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     if values["strict"] and values["severity"] == "error":
         raise UsageError("--strict fails on warnings, and --severity error leaves them out; give one of them")
     ignored = matching(values["ignore"])
-    every = {name: _check(name, values) for name in files}
+    with Confined() as child:  # it starts with the first file that needs it
+        every = {name: _check(name, values, child) for name in files}
     results = {name: _kept(findings, ignored, values["severity"]) for name, findings in every.items()}
     left_out = {name: [item for item in every[name] if item not in results[name]] for name in files}
     code = _exit_code(results, strict=values["strict"])
@@ -74,16 +81,31 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     sys.exit(code)
 
 
-def _check(name: str, values: dict[str, Any]) -> list[Finding]:
+def _check(name: str, values: dict[str, Any], child: Confined) -> list[Finding]:
     """The findings of one file; - is standard input."""
     from rigtri.checks import check
     from rigtri.inputs import opened
 
     options = {key: values[key] for key in ("allow_external_paths", "external")}
     if name != "-":
-        return check(name, **options)
+        return _apart(child, Path(name), options) if _may_crash(Path(name)) else check(name, **options)
     with opened(name) as path:
-        return check(path, **options)
+        return _apart(child, path, options) if _may_crash(path) else check(path, **options)
+
+
+def _may_crash(path: Path) -> bool:
+    return path.suffix.lower() in BINARY_USD and path.is_file()
+
+
+def _apart(child: Confined, path: Path, options: dict[str, Any]) -> list[Finding]:
+    """The findings of a file that may end the process that reads it: OpenUSD crashes on some."""
+    from rigtri.checks import check, unreadable
+    from rigtri.confined import CrashError
+
+    try:
+        return child(str(path), partial(check, **options), path)
+    except CrashError as error:
+        return unreadable(path, error)
 
 
 def _kept(findings: list[Finding], ignored: set[str], severity: str) -> list[Finding]:

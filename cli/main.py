@@ -23,6 +23,7 @@ COMMANDS = {
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
     "add-posereader": "Let morph targets or values follow a joint's pose.",
     "add-rivet": "Tie locators to the surface of a mesh, through skinning and morphs.",
+    "mirror": "Give one side of a character the axes, controls and pole vectors of the other.",
     "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",
     "verify": "Measure how far two files look apart, in every pose.",

@@ -250,6 +250,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             like=like,
             frames=frames,
             inverse=values["inverse"],
+            tolerance=values["tolerance"],
         )
         turned = orient_joints(rig, options=options, report=report)
         saved["frames"] = frames_json(report)

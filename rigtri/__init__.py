@@ -19,6 +19,7 @@ _WHERE = {
     "add_posereader": "rigtri.ops.posereader",
     "add_rivet": "rigtri.ops.rivet",
     "add_controls": "rigtri.ops.controls",
+    "mirror": "rigtri.ops.mirror",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -41,6 +42,7 @@ __all__ = [
     "describe",
     "diff",
     "edit",
+    "mirror",
     "orient_joints",
     "read",
     "strip",
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
     from rigtri.errors import RigtriError
     from rigtri.formats import read
     from rigtri.ops.controls import add_controls
+    from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.posereader import add_posereader

@@ -115,7 +115,7 @@ def _from_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None)
         normals.append(_bent_hinges(limb, other_pose[np.newaxis]))
         found = len(normals[-1]) > 0
     small, triple = between(rig, limb.triple)
-    for clip in (clip for clip in small.clips if clip.tracks):
+    for clip in (clip for clip in small.clips if clip.tracks and not clip.idle):
         posed = worlds(small, locals_at(small, clip, thinned(key_times(clip), MOST_KEYS)))
         normals.append(_bent_hinges(replace(limb, start=triple[0], middle=triple[1], end=triple[2]), posed))
     everything = np.concatenate(normals)

@@ -59,6 +59,11 @@ class Carried:
         return replace(self.rig, clips=()).part(self.nodes)
 
     @property
+    def _unit(self) -> bool:
+        """Whether viewers of the file make rotations unit."""
+        return not self.rig.raw
+
+    @property
     def _skinned(self) -> bool:
         return self.mesh.skin is not None and self.mesh.joints.shape[1] > 0
 
@@ -78,7 +83,7 @@ class Carried:
     def at_rest(self) -> Floats:
         """The points at rest, (p, 3)."""
         rig, place = self._part
-        world = pose.worlds(rig, pose.rest(rig))[np.newaxis]
+        world = pose.worlds(rig, pose.rest(rig, normalised=self._unit))[np.newaxis]
         weights = np.broadcast_to(self.mesh.morph_weights, (1, len(self.mesh.morph_weights)))
         return np.asarray(self._seen(world, place, weights)[0])
 
@@ -94,7 +99,11 @@ class Carried:
         size = max(1, _BLOCK // max(len(rig), 1))
         blocks = [times[start : start + size] for start in range(0, len(times), size)]
         found = [
-            self._seen(pose.worlds(rig, motion.locals_at(some)), place, self._morph(timeline, some))
+            self._seen(
+                pose.worlds(rig, motion.locals_at(some, normalised=self._unit)),
+                place,
+                self._morph(timeline, some),
+            )
             for some in blocks
         ]
         return np.concatenate([*found, np.zeros((0, len(self.rows), 3))])

@@ -4,9 +4,9 @@
 only where something changed; `verify` moves the points themselves. Both look at
 rest and in every clip: at each key, between keys, and beyond the ends.
 
-Judged on unit rotations, as the formats mean them. Where a file's quaternions
-are not unit, viewers that do not normalise show something else; that deviation
-is kept apart, because no change of axes can avoid it (docs/exactness.md).
+Judged on unit rotations, as the formats mean them, and where a format's own viewer
+takes quaternions as they are (UsdSkel), on those, too. In glTF they are unit by
+specification; what viewers that do not normalise show is kept apart (docs/exactness.md).
 """
 
 from __future__ import annotations
@@ -23,12 +23,14 @@ from rigtri.driven import Driven, moved, set_aside
 from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
+from rigtri.playing import side_by_side
 from rigtri.quaternions import norm
+from rigtri.reach import TOLERANCE as TOLERANCE
+from rigtri.reach import fits, size_of
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
 from rigtri.trigonometry import Floats
-from rigtri.vectors import length
 from rigtri.watched import (
     Moment,
     Rows,
@@ -41,11 +43,10 @@ from rigtri.watched import (
     skin_corners,
 )
 
-# Relative to the size of what is seen. Random axes on every joint of real files, stored as
-# float32, move points by less than 8.7e-6; a visible fault by far more.
-TOLERANCE = 1e-5
 # Quaternions stored as float32 are unit within this.
 UNIT = 1e-6
+# Where they are shown as they are: a turn doubles that, and a line of joints adds it up.
+UNIT_AS_SHOWN = 2e-7
 # Rotations further off show something else where they are not normalised; readers name them.
 WORTH_SAYING = 1e-4
 # Numbers in one block of matrices: with its temporaries it stays in the cache.
@@ -87,7 +88,8 @@ class Comparison:
     ``diagonal``; absolute: in file units; inf where one of the two is not a number.
     diagonal: of the box of all points at rest. denormalisation: max | |q|−1 | of
     the source's rotations; raw_deviation: what renderers show that do not
-    normalise them (equal to ``deviation`` where all are unit). per_mesh, per_clip:
+    normalise them (equal to ``deviation`` where all are unit); raw_counts: the format's own
+    viewer is one of these. per_mesh, per_clip:
     deviation by title. poses: how many were looked at; 0 where both are the same to
     the bit. lost, added, changed: `rigtri.matching.Matching`. different: what looks
     different whatever the pose (`rigtri.scenery`). boxed: meshes of which only some points
@@ -109,11 +111,18 @@ class Comparison:
     different: tuple[str, ...]
     poses: int
     boxed: tuple[str, ...] = ()
+    raw_counts: bool = False
     driven: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def shown(self) -> float:
+        """The largest deviation that any viewer shows who reads the file as its format says."""
+        worse = not self.deviation >= self.raw_deviation  # also where the latter is not a number
+        return self.raw_deviation if self.raw_counts and worse else self.deviation
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
-        return not self.lost and not self.different and self.deviation <= tolerance
+        return not self.lost and not self.different and self.shown <= tolerance
 
     def as_json(self) -> dict[str, Any]:
         """For machines; a deviation that is not a number is null."""
@@ -145,7 +154,7 @@ class Comparison:
         line = f"max deviation {self.deviation:.2g} of the size"
         if self.worst is not None and self.deviation > 0:
             line += f" ({self.worst})"
-        if self.denormalisation > WORTH_SAYING:
+        if self.denormalisation > WORTH_SAYING or self.shown > max(self.deviation, TOLERANCE):
             line += (
                 f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
                 f"by {self.denormalisation:.2g}"
@@ -206,7 +215,7 @@ def self_check(
     if any(added.intersection(skin.joints.tolist()) for skin in theirs.skins):
         return verify(before, after)  # a split has counted the joints anew: look at the points themselves
     meshes = _fitting(before, lambda: before.outlines(closely=closely))
-    diagonal = _diagonal(mine, meshes)
+    diagonal = size_of(mine, meshes)
     moving = moving_nodes(mine, theirs, matching)
     watched: list[Watched] = [
         *skin_corners(mine, theirs, matching, meshes, moving),
@@ -218,7 +227,8 @@ def self_check(
     different += compare_attached(mine, theirs, matching)
     matching = replace(matching, changed=(*matching.changed, *changed))
     kept = [w for w in watched if len(w.titles)]
-    compared = _compare(mine, theirs, matching, kept, diagonal, different)
+    seen = side_by_side(mine, theirs, matching)
+    compared = _compare(*seen, matching, kept, diagonal, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
     far = moved((before.rig, after.rig), (before.meshes(), after.meshes()), driven) if driven else {}
     shares = {name: value / diagonal for name, value in far.items()}
@@ -236,7 +246,7 @@ def verify(before: Source, after: Source) -> Comparison:
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
     matching = match(mine, theirs, by_key=False)
     meshes, others = _fitting(before, before.meshes), _fitting(after, after.meshes)
-    diagonal = _diagonal(mine, meshes)
+    diagonal = size_of(mine, meshes)
     everything = np.ones(len(mine), dtype=bool)
     pairs, lost = _mesh_pairs(mine, matching, meshes, others)
     watched: list[Watched] = [
@@ -255,7 +265,8 @@ def verify(before: Source, after: Source) -> Comparison:
         different += compare_attached(mine, theirs, matching)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
     matching = replace(matching, lost=(*matching.lost, *lost), changed=(*matching.changed, *changed))
-    return _compare(mine, theirs, matching, [w for w in watched if len(w.titles)], diagonal, different)
+    seen = side_by_side(mine, theirs, matching, added=True)
+    return _compare(*seen, matching, [w for w in watched if len(w.titles)], diagonal, different)
 
 
 @dataclass
@@ -294,13 +305,14 @@ def _compare(
     diagonal: float,
     different: Sequence[str],
 ) -> Comparison:
+    """Compare all that is watched, at rest and in each clip of two rigs with the same clips."""
     was, now = denormalisation(before), denormalisation(after)
     tally = _Tally(watched)
-    _run(before, after, m, tally, normalised=True)
+    _run(before, after, tally, normalised=True)
     raw = tally.largest
-    if max(was, now) > UNIT:
+    if max(was, now) > (UNIT_AS_SHOWN if before.raw else UNIT):
         unscaled = _Tally(watched)
-        _run(before, after, m, unscaled, normalised=False)
+        _run(before, after, unscaled, normalised=False)
         raw = unscaled.largest
     lost = m.lost
     # Normalising hides it, but a renderer that does not normalise would show it.
@@ -320,10 +332,11 @@ def _compare(
         changed=m.changed,
         different=tuple(different),
         poses=tally.poses,
+        raw_counts=before.raw,
     )
 
 
-def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: bool) -> None:
+def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
     """Evaluate both rigs at rest and in all clips, a block of times at once, for the tally."""
     if not tally.watched:
         return
@@ -331,8 +344,7 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
     still = [pose.worlds(rig, pose.rest(rig, normalised=normalised))[np.newaxis] for rig in (before, after)]
     tally.add(Moment(still[0], still[1], (None, None), np.zeros(1)), "")
     size = max(map(_times_at_once, (before, after)))
-    for k in np.flatnonzero(m.clip >= 0).tolist():
-        clips = before.clips[k], after.clips[m.clip[k]]
+    for clips in zip(before.clips, after.clips, strict=True):
         motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
         times = between_keys(np.union1d(*map(pose.key_times, clips)))
         for start in range(0, len(times), size):
@@ -340,7 +352,7 @@ def _run(before: Rig, after: Rig, m: Matching, tally: _Tally, *, normalised: boo
             worlds = [
                 pose.worlds(motion.rig, motion.locals_at(some, normalised=normalised)) for motion in motions
             ]
-            tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name or f"#{k}")
+            tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name)
 
 
 def _times_at_once(rig: Rig) -> int:
@@ -388,35 +400,7 @@ def _fitting(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh]:
         meshes = read()
     except FileError:
         return []
-    return [mesh for mesh in meshes if _fits(mesh, source.rig)]
-
-
-def _fits(mesh: Mesh, rig: Rig) -> bool:
-    if mesh.skin is None:
-        return True
-    used = mesh.joints[mesh.weights != 0]
-    return not len(used) or 0 <= int(used.min()) <= int(used.max()) < len(rig.skins[mesh.skin].joints)
-
-
-def _diagonal(rig: Rig, meshes: Sequence[Mesh]) -> float:
-    """Of the box of all points at rest, in file units; without points, of the joints' origins."""
-    world = pose.worlds(rig, pose.rest(rig))[np.newaxis]
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for mesh in meshes:
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, None, np.zeros(1)))[0]
-        points = points[np.isfinite(points).all(axis=1)]
-        low, high = (
-            np.minimum(low, points.min(axis=0, initial=np.inf)),
-            np.maximum(high, points.max(axis=0, initial=-np.inf)),
-        )
-    if not (low <= high).all():
-        origins = world[0, rig.is_joint, 3, :3] if rig.is_joint.any() else world[0, :, 3, :3]
-        origins = origins[np.isfinite(origins).all(axis=1)]
-        if not len(origins):
-            return 1.0
-        low, high = origins.min(axis=0), origins.max(axis=0)
-    return float(length(high - low)) or 1.0
+    return [mesh for mesh in meshes if fits(mesh, source.rig)]
 
 
 def _mesh_pairs(

@@ -46,7 +46,7 @@ def describe(rig: Rig, *, report: Report | None = None) -> str:
         ("", [_heading(rig)]),
         ("nodes" if not rig.is_joint.any() else "joints", _columns(list(_tree(seen)))),
         ("skins", _columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
-        ("clips", _columns([_clip_words(clip, k) for k, clip in enumerate(rig.clips)])),
+        ("clips", _columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
         ("notes", _columns([_note_words(seen, node) for node in sorted(rig.notes)])),
         ("warnings", [f"{w.code}: {w.text}" for w in (report.warnings if report else ())]),
     ]
@@ -65,7 +65,7 @@ def as_json(rig: Rig) -> dict[str, Any]:
         "facing": None if rig.facing is None else _numbers(np.array(rig.facing)),
         "nodes": [_node_json(seen, node) for node in range(len(rig))],
         "skins": [_skin_json(rig, skin) for skin in rig.skins],
-        "clips": [_clip_json(rig, clip) for clip in rig.clips],
+        "clips": [_clip_json(rig, clip) for clip in rig.shown_clips],
         "humanoid": {bone: rig.labels[node] for bone, node in rig.humanoid.items()},
         "constraints": [
             {"kind": c.kind, "node": rig.labels[c.node], "source": rig.labels[c.source]}
@@ -138,7 +138,7 @@ def _heading(rig: Rig) -> str:
         _count(len(rig), "node"),
         _count(int(rig.is_joint.sum()), "joint"),
         _count(len(rig.skins), "skin"),
-        _count(len(rig.clips), "clip"),
+        _count(len(rig.shown_clips), "clip"),
     ]
     facing = f", facing {_direction(np.array(rig.facing))}" if rig.facing is not None else ""
     frozen = f"; {rig.frozen}" if rig.frozen else ""

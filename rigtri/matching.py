@@ -72,9 +72,9 @@ def _gathered(rig: Rig, other: Rig, by_key: bool) -> Rig:
     wanted = [{_target(track, node, shown) for track in clip.tracks} for clip in other.clips]
     partner = _clips(other, rig).tolist()
     loose = {
-        (_timeline(clip), *target): k
+        (timeline(clip), *target): k
         for k, clip in enumerate(rig.clips)
-        if k not in partner and _timeline(clip) is not None
+        if k not in partner and timeline(clip) is not None
         for target in by_target(clip)
     }
     tracks = [list(clip.tracks) for clip in rig.clips]
@@ -83,7 +83,7 @@ def _gathered(rig: Rig, other: Rig, by_key: bool) -> Rig:
         if k < 0 or not loose:
             continue
         missing = targets - by_target(rig.clips[k]).keys()
-        found = {loose.get((_timeline(rig.clips[k]), *target), -1) for target in missing} - taken - {-1}
+        found = {loose.get((timeline(rig.clips[k]), *target), -1) for target in missing} - taken - {-1}
         for copy in sorted(found):
             tracks[k] += rig.clips[copy].tracks
         taken |= found
@@ -95,13 +95,13 @@ def _clips(before: Rig, after: Rig) -> Integers:
     """Partners of clips by name; those that play at once also by key, where names part."""
     found = _in_order([clip.name for clip in before.clips], [clip.name for clip in after.clips])
     taken = set(found.tolist())
-    keys = {c.key: k for k, c in enumerate(after.clips) if k not in taken and _timeline(c) is not None}
+    keys = {c.key: k for k, c in enumerate(after.clips) if k not in taken and timeline(c) is not None}
     for k in np.flatnonzero(found < 0).tolist():
         found[k] = keys.pop(before.clips[k].key, -1)
     return found
 
 
-def _timeline(clip: Clip) -> Hashable:
+def timeline(clip: Clip) -> Hashable:
     """What clips share that play at once; None for a clip that plays alone."""
     return clip.key[0] if isinstance(clip.key, tuple) else None
 
@@ -263,8 +263,13 @@ def _compare_clips(
     for k, partner in enumerate(clip.tolist()):
         title = f"clip {before.clips[k].name or f'#{k}'}"
         if partner < 0:
-            news.lost.append(title)
+            if before.clips[k].idle:
+                news.changed.append(f"{title}, which nothing played, is gone")
+            else:
+                news.lost.append(title)
             continue
+        if before.clips[k].idle != after.clips[partner].idle:
+            news.changed.append(f"{title} is played {'now' if before.clips[k].idle else 'no longer'}")
         theirs = by_target(after.clips[partner])
         for track in before.clips[k].tracks:
             of = f"{title}: {track.path} of {before.title(track.node)}"

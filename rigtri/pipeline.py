@@ -26,7 +26,7 @@ from rigtri.delivery import (
 )
 from rigtri.driven import Driven
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
-from rigtri.formats import Document, Options, read
+from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
 from rigtri.outputs import Written, as_file_error, spare
 from rigtri.pose import worlds
@@ -84,6 +84,8 @@ def edit(
         to_stdout = str(target) == "-"
         options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
+        if not to_stdout:
+            _check_suffix(path, final, options)
         document = read(path, options)
         needed = _needed(document, path, final, options)
         for place in (*side_files, *(() if to_stdout else (final,))):
@@ -163,7 +165,7 @@ def _deliver(
 
 def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
     """What a user can do where nothing but the rounding of stored numbers can be what differs."""
-    near = result.deviation < 10 * tolerance
+    near = result.shown < 10 * tolerance
     if result.lost or result.different or not near:
         return ""
     depth = max(rig.depth) + 1
@@ -172,7 +174,7 @@ def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
     return (
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
-        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.deviation):g}"
+        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.shown):g}"
     )
 
 
@@ -267,6 +269,14 @@ def _left_behind(
         for file, _ in needed
         if file.is_file() and not any(same_file(file, other) for other in kept)
     ]
+
+
+def _check_suffix(path: Path, final: Path, options: Options) -> None:
+    """UsageError for an output of another format, before anything is read; writers know it more closely."""
+    fits = output_suffixes(path, options)
+    if fits and final.suffix.lower() not in fits:
+        what = "an override is a layer" if options.override else "the output has the format of the input"
+        raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
 
 
 def _allowed(final: Path, path: Path, overwrite: bool) -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -42,11 +42,23 @@ def key_values(track: Track) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """An animation. What no track drives keeps its rest value during the clip."""
+    """An animation. What no track drives keeps its rest value during the clip.
+
+    idle: nothing plays its tracks but those of weights, until the file is changed: they are turned
+    all the same, so that they fit then, and are no motion.
+    """
 
     name: str
     tracks: tuple[Track, ...]
     key: Hashable = None
+    idle: bool = False
+
+    @property
+    def played(self) -> Clip:
+        """What is seen of it: a clip that is idle without its idle tracks."""
+        if not self.idle:
+            return self
+        return replace(self, tracks=tuple(t for t in self.tracks if t.path == "weights"), idle=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +117,11 @@ class Constraint:
     kind: ``rotation``, node takes over how source has turned from its rest; ``roll``, of that
     turn the part about ``axis``, seen from the two parents; ``aim``, ``axis`` points at source;
     ``tail``, the end of a swinging chain, which hangs as its parent, the source, stands.
+    ``length``, node's rotations are not unit, and the source is its parent: no constraint of a file.
     axis: (3,), one of the six axes of node; zero where the kind has none.
     """
 
-    kind: Literal["rotation", "roll", "aim", "tail"]
+    kind: Literal["rotation", "roll", "aim", "tail", "length"]
     node: int
     source: int
     axis: Floats

@@ -135,12 +135,15 @@ class Scales:
 
     rows: (k, 3). owner: (k,), the node of each row. sign: (n, 3), of the scale at rest.
     apart: (n, 3), how far x and y, y and z, z and x of |S| are apart at most, as a share of the largest.
+    same: (n,), how far apart they may be to count as one number: `SAME_SCALE`, or less where so
+    much hangs at a node that it would be seen.
     """
 
     rows: Floats
     owner: Integers
     sign: Floats
     apart: Floats
+    same: Floats
 
     @staticmethod
     def of(rig: Rig) -> Scales:
@@ -156,7 +159,8 @@ class Scales:
         np.maximum.at(largest, owner, np.abs(unsigned).max(axis=1))
         apart = np.zeros((len(rig), 3))
         np.maximum.at(apart, owner, np.abs(unsigned - np.roll(unsigned, -1, axis=1)))
-        return Scales(rows, owner, sign, apart / np.where(largest == 0, 1.0, largest)[:, np.newaxis])
+        apart /= np.where(largest == 0, 1.0, largest)[:, np.newaxis]
+        return Scales(rows, owner, sign, apart, np.full(len(rig), SAME_SCALE))
 
     @cached_property
     def _by_owner(self) -> tuple[Integers, Integers]:
@@ -175,13 +179,24 @@ class Scales:
         Two pairs that are alike make all three alike: otherwise a turn about either odd axis
         would be exact but not both, and a second run would find a third.
         """
-        over = self.apart > SAME_SCALE
+        over = self.apart > self.same[:, np.newaxis]
         return np.asarray((over & np.roll(over, 1, axis=1)).any(axis=1))
 
     @property
     def spread(self) -> Floats:
         """The largest share by which |S| of each node is not uniform, (n,)."""
         return np.asarray(self.apart.max(axis=1))
+
+    def keeps(self, node: int, axes: Floats) -> bool:
+        """Whether C·S·C⁻¹ has nothing off its diagonal for any scale of a node, up to its noise.
+
+        axes: the rows of C, (3, 3).
+        """
+        rows = self.of_node(node)
+        limit = 0.5 * self.same[node] * np.abs(rows).max()
+        products = axes[[0, 1, 2]] * axes[[1, 2, 0]]
+        off = sum(products[:, k] * rows[:, k, np.newaxis] for k in range(3))
+        return bool((np.abs(off) <= limit).all())
 
     def fold(self, where: Booleans) -> Floats:
         """Half turns (n, 4) that a uniform scale of mixed signs stands for: S = ±|S|·half turn."""
@@ -202,16 +217,8 @@ def _signs(rig: Rig) -> Floats:
 def _allowed(scales: Scales, turn: Floats) -> Booleans:
     allowed = np.ones(len(turn), dtype=bool)
     for node in np.flatnonzero(turned(turn) & scales.uneven).tolist():
-        allowed[node] = stays_diagonal(to_axes(turn[node]), scales.of_node(node))
+        allowed[node] = scales.keeps(node, to_axes(turn[node]))
     return allowed
-
-
-def stays_diagonal(axes: Floats, rows: Floats) -> bool:
-    """Whether C·S·C⁻¹ has nothing off its diagonal for any scale, (k, 3), up to rounding."""
-    limit = 0.5 * SAME_SCALE * np.abs(rows).max()
-    products = axes[[0, 1, 2]] * axes[[1, 2, 0]]
-    off = sum(products[:, k] * rows[:, k, np.newaxis] for k in range(3))
-    return bool((np.abs(off) <= limit).all())
 
 
 def _scale_rows(track: Track) -> Floats:

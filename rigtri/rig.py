@@ -45,9 +45,11 @@ class Rig:
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
     at nodes; what a file has drawn before is payload, and stays as it is.
     removed: nodes that the file to be written is to be without; they have no names any more.
-    facing: the direction the character looks in, where the format prescribes one. drawn: reads
-    what is drawn, as `meshes`; asked only by who wants it. shelf: the node that a new group of
-    ours goes under, −1 where it is a root. per_second: units of clips' time in a second.
+    facing: the direction the character looks in, where the format prescribes one.
+    raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
+    drawn: reads what is drawn, to measure; asked only when needed. read_meshes: the same with all
+    points, as `meshes`. shelf: the node that a new group of ours goes under, −1 where it is a root.
+    per_second: units of clips' time in a second.
     """
 
     names: tuple[str, ...]
@@ -75,7 +77,9 @@ class Rig:
     removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    drawn: Callable[[], Sequence[Mesh]] | None = None
+    raw: bool = False
+    drawn: Callable[[], Sequence[Mesh]] = tuple
+    read_meshes: Callable[[], Sequence[Mesh]] = tuple
     shelf: int = -1
     per_second: float = 1.0
 
@@ -85,7 +89,7 @@ class Rig:
     @cached_property
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn and can be read; none for a rig that no file was read for."""
-        return () if self.drawn is None else self.drawn()
+        return self.read_meshes()
 
     @cached_property
     def local(self) -> Floats:
@@ -308,10 +312,15 @@ class Rig:
 
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""
-        for number, clip in enumerate(self.clips):
-            if name in (clip.name, f"#{number}"):
+        for number, clip in enumerate(self.shown_clips):
+            if name in (clip.name, f"#{number}") and clip in self.clips:  # or its joints stand still
                 return clip
-        raise NameNotFoundError("clip", name, [clip.name for clip in self.clips])
+        raise NameNotFoundError("clip", name, [clip.name for clip in self.shown_clips])
+
+    @property
+    def shown_clips(self) -> tuple[Clip, ...]:
+        """The clips that move anything, without what is idle in them."""
+        return tuple(clip.played for clip in self.clips if not clip.idle or clip.played.tracks)
 
     @cached_property
     def frame_of(self) -> dict[int, int]:
@@ -375,7 +384,8 @@ class Rig:
             humanoid={bone: moved(k) for bone, k in self.humanoid.items()},
             notes={moved(k): note for k, note in self.notes.items()},
             shapes={moved(k): shape for k, shape in self.shapes.items()},
-            drawn=lambda: [replace(mesh, node=moved(mesh.node)) for mesh in self.meshes],
+            drawn=lambda: [replace(mesh, node=moved(mesh.node)) for mesh in self.drawn()],
+            read_meshes=lambda: [replace(mesh, node=moved(mesh.node)) for mesh in self.meshes],
             shelf=moved(self.shelf),
             removed=frozenset(map(moved, self.removed)),
         )

@@ -140,7 +140,9 @@ MISTYPED = [
 ]
 
 
-def packed(change: Callable[[bytes], bytes], name: str = "notes.txt", align: bool = True) -> Make:
+def packed(
+    change: Callable[[bytes], bytes], name: str = "notes.txt", align: bool = True, method: int = 0
+) -> Make:
     """A sound character in a package, with a second entry and a change to the whole."""
 
     def make(folder: Path) -> Path:
@@ -151,7 +153,7 @@ def packed(change: Callable[[bytes], bytes], name: str = "notes.txt", align: boo
                 info.create_system = 3
                 padding = -(file.fp.tell() + 30 + len(entry) + 4) % 64  # type: ignore[union-attr]
                 info.extra = struct.pack("<HH", 0x1986, padding) + bytes(padding) if align else b""
-                file.writestr(info, content)
+                file.writestr(info, content, zipfile.ZIP_STORED if entry == "in.usda" else method)
         path.write_bytes(change(path.read_bytes()))
         return path
 
@@ -160,6 +162,7 @@ def packed(change: Callable[[bytes], bytes], name: str = "notes.txt", align: boo
 
 USD: dict[str, list[Make]] = {
     "usd.package.checksum": [packed(lambda whole: whole.replace(b"hello", b"jello"))],
+    "usd.package.compressed": [packed(lambda whole: whole, method=zipfile.ZIP_DEFLATED)],
     "usd.package.alignment": [packed(lambda whole: whole, align=False)],
     "usd.package.junk": [packed(lambda whole: whole + b"junk")],
     "usd.package.backslash": [packed(lambda whole: whole, "tex\\notes.txt")],
@@ -221,7 +224,17 @@ USD: dict[str, list[Make]] = {
     "usd.anim.no-joints": [moving(joints="")],
     "usd.anim.joint-twice": [moving(joints='uniform token[] joints = ["a/b", "a", "a"]')],
     "usd.anim.joint-unknown": [moving(joints='uniform token[] joints = ["a/b", "a", "other"]')],
-    "usd.anim.incomplete": [moving(scales="")],
+    "usd.anim.incomplete": [
+        moving(scales=""),
+        moving(scales="half3[] scales = []"),
+        moving(scales="half3[] scales.timeSamples = {1: None}"),
+        moving(translations=""),
+        stage(
+            clean()
+            .replace("def SkelAnimation", "class SkelAnimation")
+            .replace("half3[] scales =", "half3[] other =")
+        ),
+    ],
     "usd.anim.length": [moving(scales="half3[] scales = [(1, 1, 1)]")],
     "usd.anim.value-nan": [
         moving(translations="float3[] translations = [(nan, 0, 0), (0, 0, 0), (0, 2, 1)]")
@@ -235,6 +248,9 @@ USD: dict[str, list[Make]] = {
         replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = </Root/Anim>"),
     ],
     "usd.binding.animation": [bones(source="rel skel:animationSource = </Root/Gone>")],
+    "usd.binding.inactive": [
+        stage(clean().replace('def SkelAnimation "Anim"', 'def SkelAnimation "Anim" (active = false)')),
+    ],
     "usd.binding.many-targets": [
         replaced("skel:skeleton = </Root/Skel>", "skel:skeleton = [</Root/Skel>, </Root/Anim>]")
     ],

@@ -31,11 +31,13 @@ rig
 pose constraints
 timelines fitting triangles
 carried readers driven
-reframe report
+reframe report reach
+lengths
 naming
 limbs
 skeleton bend
 matching
+playing
 moving scenery attached
 watched
 compare describe description changes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -164,3 +165,22 @@ def test_help_has_an_example(run: Any) -> None:
 
 def test_the_library_has_the_twin_of_the_command(files: dict[str, Path]) -> None:
     assert {item.id for item in rigtri.check(files["wrong"])} >= {"gltf.skin.joint-twice"}
+
+
+def dies(*_: object, **__: object) -> None:
+    """What OpenUSD does with some damaged files."""
+    os.abort()
+
+
+@pytest.mark.parametrize("suffix", [".usdc", ".usdz", ".usd"])
+def test_a_file_that_ends_the_process_is_a_finding_and_the_next_is_checked(
+    suffix: str, run: Any, files: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / f"in{suffix}"
+    path.write_bytes(b"PXR-USDC")
+    monkeypatch.setattr("rigtri.checks.check", dies)
+    result = run(path, code=3)
+    assert "crashed (SIGABRT)" in result.stdout
+    assert "file.unreadable" in result.stdout
+    monkeypatch.undo()
+    assert f"{files['sound']}: nothing wrong" in run(path, files["sound"], code=3).stdout

@@ -123,6 +123,49 @@ def test_a_users_mistake_gets_one_line_and_its_exit_code(
     assert list(tmp_path.iterdir()) == []
 
 
+COMMANDS = {
+    "orient-joints": [],
+    "add-polevector": ["--limbs", "auto"],
+    "add-controls": [],
+}
+WRONG_SUFFIX = [
+    ("biped.usda", "out.glb", ".usda or .usd"),
+    ("biped.usda", "out.txt", ".usda or .usd"),
+    ("biped.usda", "out.usdc", ".usda or .usd"),
+    ("biped.usdz", "out.usda", ".usdz"),
+    ("biped.glb", "out.gltf", ".glb or .vrm or .vrma"),
+    ("biped.glb", "out.usda", ".glb or .vrm or .vrma"),
+    ("biped.gltf", "out.glb", ".gltf"),
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(("source", "target", "fits"), WRONG_SUFFIX)
+def test_an_output_of_another_format_is_told_before_anything_is_read(
+    command: str,
+    source: str,
+    target: str,
+    fits: str,
+    run: Any,
+    samples: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("rigtri.pipeline.read", lambda *_: pytest.fail("it was read"))
+    more = COMMANDS[command]
+    result = run(command, samples / source, "-o", tmp_path / target, *more, code=2)
+    assert result.stderr.strip().endswith(
+        f"{target}: the output has the format of the input; give it the suffix {fits}"
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_override_is_a_layer_whatever_it_is_for(run: Any, samples: Path, tmp_path: Path) -> None:
+    arguments = ["orient-joints", samples / "biped.usdz", "--override", "-o"]
+    assert "an override is a layer" in run(*arguments, tmp_path / "out.usdz", code=2).stderr
+    run(*arguments, tmp_path / "out.usdc")
+
+
 def test_a_misspelt_joint_gets_a_suggestion(run: Any, samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     result = run("orient-joints", samples / "biped.glb", "-o", out, "--joints", "forarm_L", code=4)

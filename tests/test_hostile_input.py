@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from gltf_files import glb_bytes, small
-from pxr import Sdf
+from pxr import Sdf, Tf
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.cli.words import plain
@@ -505,3 +505,27 @@ def test_points_without_bytes_that_outnumber_their_weights_are_a_notice(count: f
 
     outcome = edit(builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb", step)
     assert "mesh-unread" in [notice.code for notice in outcome.report.warnings]
+
+
+class _Spoilt:
+    """A layer whose own data OpenUSD cannot unpack, and a finding of it that quotes bytes."""
+
+    @property
+    def customLayerData(self) -> Any:  # noqa: N802 (a name of pxr)
+        Tf.RaiseRuntimeError("Attempted to unpack unsupported type enum value 239")
+
+    def GetMessage(self) -> str:  # noqa: N802 (a name of pxr)
+        return b"\xdd".decode("utf-8")
+
+
+def test_custom_data_that_cannot_be_unpacked_are_an_error_of_the_file() -> None:
+    from rigtri.formats.usd.document import _source_of
+
+    with pytest.raises(FileError, match=r"in\.usdc: USD cannot read it: .*enum value 239"):
+        _source_of(_Spoilt(), Path("in.usdc"))
+
+
+def test_a_finding_of_openusd_that_quotes_bytes_is_told_all_the_same() -> None:
+    from rigtri.checks.usd.openusd import _message
+
+    assert "no text" in _message(_Spoilt())

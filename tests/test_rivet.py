@@ -59,7 +59,7 @@ def farthest(path: Path, report: Report, mesh_name: str) -> float:
     for timeline in timelines(rig):
         times = looked_at(pose.key_times(timeline.clip))
         times = times[:: max(1, len(times) // 20)]
-        world = pose.worlds(rig, pose.locals_at(rig, timeline.clip, times))
+        world = pose.worlds(rig, pose.locals_at(rig, timeline.clip, times, normalised=not rig.raw))
         points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, timeline.clip, times))
         for entry in report.added:
             place = (points[:, entry["vertices"]] * np.array(entry["barycentric"])[:, np.newaxis]).sum(axis=1)

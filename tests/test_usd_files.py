@@ -18,8 +18,6 @@ from rigtri.compare import self_check
 from rigtri.pose import worlds
 
 FILES = [path for path in (*sample_files(*USD), *asset_files(*USD)) if not error_of(path)]
-# Rotations rounded to four digits scale and shear in UsdSkel, which no turn keeps exactly.
-ROUNDED = ("pixar_skinnedArm.usda",)
 TOUCHED = {"restTransforms", "bindTransforms", "translations", "rotations", "scales"}
 
 
@@ -44,7 +42,7 @@ def test_turned_joints_move_no_point_in_our_eyes_nor_in_usdskels(path: Path, tmp
     target = write(document, turned(document.rig), source.with_stem("out"))
     result = self_check(document, read(target))
     assert result.passes(1e-5), result.describe()
-    assert deviation(source, target) < (3e-5 if path.name in ROUNDED else 5e-6)
+    assert deviation(source, target) < 5e-6
     assert not usd_errors(target) - usd_errors(source)
 
 

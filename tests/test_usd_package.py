@@ -149,3 +149,53 @@ def test_names_and_sizes_that_cannot_be_are_told_as_what_they_are(tmp_path: Path
     central = whole.index(b"PK\1\2")
     path.write_bytes(whole[: central + 20] + b"\1\0\0\0" + whole[central + 24 :])
     assert "two sizes" in error_of(path)
+
+
+def test_what_is_compressed_beside_the_root_layer_is_kept_as_it_is(tmp_path: Path) -> None:
+    source = tmp_path / "hero.usdz"
+    with zipfile.ZipFile(source, "w") as file:
+        file.writestr("hero.usda", LAYER)
+        file.writestr("notes.txt", PICTURE * 9, zipfile.ZIP_DEFLATED)
+    assert Usd.Stage.Open(str(source)).GetPrimAtPath("/Root/Skel")
+    document = read(source)
+    out = write(document, turned(document.rig), tmp_path / "out.usdz")
+    with zipfile.ZipFile(source) as before, zipfile.ZipFile(out) as after:
+        assert after.testzip() is None
+        assert after.read("notes.txt") == PICTURE * 9
+        assert after.getinfo("notes.txt").compress_size == before.getinfo("notes.txt").compress_size
+    assert deviation(source, out) < 1e-6
+
+
+def referring(to: str) -> bytes:
+    return f'#usda 1.0\ndef "Root" (references = @{to}@</Root>) {{}}\n'.encode()
+
+
+@pytest.mark.parametrize("entry", ["hero.usda", "deep/hero.usda"])
+def test_a_reference_out_of_a_package_is_called_that(entry: str, tmp_path: Path) -> None:
+    save(tmp_path, LAYER.decode(), "parts.usda")
+    source = pack(tmp_path / "hero.usdz", (entry, referring("../../parts.usda")))
+    assert "leads out of the package" in error_of(source)
+    assert not Usd.Stage.Open(str(source)).GetPrimAtPath("/Root/Skel")
+
+
+def test_damaged_tables_are_found_in_a_package_in_a_package(tmp_path: Path) -> None:
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.ImportFromString(LAYER.decode())
+    layer.Export(str(tmp_path / "hero.usdc"))
+    crate = (tmp_path / "hero.usdc").read_bytes()
+
+    def nested(content: bytes) -> Path:
+        inner = pack(tmp_path / "inner.usdz", ("hero.usdc", content)).read_bytes()
+        return pack(tmp_path / "outer.usdz", ("a.usda", referring("./inner.usdz")), ("inner.usdz", inner))
+
+    assert read(nested(crate)).rig.skins
+    start = int.from_bytes(crate[16:24], "little")
+    assert "outer.usdz[inner.usdz][hero.usdc]" in error_of(nested(crate[: start + 8] + b"\xff" * 64))
+
+
+def test_packages_do_not_stand_in_each_other_without_end(tmp_path: Path) -> None:
+    whole = LAYER
+    for number in range(6):
+        path = pack(tmp_path / f"{number}.usdz", ("a.usda", LAYER), ("b.usdz", whole))
+        whole = path.read_bytes()
+    assert "deep" in error_of(path)

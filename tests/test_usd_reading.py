@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from pxr import Usd
+from pxr import Sdf, Usd, UsdSkel, Vt
 from usd_files import (
     MESH,
     ONE,
@@ -338,3 +338,18 @@ def test_a_bind_matrix_of_zeros_is_called_singular(tmp_path: Path) -> None:
     zero = "(" + ", ".join(["(0, 0, 0, 0)"] * 4) + ")"
     flat = skeleton(bind=f"uniform matrix4d[] bindTransforms = [{zero}, {zero}, {zero}]")
     assert "is singular" in error_of(save(tmp_path, scene(flat, animation(), MESH)))
+
+
+@pytest.mark.parametrize("odd", ["", "a/x:y", "a//b", "b c!", "../b", "./a/b", "/a/b", "a/ü"])
+def test_an_odd_joint_hangs_where_usdskel_hangs_it(odd: str, tmp_path: Path) -> None:
+    tokens = f'uniform token[] joints = ["a", "{odd}", "a/c"]'
+    other = f'uniform token[] joints = ["{odd}", "a", "a/c"]'
+    source = save(tmp_path, scene(skeleton(joints=tokens), animation(joints=other), MESH))
+    document = read(source)
+    rig = document.rig
+    topology = UsdSkel.Topology(Vt.TokenArray(["a", odd, "a/c"]))
+    place = {int(node): k for k, node in enumerate(rig.skins[0].joints)}
+    assert [place.get(int(rig.parents[node]), -1) for node in place] == list(topology.GetParentIndices())
+    assert deviation(source, write(document, turned(rig), tmp_path / "out.usda")) < 1e-6
+    named = [notice for notice in document.warnings if notice.code == "joint-unnamed"]
+    assert bool(named) == (not Sdf.Path.IsValidPathString(odd))

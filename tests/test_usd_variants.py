@@ -220,6 +220,21 @@ def test_a_scale_that_forbids_the_turn_in_another_variant_is_refused(tmp_path: P
         write(document, turned(document.rig), tmp_path / "out.usda")
 
 
+def test_rotations_of_another_variant_that_only_allow_the_parents_turn_are_refused(tmp_path: Path) -> None:
+    odd = "quatf[] rotations = [(1, 0, 0, 0), (0.7071, 0.7071, 0, 0), (1, 0, 0, 0)]"
+    text = scene(
+        skeleton(),
+        animation(rotations=""),
+        MESH,
+        variant_set("clip", a=over("Anim", RUN), b=over("Anim", odd)),
+    )
+    document = read(save(tmp_path, choosing(text, clip="a")))
+    with pytest.raises(
+        FileError, match="variant 'b' of the variant set 'clip' on </Root>, the rotations of joint 'a'"
+    ):
+        write(document, turned(document.rig), tmp_path / "out.usda")
+
+
 def test_variants_that_show_a_skeleton_in_too_many_ways_are_refused(tmp_path: Path) -> None:
     many = {f"v{k}": over("Anim", RUN) for k in range(70)}
     text = scene(skeleton(), animation(rotations=""), MESH, variant_set("clip", **many))

@@ -30,6 +30,8 @@ def clip_changes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iter
         if now < 0:
             yield Change(GROUP, "removed", title, f"{len(clip.tracks)} tracks")
         else:
+            if clip.idle != after.clips[now].idle:
+                yield Change(GROUP, "changed", title, f"is played {'now' if clip.idle else 'no longer'}")
             yield from _tracks(before, after, m, (clip, after.clips[now]), title, tolerance)
     for k in loose:
         yield Change(GROUP, "added", _title(after.clips[k], k), f"{len(after.clips[k].tracks)} tracks")

@@ -13,7 +13,7 @@ from rigtri.checks.findings import Finding, Findings, Rule
 from rigtri.errors import FileError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
 
-__all__ = ["RULES", "Finding", "Rule", "check"]
+__all__ = ["RULES", "Finding", "Rule", "check", "unreadable"]
 
 
 def check(path: Path | str, *, allow_external_paths: bool = False, external: bool = False) -> list[Finding]:
@@ -30,10 +30,17 @@ def check(path: Path | str, *, allow_external_paths: bool = False, external: boo
     try:
         _check(path, findings, allow_external_paths, external)
     except FileError as error:
-        # The remedy of the finding says it already.
-        text = str(error).removeprefix(f"{path}: ").rstrip(". ")
-        text = text.removesuffix(RULES[UNREADABLE].remedy.rstrip(".")).rstrip(". ")
-        findings.add(UNREADABLE, "file", "", text)
+        return [*unreadable(path, error), *findings.all()]
+    return findings.all()
+
+
+def unreadable(path: Path, error: FileError) -> list[Finding]:
+    """The finding of a file that cannot be read."""
+    # The remedy of the finding says it already.
+    text = str(error).removeprefix(f"{path}: ").rstrip(". ")
+    text = text.removesuffix(RULES[UNREADABLE].remedy.rstrip(".")).rstrip(". ")
+    findings = Findings(RULES)
+    findings.add(UNREADABLE, "file", "", text)
     return findings.all()
 
 

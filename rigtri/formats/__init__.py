@@ -121,6 +121,26 @@ def read(path: Path | str, options: Options | None = None) -> Document:
     raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
 
 
+def output_suffixes(path: Path, options: Options) -> tuple[str, ...]:
+    """What the name of an output of ``path`` may end with, by the first bytes alone; () for no rig file."""
+    own = path.suffix.lower()
+    try:
+        with path.open("rb") as file:
+            start = file.read(8)
+    except OSError:
+        return ()  # told when it is read
+    if own in GLTF_SUFFIXES:
+        return (".glb", ".vrm", ".vrma") if start.startswith(b"glTF") else (".gltf",)
+    if own not in USD_SUFFIXES:
+        return ()
+    if options.override:
+        return (".usda", ".usd", ".usdc")
+    if own == ".usdz":
+        return (own,)
+    fits = (".usdc", ".usd") if start == b"PXR-USDC" else (".usda", ".usd")
+    return fits if own in fits else (own, *fits)
+
+
 def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change] | None:
     """How two files of one format differ as files; None where their formats are two.
 

@@ -17,8 +17,9 @@ from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 GROUP = "rigtri_controls"
-# float32 readers see no difference below this share; a second run must change no byte.
-_SAME_PLACE = 1e-7
+# A second run must change no byte, also where the first has turned the joints below, whose new
+# places were rounded to float32 (6e-8 each, some joints deep) only when they were written.
+_SAME_PLACE = 5e-7
 
 
 def group(rig: Rig) -> tuple[Rig, int]:
@@ -87,7 +88,7 @@ def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     place = multiply(from_frame(axes, position), inverse(above))
     # A place near its parent's keeps the rounding of both in the world.
     largest = max(float(length(position)), float(length(above[3, :3])))
-    return stand_local(rig, node, place, noise=1e-8 * largest)
+    return stand_local(rig, node, place, noise=_SAME_PLACE * largest)
 
 
 def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:

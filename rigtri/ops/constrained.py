@@ -12,13 +12,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from rigtri.constraints import alike, axis_fits, axis_straightened
 from rigtri.errors import GeometryError
 from rigtri.ops.plan import UNCHANGED, Plan
 from rigtri.ops.select import STEADFAST
 from rigtri.quaternions import IDENTITY, conjugate, multiply, to_axes, turn_angle
 from rigtri.records import Constraint
-from rigtri.reframe import stays_diagonal, turned
+from rigtri.reframe import turned
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
@@ -37,8 +39,12 @@ class Bond:
     constraints: list[Constraint] = field(default_factory=list)
 
 
-def bonds(rig: Rig) -> list[Bond]:
-    """Which nodes constraints tie together, and by which constraints; none for what is free."""
+def bonds(rig: Rig, ties: Sequence[Constraint] = ()) -> list[Bond]:
+    """Which nodes constraints tie together, and by which constraints; none for what is free.
+
+    ties: more of them than the file has.
+    """
+    constraints = (*rig.constraints, *ties)
     top: dict[int, int] = {}
 
     def find(node: int) -> int:
@@ -48,7 +54,7 @@ def bonds(rig: Rig) -> list[Bond]:
         return node
 
     led = set()
-    for constraint in rig.constraints:
+    for constraint in constraints:
         pair = alike(rig, constraint)
         if pair is not None:
             top[find(pair[1])] = find(pair[0])
@@ -61,7 +67,7 @@ def bonds(rig: Rig) -> list[Bond]:
         bond.nodes.append(node)
         if node not in led:
             bond.tops.append(node)
-    for constraint in rig.constraints:
+    for constraint in constraints:
         pair = alike(rig, constraint)
         tops = {find(pair[1])} if pair is not None else set()
         tops |= {find(constraint.node)} if constraint.axis.any() else set()
@@ -70,9 +76,11 @@ def bonds(rig: Rig) -> list[Bond]:
     return list(found.values())
 
 
-def unsplittable(rig: Rig) -> set[int]:
-    """Nodes whose own rotation a constraint reads or writes: it must not move to another node."""
-    return {k for c in rig.constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
+def unsplittable(plan: Plan) -> set[int]:
+    """Nodes whose own rotation a constraint reads or writes, or which is not unit: it must stay with them."""
+    constraints = plan.tree.rig.constraints
+    read = {k for c in constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
+    return read | {tie.node for tie in plan.ties}
 
 
 def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> Floats:
@@ -87,7 +95,7 @@ def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> 
     held = {node: _held(plan, joint) for node, joint in joints.items()} | dict(rig.fixed)
     # What leads and has no turn of its own does not get one for the sake of what follows it.
     kept = {node: plan.kept.get(joint, "unchanged") for node, joint in joints.items() if node not in own}
-    for bond in bonds(rig):
+    for bond in bonds(rig, plan.ties):
         if own.isdisjoint(bond.nodes):
             continue
         leader = next(node for node in bond.nodes if node in own)
@@ -100,7 +108,8 @@ def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> 
             text = f"{names} {f'cannot turn: {why} ({because})' if why else lead}"
             if policy == "error":
                 raise GeometryError(f"{text}. Leave it out with --exclude, or take --on-constraint freeze.")
-            plan.report.warn("constraint", f"{text}.", joint=rig.title(gave_way[0]))
+            code = "constraint" if any(c.kind != "length" for c in bond.constraints) else "rotation-not-unit"
+            plan.report.warn(code, f"{text}.", joint=rig.title(gave_way[0]))
         for node in (node for node in bond.nodes if node >= 0):
             result[node] = turn
             if node in joints and why and node in gave_way:
@@ -121,11 +130,12 @@ def _names(rig: Rig, nodes: Sequence[int]) -> str:
 
 
 def _told(rig: Rig, bond: Bond) -> str:
+    said = {
+        "tail": "'{}' is the end of a swinging chain",
+        "length": "rotations of '{}' are not unit, which this format shows",
+    }
     words = [
-        f"'{rig.title(c.node)}' is the end of a swinging chain"
-        if c.kind == "tail"
-        else f"{c.kind} constraint of '{rig.title(c.node)}'"
-        for c in bond.constraints
+        said.get(c.kind, f"{c.kind} constraint of '{{}}'").format(rig.title(c.node)) for c in bond.constraints
     ]
     return "; ".join(words[:3]) + (" …" if len(words) > 3 else "")
 
@@ -153,7 +163,9 @@ def _common(
         if not axis_fits(constraint, turn):
             return IDENTITY, f"the {constraint.kind} axis would be no axis of its new frame"
     for node in bond.nodes:
-        rows = scales.of_node(node) if scales.uneven[node] else None
-        if rows is not None and not stays_diagonal(to_axes(turn), rows):
+        if node >= 0 and scales.uneven[node] and not scales.keeps(node, to_axes(turn)):
             return IDENTITY, f"the scale of '{rig.title(node)}' is not uniform"
+    for node in (c.node for c in bond.constraints if c.kind == "length" and turned(turn)):
+        if np.ptp(scales.sign[node]):  # its half turn would go into rotations that are not unit
+            return IDENTITY, f"the scale of '{rig.title(node)}' mirrors it"
     return turn, ""

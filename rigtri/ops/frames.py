@@ -9,7 +9,7 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.matrices import nearest_rotation, transform_directions
-from rigtri.naming import side, twin
+from rigtri.ops.twins import Mirror, Plane, mirrored_axes, reflection, side_of, twin_of
 from rigtri.quaternions import (
     IDENTITY,
     conjugate,
@@ -31,8 +31,6 @@ from rigtri.vectors import cross, length, normalise
 NO_ROTATION = 2e-6
 # Joint positions nearer to each other than this, as a share of the skeleton, are one pose.
 SAME_REST = 1e-5
-
-Mirror = Literal["behavior", "orientation", "blender"]
 
 
 def turn_onto(world_axes: Floats, ref: Reference, joint: int) -> Floats:
@@ -169,34 +167,26 @@ def mirrored_turns(
     *,
     mirror: Mirror,
     from_side: Literal["left", "right"],
-    plane: str,
+    plane: Plane,
     report: Report,
 ) -> dict[int, Floats]:
     """The turns of one side's joints from the new frames of the other side's.
 
-    With M the reflection and R the new axes (rows): ``behavior`` −R·M (equal
-    rotations mirror the motion; the side then aims backwards), ``orientation`` R,
-    ``blender`` diag(−1, 1, 1)·R·M.
+    `rigtri.ops.twins` says what each way of mirroring means; with ``behavior`` the side aims backwards.
     """
     rig = tree.rig
-    axis = {"yz": 0, "xz": 1, "xy": 2}[plane]
-    reflect = np.where(np.arange(3) == axis, -1.0, 1.0)
-    by_name = {rig.names[joint]: joint for joint in turns}
+    reflect = reflection(plane)
     result: dict[int, Floats] = {}
     for joint in turns:
-        if side(rig.names[joint]) in ("", from_side):
+        if side_of(rig, joint) in ("", from_side):
             continue
-        source = by_name.get(twin(rig.names[joint]))
-        if source is None:
+        source = twin_of(rig, joint)
+        if source is None or source not in turns:
             report.warn("no-twin", f"'{rig.title(joint)}' has no twin on the {from_side} side.")
             continue
         axes = transform_directions(to_axes(turns[source]), ref.world[source])
-        if mirror == "behavior":
-            axes = -axes * reflect
-        elif mirror == "blender":
-            axes = np.array([[-1.0], [1.0], [1.0]]) * axes * reflect
-        result[joint] = turn_onto(axes, ref, joint)
-    if not any(side(rig.names[joint]) for joint in turns):
+        result[joint] = turn_onto(mirrored_axes(axes, mirror, reflect), ref, joint)
+    if not any(side_of(rig, joint) for joint in turns):
         raise GeometryError("--mirror: no joint that turns says left or right in its name")
     return result
 

@@ -52,7 +52,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     parted = splits(rig, _at_frames(rig, turns), both, plan.scales) if policy == "split" else {}
     if options.frames is not None and not options.inverse:
         parted |= stored_splits(rig, wanted, options.frames)
-    for joint in unsplittable(rig).intersection(parted):
+    for joint in unsplittable(plan).intersection(parted):
         del parted[joint]
     if parted and rig.whole:
         raise GeometryError(_refusal(rig, list(parted)))

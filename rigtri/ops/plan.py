@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -9,15 +10,19 @@ from typing import Literal
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
+from rigtri.lengths import same_scales, ties
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of, limb_children
-from rigtri.ops.frames import Mirror, like_turns, mirrored_turns, stored_turns, turn_onto
+from rigtri.ops.frames import like_turns, mirrored_turns, stored_turns, turn_onto
 from rigtri.ops.presets import Style
 from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
 from rigtri.ops.select import Selection, select
+from rigtri.ops.twins import Mirror, Plane
 from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
+from rigtri.reach import TOLERANCE, reaches
+from rigtri.records import Constraint
 from rigtri.reframe import Scales
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -58,11 +63,12 @@ class Options:
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mirror: Mirror | None = None
     from_side: Literal["left", "right"] = "left"
-    plane: str = "yz"
+    plane: Plane = "yz"
     root: str | None = None
     like: Rig | None = None
     frames: object = None
     inverse: bool = False
+    tolerance: float = TOLERANCE
 
 
 @dataclass(eq=False)
@@ -170,7 +176,23 @@ class Plan:
     @cached_property
     def scales(self) -> Scales:
         """Every scale of the rig, at rest and at keys."""
-        return Scales.of(self.tree.rig)
+        rig, scales = self.tree.rig, Scales.of(self.tree.rig)
+        return replace(scales, same=same_scales(rig, self.tree.joints, scales, *self._faults))
+
+    @cached_property
+    def reach(self) -> Floats:
+        """How far what hangs at each node reaches, (n,), as a share of the size."""
+        return reaches(self.tree.rig)
+
+    @property
+    def _faults(self) -> tuple[Callable[[], Floats], float]:
+        """What says how much a small fault of a joint moves, and how much it may."""
+        return lambda: self.reach, self.options.tolerance
+
+    @cached_property
+    def ties(self) -> tuple[Constraint, ...]:
+        """Joints that must turn as their parents do, for their rotations are not unit."""
+        return ties(self.tree.rig, *self._faults)
 
     @cached_property
     def scale_noise(self) -> Floats:
@@ -272,7 +294,7 @@ class Plan:
         turn = self.quiet(joint, turns.get(joint, IDENTITY))
         uneven = self.scales.uneven[joint] and joint not in self.tree.rig.frame_of
         if uneven and joint in turns and self.options.on_nonuniform_scale == "snap":
-            turn = nearest_exact(turn, self.scales.of_node(joint), axis_of(self.style(joint).aim)[0])
+            turn = nearest_exact(turn, self.scales, joint, axis_of(self.style(joint).aim)[0])
         axes = to_axes(turn)
         return normalise(transform_directions(axes, self.ref.world[joint]))
 

@@ -276,7 +276,7 @@ def _axes(points: Floats, found: Bend, options: Options) -> Floats:
 def _clips(rig: Rig, limb: Limb) -> list[dict[str, Any]]:
     """The key times of each clip at which the limb is straight or its pole flips side."""
     found = []
-    for clip in rig.clips:
+    for clip in (clip for clip in rig.clips if not clip.idle):
         events = crossings(rig, limb, clip, NO_PLANE)
         if events:
             listed = [{"time": round(time, 6), "what": what} for time, what in events]

@@ -26,7 +26,7 @@ from rigtri.quaternions import (
     unit,
 )
 from rigtri.records import key_values
-from rigtri.reframe import SAME_SCALE, Scales, stays_diagonal, turned
+from rigtri.reframe import SAME_SCALE, Scales, turned
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats, arc_tangent
@@ -62,7 +62,7 @@ def splits(rig: Rig, turn: Floats, axes: Mapping[int, tuple[int, int]], scales: 
     rotations: where a scale mirrors, the third axis gives way, for the new node does not.
     """
     uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
-    exact = {k: nearest_exact(turn[k], scales.of_node(k), axes.get(k, (0, 1))[0]) for k in uneven}
+    exact = {k: nearest_exact(turn[k], scales, k, axes.get(k, (0, 1))[0]) for k in uneven}
     return {
         node: _unmirrored(turn[node], scales.sign[node], axes.get(node, (0, 1)))
         for node in uneven
@@ -92,7 +92,7 @@ def allowed_turns(
         return turn
     exact = turn.copy()
     for node in uneven:
-        exact[node] = nearest_exact(turn[node], scales.of_node(node), aim_axis.get(node, 0))
+        exact[node] = nearest_exact(turn[node], scales, node, aim_axis.get(node, 0))
     refused = [node for node in uneven if _apart(exact[node], turn[node]) > EXACT]
     if refused and policy == "error":
         names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k in refused[:6])
@@ -111,8 +111,8 @@ def _apart(a: Floats, b: Floats) -> float:
     return float(turn_angle(multiply(conjugate(a), b)))
 
 
-def nearest_exact(wanted: Floats, rows: Floats, aim: int) -> Floats:
-    """The nearest turn, (4,), that keeps every scale, (k, 3), diagonal: by its aim, then as a whole.
+def nearest_exact(wanted: Floats, scales: Scales, node: int, aim: int) -> Floats:
+    """The nearest turn, (4,), that keeps every scale of a node diagonal: by its aim, then as a whole.
 
     A cardinal turn, with a free turn about an axis whose other two components are
     equal throughout. A small turn of a nearly uniform scale is not let through: it
@@ -120,7 +120,7 @@ def nearest_exact(wanted: Floats, rows: Floats, aim: int) -> Floats:
     second run, which sees other axes about the same aim, stays with its choice.
     """
     quarter = [from_axis_angle(axis, np.pi / 4) for axis in np.eye(3)]
-    odd = [k for k in range(3) if stays_diagonal(to_axes(quarter[k]), rows)]
+    odd = [k for k in range(3) if scales.keeps(node, to_axes(quarter[k]))]
     target = to_axes(wanted)[aim]
     best, closest, most = IDENTITY, -2.0, -1.0
     for cardinal in cardinal_turns():
@@ -177,7 +177,8 @@ def first_uneven(rig: Rig, node: int, scales: Scales) -> Uneven:
     rows = np.array([uneven.value for uneven in found])
     largest = np.abs(rows).max(axis=1)
     spread = np.ptp(rows * scales.sign[node], axis=1) / np.where(largest == 0, 1.0, largest)
-    return found[int(np.argmax(spread > SAME_SCALE if (spread > SAME_SCALE).any() else spread))]
+    over = spread > scales.same[node]
+    return found[int(np.argmax(over if over.any() else spread))]
 
 
 def _three(row: Floats) -> tuple[float, float, float]:
@@ -198,9 +199,12 @@ def _tell(
     aim_error = np.degrees(angle(to_axes(wanted)[axis], to_axes(got)[axis]))
     whole = np.degrees(_apart(wanted, got))
     what = "snapped to the nearest axes" if policy == "snap" else "left as it was"
+    scale, spread = str(first_uneven(rig, node, scales)), float(scales.spread[node])
+    if scales.same[node] < SAME_SCALE:  # noise, but of something long
+        scale += f", by {spread:.2g}, and what hangs there reaches so far that it would be seen"
     report.warn(
         "nonuniform-scale",
-        f"'{rig.title(node)}' has a scale that is not uniform ({first_uneven(rig, node, scales)}): {what}, "
-        f"its aim is {aim_error:.3f}° and its frame {whole:.3f}° off.",
+        f"'{rig.title(node)}' has a scale that is not uniform ({scale}): {what}, its aim is "
+        f"{aim_error:.3f}° and its frame {whole:.3f}° off.",
         joint=rig.title(node),
     )

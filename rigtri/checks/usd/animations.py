@@ -23,7 +23,8 @@ def check(scene: Scene, prim: Any) -> None:
     if not users:
         scene.add("usd.anim.unbound", prim, "", "no skeleton is bound to it in the selected variants")
     tokens = scene.words(prim, "joints")
-    present = [name for name in PROPERTIES if prim.GetAttribute(name).HasAuthoredValue()]
+    # Empty and blocked values are none.
+    present = [name for name in PROPERTIES if scene.keys(prim, name)]
     if not tokens and present and not scene.has_other(prim, "joints"):
         text = f"it has {listed(present)} and names no joints"
         scene.add("usd.anim.no-joints", prim, "joints", text)

@@ -23,6 +23,12 @@ RULES = (
         "Bind it to a SkelAnimation, or remove the relationship.",
     ),
     Rule(
+        "usd.binding.inactive",
+        "info",
+        "skel:animationSource points at an animation that is not active, so UsdSkel plays none.",
+        "Nothing needs to be done; activate it to play it.",
+    ),
+    Rule(
         "usd.binding.many-targets",
         "warning",
         "skel:skeleton or skel:animationSource has several targets; UsdSkel takes the first.",

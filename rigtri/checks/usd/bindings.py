@@ -13,6 +13,7 @@ from pxr import UsdGeom, UsdSkel
 
 from rigtri.checks.findings import listed
 from rigtri.checks.usd.scene import BINDING, Scene, points_of
+from rigtri.formats.usd.bound_animation import idle_above
 from rigtri.formats.usd.meshes import at_start
 from rigtri.formats.usd.skeletons import singular
 from rigtri.formats.usd.value_types import BIND, INDICES, WEIGHTS
@@ -62,7 +63,11 @@ def _check_target(scene: Scene, prim: Any, name: str, kind: str, rule: str) -> N
         scene.add("usd.binding.many-targets", prim, name, text)
     for path in targets[:1]:
         found = scene.stage.GetPrimAtPath(path)
-        if not found:
+        idle = kind == "SkelAnimation" and idle_above(scene.stage, path)
+        if idle and (not found or found.GetTypeName() == kind):
+            text = f"{name} points at <{path}>, and <{idle.GetPath()}> is not active"
+            scene.add("usd.binding.inactive", prim, name, text)
+        elif not found:
             scene.add(rule, prim, name, f"{name} points at <{path}>, which is not there")
         elif found.GetTypeName() != kind:
             text = f"{name} points at <{path}>, a {found.GetTypeName() or 'prim without a type'}"

@@ -32,10 +32,17 @@ def validate(stage: Any, findings: Findings, path: Path) -> None:
                 severity=_KINDS.get(error.GetType(), "info"),
                 place="OpenUSD",
                 pointer=sites[0] if sites else "",
-                message=" ".join(str(error.GetMessage()).split()),
+                message=" ".join(_message(error).split()),
                 remedy="See the documentation of OpenUSD's validators.",
             )
         )
+
+
+def _message(error: Any) -> str:
+    try:
+        return str(error.GetMessage())
+    except UnicodeDecodeError:
+        return "what it says of the file quotes bytes that are no text"
 
 
 def _site(site: Any) -> str:

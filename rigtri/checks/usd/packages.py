@@ -20,6 +20,12 @@ RULES = (
         "Copy or export the package again.",
     ),
     Rule(
+        "usd.package.compressed",
+        "error",
+        "An entry of a package is compressed, which USDZ forbids: USD cannot read it.",
+        _PACK,
+    ),
+    Rule(
         "usd.package.alignment",
         "warning",
         "The data of an entry of a package do not start at a multiple of 64 bytes, as USDZ demands.",
@@ -34,7 +40,7 @@ RULES = (
     Rule(
         "usd.package.backslash",
         "warning",
-        "The name of an entry of a package has a backslash, which is no separator in a zip file.",
+        "The name of an entry of a package has a backslash, which is no separator: USD does not find it.",
         _PACK,
     ),
 )
@@ -47,6 +53,8 @@ def check(path: Path, findings: Findings) -> None:
         place = f"entry '{entry.name}'"
         if not whole.is_whole(entry):
             findings.add("usd.package.checksum", "package", entry.name, f"{place} does not have its checksum")
+        if entry.method:
+            findings.add("usd.package.compressed", "package", entry.name, f"{place} is compressed")
         if entry.start % package.ALIGNMENT:
             text = f"the data of {place} start at byte {entry.start}"
             findings.add("usd.package.alignment", "package", entry.name, text)

@@ -30,8 +30,8 @@ RULES = (
     ),
     Rule(
         "usd.skel.joint-empty",
-        "error",
-        "A joint token is empty or no path.",
+        "warning",
+        "A joint token is empty or no path: UsdSkel takes it for a root, Blender imports no skeleton then.",
         "Give every joint a path of names, parent/child.",
     ),
     Rule(

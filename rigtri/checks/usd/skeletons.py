@@ -32,6 +32,8 @@ def check(scene: Scene, prim: Any) -> None:
     animation = _animation(prim)
     if animation:
         scene.users.setdefault(str(animation.GetPath()), []).append(path)
+        if animation not in scene.animations:
+            scene.animations.append(animation)  # a class, or only an over: UsdSkel plays it all the same
     for name in ("joints", "bindTransforms", "restTransforms"):
         attribute = prim.GetAttribute(name)
         if attribute and attribute.GetNumTimeSamples():
@@ -56,7 +58,7 @@ def check(scene: Scene, prim: Any) -> None:
 
 def _animation(prim: Any) -> Any:
     found = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
-    return found if found and found.GetTypeName() == "SkelAnimation" else None
+    return found if found and found.GetTypeName() == "SkelAnimation" and found.IsActive() else None
 
 
 def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...]) -> None:

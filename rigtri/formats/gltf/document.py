@@ -191,7 +191,8 @@ class GltfDocument:
                 if isinstance(e, dict) and isinstance(e.get("rigtri"), dict)
             },
             facing=bindings.facing,
-            drawn=self.meshes,
+            drawn=self.outlines,
+            read_meshes=self.meshes,
         )
         self._freeze(rig, ordered, fixed)
         return rig

@@ -52,12 +52,13 @@ class Property:
 
 @dataclass(frozen=True, eq=False)
 class Animation:
-    """One SkelAnimation prim. tokens: its own joints, in its own order."""
+    """One SkelAnimation prim. tokens: its own joints, in its own order. idle: UsdSkel does not play them."""
 
     path: str
     name: str
     tokens: tuple[str, ...]
     properties: Mapping[str, Property]
+    idle: bool = False
 
 
 def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
@@ -75,7 +76,7 @@ def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
 
 def _without_joints(prim: Any) -> Animation | None:
     """What is left of an animation that moves no joints: UsdSkel plays its blend shapes all the same."""
-    if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
+    if prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
         return Animation(str(prim.GetPath()), prim.GetName(), (), {})
     return None
 
@@ -106,8 +107,11 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
                 "What it has is turned all the same.",
             )
         )
+    if not prim.IsActive():
+        text = f"Animation <{path}> is not active, so it is no clip. It is turned all the same."
+        warnings.append(Notice("animation-inactive", text))
     warnings += _off_unit(path, tokens, present)
-    return Animation(path, prim.GetName(), tokens, present)
+    return Animation(path, prim.GetName(), tokens, present, bool(missing) or not prim.IsActive())
 
 
 def _check_tokens(path: str, tokens: Sequence[str]) -> None:
@@ -210,7 +214,7 @@ def clips(
             for property_name, item in animation.properties.items()
             for track in _tracks(property_name, item, columns, start, interpolation)
         ]
-        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path)))
+        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path), animation.idle))
     held = [
         Track(node, PROPERTIES[property_name], "STEP", _ZERO, values[:, column], (property_name, column))
         for property_name, item in animation.properties.items()
@@ -218,7 +222,7 @@ def clips(
         for column, node in columns
     ]
     if held:
-        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path)))
+        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path), animation.idle))
     return result
 
 

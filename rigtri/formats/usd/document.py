@@ -45,8 +45,8 @@ class UsdDocument:
 
     def __init__(self, source: Source, options: Options, layer: Any) -> None:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
-        source = replace(source, rig=replace(source.rig, drawn=self.meshes))
-        self._source, self._options, self._layer = source, options, layer
+        rig = replace(source.rig, drawn=self.outlines, read_meshes=self.meshes)
+        self._source, self._options, self._layer = replace(source, rig=rig), options, layer
         self._notices = list(source.warnings)
 
     @classmethod
@@ -258,7 +258,8 @@ def opened(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]
 
 def _source_of(layer: Any, path: Path) -> Path | None:
     """The file that bare opinions of ours are for; None for any other layer, or one put above it."""
-    mark = dict(layer.customLayerData.get(MARK, {}))
+    with quiet(f"{path}: USD cannot read it"):
+        mark = dict(layer.customLayerData.get(MARK, {}))
     if mark.get("override") != "layer" or list(layer.subLayerPaths):
         return None
     if "source" not in mark:

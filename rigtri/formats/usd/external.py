@@ -19,6 +19,8 @@ from pxr import Ar, Sdf, Tf
 from rigtri.errors import FileError
 from rigtri.formats.usd import crate, package
 
+# How deep packages may stand in each other.
+NESTED = 4
 # A scheme, of two letters at least: C:/hero.usd is a Windows path.
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 
@@ -54,11 +56,24 @@ def check_content(identifier: str) -> None:
     if file.suffix.lower() != ".usdz":
         crate.check_file(file)
         return
-    whole = package.read(file)
+    _check_entries(package.read(file), str(file), NESTED)
+
+
+def _check_entries(whole: package.Package, name: str, deeper: int) -> None:
+    """The same for the entries of a package, and of packages in it."""
     for entry in whole.entries:
         content = memoryview(whole.content)[entry.start : entry.start + entry.size]
+        title = f"{name}[{entry.name}]"
         if content[: len(crate.MAGIC)] == crate.MAGIC:
-            crate.check(content, f"{file}[{entry.name}]")
+            crate.check(content, title)
+        elif entry.name.lower().endswith(".usdz") and not entry.method:
+            if not deeper:
+                raise FileError(f"{title}: packages stand in each other more than {NESTED} deep. Unpack them")
+            try:
+                inner = package.parse(bytes(content), title)
+            except FileError:
+                continue  # USD cannot open it either, which is told where it is needed
+            _check_entries(inner, title, deeper - 1)
 
 
 def _opened(identifier: str) -> Any:

@@ -47,6 +47,9 @@ class Entry:
     comment: bytes
     internal: int
     external: int
+    # 0 where the bytes are the file's; what is packed otherwise is kept, and USD cannot read it.
+    method: int = 0
+    unpacked: int = 0
 
 
 @dataclass(frozen=True)
@@ -67,17 +70,21 @@ class Package:
         return self.content[entry.start : entry.start + entry.size]
 
     def is_whole(self, entry: Entry) -> bool:
-        """Whether an entry's bytes have the checksum that the directory has for them."""
-        return zlib.crc32(memoryview(self.content)[entry.start : entry.start + entry.size]) == entry.crc
+        """Whether an entry's bytes have the directory's checksum; compressed ones are not asked."""
+        return entry.method != 0 or zlib.crc32(self.bytes_of(entry)) == entry.crc
 
 
 def read(path: Path) -> Package:
     """Read the directory of a package.
 
-    FileError for what is no .usdz: not a zip, compressed or encrypted entries,
+    FileError for what is no .usdz: not a zip, a compressed root layer, encrypted entries,
     names that lead outside, entries that overlap or end outside the file.
     """
-    content = path.read_bytes()
+    return parse(path.read_bytes(), str(path))
+
+
+def parse(content: bytes, path: str) -> Package:
+    """The same from its bytes; ``path`` names it in errors."""
     at = content.rfind(b"PK\5\6", max(0, len(content) - 65557))
     if not content.startswith(b"PK") or at < 0 or at + _END.size > len(content):
         raise FileError(f"{path}: no .usdz package (not a zip file, or cut off at the end).")
@@ -108,8 +115,6 @@ def _entry(content: bytes, offset: int, limit: int) -> tuple[Entry, int]:
     name = raw_name.decode("utf-8" if flags & _UTF8 else "cp437")
     if method == 0 and packed != size:
         raise ValueError(f"'{name}' has two sizes, {packed} and {size} bytes; the directory is damaged")
-    if method != 0:
-        raise ValueError(f"'{name}' is compressed, which .usdz forbids; pack it again without")
     if flags & _ENCRYPTED:
         raise ValueError(f"'{name}' is encrypted")
     _, _, _, local_method, _, _, _, local_packed, _, local_name_size, local_extra_size = _LOCAL.unpack_from(
@@ -119,25 +124,30 @@ def _entry(content: bytes, offset: int, limit: int) -> tuple[Entry, int]:
     if content[named : named + local_name_size] != raw_name:
         raise ValueError(f"'{name}' has another name in its own header")
     # USD goes by these, other programs by the directory; they must not see different files.
-    if local_method != 0 or (local_packed != size and not flags & _DESCRIPTOR):
+    if local_method != method or (local_packed != packed and not flags & _DESCRIPTOR):
         raise ValueError(f"'{name}' has another size in its own header")
     start = named + local_name_size + local_extra_size
-    if start + size > limit:
+    if start + packed > limit:
         raise ValueError(f"'{name}' ends outside the package")
     extra = content[named + local_name_size : start]
     comment = content[end - comment_size : end]
     return (
-        Entry(name, raw_name, start, size, crc, made_by, needed, flags, time, date,
-              _without_padding(extra), _without_padding(central_extra), comment, internal, external),
+        Entry(name, raw_name, start, packed, crc, made_by, needed, flags, time, date,
+              _without_padding(extra), _without_padding(central_extra), comment, internal, external,
+              method, size),
         end,
     )  # fmt: skip
 
 
-def _check(path: Path, entries: list[Entry]) -> None:
+def _check(path: str, entries: list[Entry]) -> None:
     if not entries:
         raise FileError(f"{path}: the package is empty.")
     if PurePosixPath(entries[0].name).suffix.lower() not in (".usd", ".usda", ".usdc"):
         raise FileError(f"{path}: the package starts with '{entries[0].name}', not with a USD layer.")
+    if entries[0].method:
+        raise FileError(
+            f"{path}: '{entries[0].name}' is compressed, which .usdz forbids; pack it again without."
+        )
     names = [entry.name for entry in entries]
     for name in names:
         parts = name.replace("\\", "/").split("/")
@@ -177,10 +187,11 @@ def write(package: Package, root: bytes, part: Path) -> None:
             crc = zlib.crc32(data) if entry is package.root else entry.crc
             flags = entry.flags & ~_DESCRIPTOR
             extra = entry.extra + _pad(written + _LOCAL.size + len(entry.raw_name) + len(entry.extra))
-            header = (b"PK\3\4", entry.needed, flags, 0, entry.time, entry.date, crc, len(data),
-                      len(data), len(entry.raw_name), len(extra))  # fmt: skip
-            record = (b"PK\1\2", entry.made_by, entry.needed, flags, 0, entry.time, entry.date, crc,
-                      len(data), len(data), len(entry.raw_name), len(entry.central_extra),
+            size = entry.unpacked if entry.method else len(data)
+            header = (b"PK\3\4", entry.needed, flags, entry.method, entry.time, entry.date, crc, len(data),
+                      size, len(entry.raw_name), len(extra))  # fmt: skip
+            record = (b"PK\1\2", entry.made_by, entry.needed, flags, entry.method, entry.time, entry.date,
+                      crc, len(data), size, len(entry.raw_name), len(entry.central_extra),
                       len(entry.comment), 0, entry.internal, entry.external, written)  # fmt: skip
             directory.append(_CENTRAL.pack(*record) + entry.raw_name + entry.central_extra + entry.comment)
             local = _LOCAL.pack(*header) + entry.raw_name + extra

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdSkel
+from pxr import Usd, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
 from rigtri.formats.usd import library, meshes, notes, prim_clip, tokens
 from rigtri.formats.usd.animations import Animation, clips, read_animation
+from rigtri.formats.usd.bound_animation import bound_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.formats.usd.value_types import ignored
@@ -188,7 +189,7 @@ class _Reader:
         world = worlds(self._rig())
         for prim in prims:
             path = str(prim.GetPath())
-            animation = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
+            animation = bound_animation(prim, self.warnings)
             skeleton = read_skeleton(prim, animation, world[self.node_of[path]], self.warnings)
             if skeleton is not None:
                 self.skeletons[path] = skeleton
@@ -283,7 +284,7 @@ class _Reader:
             users = [s.path for s in self.skeletons.values() if s.animation == path]
             name = animation.name if names.count(animation.name) == 1 else path
             prim, weights = self.stage.GetPrimAtPath(path), []
-            if prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
+            if prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
                 queries = self.bindings.of(users)
                 weights = meshes.blend_tracks(prim, queries, self.node_of, self._interpolation)
             driven = [self.joint_nodes[user] for user in users]
@@ -335,6 +336,7 @@ class _Reader:
             fixed=dict(self.fixed),
             notes=dict(self.notes),
             up=up,
+            raw=True,
         )
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from pxr import Sdf, UsdSkel, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
@@ -48,6 +49,7 @@ class Skeleton:
 def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notice]) -> Skeleton | None:
     """The skeleton of a Skeleton prim whose world matrix is ``world``; None if it has no joints.
 
+    animation: the SkelAnimation prim that is bound to it (`bound_animation`), or None.
     FileError where its joints or matrices break UsdSkel's rules, naming them.
     """
     path = str(prim.GetPath())
@@ -55,10 +57,12 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
     if not tokens:
         warnings.append(Notice("no-joints", f"Skeleton <{path}> has no joints; it is left alone."))
         return None
-    if "" in tokens:
-        # UsdSkel takes it for a root of its own, and so do we.
-        text = f"Skeleton <{path}>: joint {tokens.index('')} has no name; it counts as a root, as in UsdSkel"
-        warnings.append(Notice("joint-unnamed", text))
+    for number, token in enumerate(tokens):
+        if not Sdf.Path.IsValidPathString(token):
+            what = f"is '{token}', which is no path" if token else "has no name"
+            text = f"Skeleton <{path}>: joint {number} {what}; it counts as a root, as in UsdSkel"
+            warnings.append(Notice("joint-unnamed", text))
+            break
     parents = joint_parents(path, tokens)
     bind = _matrices(prim, "bindTransforms", tokens)
     if bind is None:
@@ -68,9 +72,9 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         )
     _check_bind(path, tokens, bind)
     rest = _matrices(prim, "restTransforms", tokens)
-    found = _animation_of(prim, animation)
+    if rest is None and animation is not None and animation.IsActive():
+        _check_covered(path, tokens, animation)
     if rest is None:
-        _check_covered(path, tokens, found)
         warnings.append(
             Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
         )
@@ -82,7 +86,7 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         rest=_local(bind, parents, world) if rest is None else rest,
         has_rest=rest is not None,
         locked="",
-        animation="" if found is None else str(found.GetPath()),
+        animation="" if animation is None else str(animation.GetPath()),
     )
 
 
@@ -111,15 +115,12 @@ def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
 
 
 def nearest_listed(tokens: Sequence[str]) -> Integers:
-    """The index of each joint's nearest listed ancestor, (n,), −1 for roots, in whatever order they are."""
-    index = {token: number for number, token in enumerate(tokens)}
-    parents = np.full(len(tokens), -1, dtype=np.int64)
-    for number, token in enumerate(tokens):
-        above = token.rpartition("/")[0]
-        while above and above not in index:
-            above = above.rpartition("/")[0]
-        parents[number] = index[above] if above else -1
-    return parents
+    """The index of each joint's nearest listed ancestor, (n,), −1 for roots, in whatever order they are.
+
+    A token that is no path (``a/x:y``, ``a//b``, none at all) is a root: UsdSkel itself says so.
+    """
+    parents = UsdSkel.Topology(Vt.TokenArray(list(tokens))).GetParentIndices()
+    return np.array(parents, dtype=np.int64).reshape(-1)
 
 
 def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
@@ -166,23 +167,7 @@ def _check_bind(path: str, tokens: Sequence[str], bind: Floats) -> None:
         )
 
 
-def _animation_of(prim: Any, animation: Any) -> Any:
-    """The SkelAnimation prim that is bound here or above; a target that is none counts as missing."""
-    if animation and animation.GetTypeName() == "SkelAnimation":
-        return animation
-    relation = prim.GetRelationship("skel:animationSource")
-    targets = relation.GetTargets() if relation else []
-    if targets and not animation:
-        raise FileError(
-            f"Skeleton <{prim.GetPath()}> is bound to the animation <{targets[0]}>, which is not there. "
-            "Put the layer that holds it beside the file, or remove the binding."
-        )
-    return None
-
-
 def _check_covered(path: str, tokens: Sequence[str], animation: Any) -> None:
-    if animation is None:
-        return
     driven = set(tokens_of(animation, "joints"))
     missing = [token for token in tokens if token not in driven]
     if missing:

@@ -112,7 +112,23 @@ def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
     """One notice for all layers that were not found; pxr reports them in the order of its threads."""
     said = ("open", "not load sublayer")
     found = [t.split("@")[1] for t in texts if "@" in t and any(words in t.lower() for words in said)]
-    names = sorted({_seen_from(folder, name) for name in found})
+    every = sorted({_seen_from(folder, name) for name in found})
+    leaving = [name for name in every if "[../" in name]
+    notices = [Notice("unresolved", _leaves(name)) for name in leaving[:3]]
+    names = [name for name in every if name not in leaving]
+    return [*notices, *_missing(names)]
+
+
+def _leaves(name: str) -> str:
+    """What is wrong with a reference out of a package, ``hero.usdz[../parts.usdc]``."""
+    package, _, inner = name.rpartition("]")[0].partition("[")
+    return (
+        f"{package} refers to '{inner}', which leads out of the package: USD looks for it only inside, so it "
+        "was not found. Put it into the package, or unpack that"
+    )
+
+
+def _missing(names: list[str]) -> list[Notice]:
     if not names:
         return []
     shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")

@@ -23,6 +23,7 @@ from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, Setting, kind, parts
 from rigtri.formats.usd.variants import VALUES, State, Trial
+from rigtri.lengths import against_parent
 from rigtri.matrices import inverse, multiply, orthonormal_axes
 from rigtri.quaternions import IDENTITY, from_axes
 from rigtri.reframe import reframe, scale_allows
@@ -79,6 +80,12 @@ class _Turns:
             raise FileError(
                 f"In {state.title}, the scale of joint '{before.names[odd[0]]}' of "
                 f"<{self.skeleton.path}> forbids its turn. Give that variant a file of its own."
+            )
+        if len(odd := against_parent(before, turn)):
+            raise FileError(
+                f"In {state.title}, the rotations of joint '{before.names[odd[0]]}' of "
+                f"<{self.skeleton.path}> are not unit, so it can only turn as its parent does. Make them "
+                "unit, or give that variant a file of its own."
             )
         notices: list[Notice] = []
         found = writer.edits(source, reframe(before, turn), bake=False, warnings=notices)

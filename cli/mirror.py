@@ -1,0 +1,172 @@
+"""rigtri mirror"""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import (
+    edit_options,
+    given_options,
+    output_options,
+    read_options,
+    reading_options,
+    run_edit,
+    source_argument,
+)
+from .words import plain
+
+if TYPE_CHECKING:
+    from rigtri.ops.mirror import Options
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+MOST = 20
+
+
+@click.command("mirror")
+@source_argument
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="The file to write, in the format of IN; - for standard output.",
+)
+@click.option(
+    "--check",
+    is_flag=True,
+    help="Write nothing: report what is not symmetric (exit code 1 where there is any).",
+)
+@click.option(
+    "--mode",
+    type=click.Choice(["behavior", "orientation", "blender"]),
+    default="behavior",
+    show_default=True,
+    help="What mirrored axes are: equal rotations mirror the motion, equal axes, or Blender's X mirror.",
+)
+@click.option(
+    "--from-side",
+    type=click.Choice(["left", "right"]),
+    default="left",
+    show_default=True,
+    help="The side that is copied onto the other.",
+)
+@click.option(
+    "--plane",
+    type=click.Choice(["yz", "xz", "xy"]),
+    default="yz",
+    show_default=True,
+    help="The plane through the origin between the sides.",
+)
+@click.option(
+    "--what",
+    type=click.Choice(["joints", "controls", "polevectors"]),
+    multiple=True,
+    help="Mirror only these; repeatable. [all]",
+)
+@click.option("--joints", multiple=True, metavar="GLOB", help="Only these joints and their twins.")
+@click.option("--below", multiple=True, metavar="NAME", help="Only this joint, all below, and their twins.")
+@click.option("--exclude", multiple=True, metavar="GLOB", help="Not these joints.")
+@click.option("--pose", metavar="POSE", help="The pose that tells axes: bind, nodes or CLIP@TIME.  [bind]")
+@click.option(
+    "--tolerance-distance",
+    type=click.FloatRange(min=0),
+    default=1e-4,
+    show_default=True,
+    help="With --check: places this far off, as a share of the size, pass.",
+)
+@click.option(
+    "--tolerance-degrees",
+    type=click.FloatRange(min=0),
+    default=0.1,
+    show_default=True,
+    help="With --check: axes this far off pass.",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Give one side of a character what the other has: joint axes, controls, pole vectors.
+
+    Joints stay in place and all that can be seen stays as it is; axes turn as with
+    orient-joints. What rigtri has built on one side is built, or brought up to date, on the
+    other, with what an animator has set.
+
+    \b
+    Examples:
+        rigtri mirror hero.glb -o out.glb
+        rigtri mirror hero.usdz -o out.usdz --from-side right --mode orientation
+        rigtri mirror hero.glb --check
+    """
+    from rigtri.ops.mirror import WHAT, Options, mirror
+    from rigtri.ops.select import Selection
+
+    options = Options(
+        mode=values["mode"],
+        from_side=values["from_side"],
+        plane=values["plane"],
+        what=values["what"] or WHAT,
+        selection=Selection(joints=values["joints"], below=values["below"], exclude=values["exclude"]),
+        pose=values["pose"],
+        root=values["root"],
+    )
+    if values["check"]:
+        _check(values, options)
+        return
+    if values["target"] is None:
+        raise UsageError("give the file to write with -o OUT, or --check to write none")
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return mirror(rig, options=options, report=report)
+
+    run_edit("mirror", values, step, given_options(ctx), _summary)
+
+
+def _check(values: dict[str, Any], options: Options) -> None:
+    from rigtri.formats import read
+    from rigtri.inputs import opened
+    from rigtri.ops.asymmetry import asymmetry
+
+    if values["target"] is not None:
+        raise UsageError("--check writes nothing; leave -o out")
+    with opened(values["source"]) as path:
+        found = asymmetry(read(path, read_options(values)).rig, options=options)
+    worse = found.worse(values["tolerance_distance"], values["tolerance_degrees"])
+    if values["as_json"]:
+        document = {
+            "source": str(values["source"]),
+            "symmetric": not worse and not found.alone,
+            "mode": options.mode,
+            "plane": options.plane,
+            "asymmetric": [pair.as_json() for pair in worse],
+            "without_twin": list(found.alone),
+            "pairs": len(found.pairs),
+        }
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    elif not values["quiet"]:
+        shown = worse if values["verbose"] else worse[:MOST]
+        for pair in shown:
+            text = f"{pair.node} and {pair.twin}: {pair.distance:.2g} of the size, {pair.degrees:.3g}°"
+            click.echo(plain(text, one_line=True))
+        if len(shown) < len(worse):
+            click.echo(f"{len(worse) - len(shown)} more; -v shows all")
+        for name in found.alone:
+            click.echo(plain(f"without twin: {name}", one_line=True))
+        total = f"{len(found.pairs)} pairs, {len(worse)} not symmetric, {len(found.alone)} nodes without twin"
+        click.echo(total, err=True)
+    if worse or found.alone:
+        sys.exit(1)
+
+
+def _summary(report: Report) -> str:
+    turned = sum(entry["status"] == "turned" for entry in report.joints)
+    new = sum(entry["new"] for entry in report.added)
+    return f"{turned} joints turned; {len(report.added)} controls and locators, {new} of them new"

@@ -1,0 +1,73 @@
+"""Pairs of nodes on the two sides of a character, and how one is the reflection of the other.
+
+Rows of R are a frame's axes, M is the reflection. ``behavior``: −R·M, equal rotations of a joint
+and its twin mirror the motion (Maya, Unreal, mGear). ``orientation``: R, equal rotations turn both
+alike. ``blender``: diag(−1, 1, 1)·R·M, as its X-mirror editing and flipped poses expect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal
+
+import numpy as np
+
+from rigtri.naming import Side, side, twin
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+Mirror = Literal["behavior", "orientation", "blender"]
+Plane = Literal["yz", "xz", "xy"]
+_BONE = {"left": "right", "right": "left"}
+
+
+def reflection(plane: Plane) -> Floats:
+    """The signs, (3,), that a plane through the origin gives the coordinates of what is reflected in it."""
+    return np.where(np.arange(3) == {"yz": 0, "xz": 1, "xy": 2}[plane], -1.0, 1.0)
+
+
+def mirrored_axes(axes: Floats, mirror: Mirror, reflect: Floats) -> Floats:
+    """The axes (rows, (…, 3, 3)) of the twin of a frame with these axes."""
+    if mirror == "behavior":
+        return np.asarray(-axes * reflect)
+    if mirror == "blender":
+        return np.asarray(np.array([[-1.0], [1.0], [1.0]]) * axes * reflect)
+    return axes
+
+
+def side_of(rig: Rig, node: int) -> Side:
+    """The side of a node by its VRM bone or its name, "" where they say none."""
+    return side(_bone(rig, node)) or side(rig.names[node])
+
+
+def twin_of(rig: Rig, node: int) -> int | None:
+    """The node of the other side: of the mirrored VRM bone, else of the one mirrored name."""
+    bone = _bone(rig, node)
+    for one, other in _BONE.items():
+        if bone.startswith(one):
+            return rig.humanoid.get(other + bone.removeprefix(one))
+    name = rig.names[node]
+    other_name = twin(name)
+    if other_name == name or not rig.has(other_name):
+        return None
+    alike = [k for k, known in enumerate(rig.names) if known == other_name]
+    same_kind = [k for k in alike if rig.is_joint[k] == rig.is_joint[node]]
+    return same_kind[0] if len(same_kind) == 1 else None
+
+
+def pairs(rig: Rig, nodes: Iterable[int], from_side: Side) -> tuple[dict[int, int], list[int]]:
+    """Those of ``nodes`` on a side with their twins, and those that have none."""
+    found: dict[int, int] = {}
+    alone = []
+    for node in nodes:
+        if side_of(rig, node) == from_side:
+            other = twin_of(rig, node)
+            if other is None:
+                alone.append(node)
+            else:
+                found[node] = other
+    return found, alone
+
+
+def _bone(rig: Rig, node: int) -> str:
+    return next((bone for bone, known in rig.humanoid.items() if known == node), "")

@@ -1,0 +1,109 @@
+"""How far what hangs at a node reaches: what a small fault of the node can move, and how far.
+
+Bounds for decisions, not values of files: a fault of e (a share) at a node moves nothing by
+more than e times its reach, in any pose that bends joints and does not stretch them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.matrices import multiply, transform_directions, transform_points
+from rigtri.pose import deformed, morph_weights, rest, worlds
+from rigtri.records import Integers, Mesh
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+# Relative to the size of what is seen. Random axes on every joint of real files, stored as
+# float32, move points by less than 8.7e-6; a visible fault by far more.
+TOLERANCE = 1e-5
+
+
+def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
+    """The diagonal of the box of all points at rest, in file units; without points, of joints' origins."""
+    world = worlds(rig, rest(rig))[np.newaxis]
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for mesh in meshes:
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            points = deformed(mesh, rig, world, morph_weights(mesh, None, np.zeros(1)))[0]
+        points = points[np.isfinite(points).all(axis=1)]
+        low, high = (
+            np.minimum(low, points.min(axis=0, initial=np.inf)),
+            np.maximum(high, points.max(axis=0, initial=-np.inf)),
+        )
+    if not (low <= high).all():
+        origins = world[0, rig.is_joint, 3, :3] if rig.is_joint.any() else world[0, :, 3, :3]
+        origins = origins[np.isfinite(origins).all(axis=1)]
+        if not len(origins):
+            return 1.0
+        low, high = origins.min(axis=0), origins.max(axis=0)
+    return float(length(high - low)) or 1.0
+
+
+def fits(mesh: Mesh, rig: Rig) -> bool:
+    """Whether all joints that a mesh names are joints of its skin."""
+    if mesh.skin is None:
+        return True
+    used = mesh.joints[mesh.weights != 0]
+    return not len(used) or 0 <= int(used.min()) <= int(used.max()) < len(rig.skins[mesh.skin].joints)
+
+
+def reaches(rig: Rig) -> Floats:
+    """How far from each node the farthest point or joint that hangs at it can get, (n,).
+
+    As a share of the size of what is seen; bones below it as if they were all in one line.
+    Meshes that cannot be read count for nothing.
+    """
+    try:
+        meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
+    except FileError:
+        meshes = []
+    reach, world = np.zeros(len(rig)), worlds(rig, rest(rig))
+    for mesh in meshes:
+        _own(rig, world, mesh, reach)
+    for level in reversed(rig.levels[1:]):
+        parents = rig.parents[level]
+        bones = length(world[level, 3, :3] - world[parents, 3, :3])
+        np.maximum.at(reach, parents, np.where(np.isfinite(bones), bones, 0.0) + reach[level])
+    return reach / size_of(rig, meshes)
+
+
+def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
+    """Raise ``reach``, (n,), in file units, to what the points of a mesh ask of the nodes that move them."""
+    if mesh.skin is None or not mesh.joints.shape[1]:
+        _raise(reach, np.full(len(mesh.points), mesh.node), mesh.points, world)
+        return
+    skin = rig.skins[mesh.skin]
+    into = multiply(mesh.bind, skin.inverse_bind)
+    for column in range(mesh.joints.shape[1]):
+        live = np.flatnonzero(mesh.weights[:, column])
+        joint = mesh.joints[live, column]
+        _raise(reach, skin.joints[joint], transform_points(mesh.points[live], into[joint]), world)
+    if mesh.box is not None:
+        corners = np.broadcast_to(mesh.box.reshape(2, -1, 3), (2, len(skin.joints), 3))
+        for picked in np.ndindex(2, 2, 2):
+            corner = np.stack([corners[low, :, axis] for axis, low in enumerate(picked)], axis=1)
+            _raise(reach, skin.joints, transform_points(corner, into), world)
+
+
+def _raise(reach: Floats, node: Integers, points: Floats, world: Floats) -> None:
+    """points: (k, 3), each in the space of its ``node``, (k,)."""
+    if len(points):
+        with np.errstate(invalid="ignore", over="ignore"):
+            far = length(transform_directions(points, world[node]))
+        np.maximum.at(reach, node, np.where(np.isfinite(far), far, 0.0))
+
+
+def bearable(rig: Rig, effect: Floats, most: float) -> float:
+    """How much of an effect, (n,) a share of the size, one node may have, so that no line of nodes
+    from a root down has more than ``most`` of it; infinite where none has.
+    """
+    total, many = effect.copy(), (effect > 1e-3 * most).astype(float)
+    for level in rig.levels[1:]:
+        total[level] += total[rig.parents[level]]
+        many[level] += many[rig.parents[level]]
+    return np.inf if total.max(initial=0.0) <= most else most / float(many.max())

@@ -1,0 +1,246 @@
+"""Rotations that are not unit, scales that are nearly uniform: what a turn of their joint would show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from places import NO_ASSETS, asset_files
+from rigs import chain
+from scaled_limbs import NAMES, Limb, gltf, usd
+from test_reframe import poses
+from usd_files import deviation
+
+from rigtri.compare import TOLERANCE, verify
+from rigtri.errors import DeviationError, FileError
+from rigtri.formats import Options, read
+from rigtri.ops.orient import Options as Orient
+from rigtri.ops.orient import orient_joints
+from rigtri.ops.presets import Style
+from rigtri.ops.select import Selection
+from rigtri.pipeline import Outcome, edit
+from rigtri.quaternions import IDENTITY, from_axis_angle
+from rigtri.reach import bearable, reaches
+from rigtri.records import Clip, Track
+from rigtri.reframe import reframe, split
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+SUFFIXES = (".glb", ".usda")
+# What float32 leaves where a mesh is a twentieth of the skeleton; elsewhere less.
+FLOOR = 2e-6
+
+
+def made(folder: Path, limb: Limb, suffix: str) -> Path:
+    path = folder / f"in{suffix}"
+    return gltf(path, limb) if suffix == ".glb" else usd(path, limb)
+
+
+def oriented(source: Path, target: Path, policy: Any = "snap", **options: Any) -> Outcome:
+    def step(rig: Rig, report: Report) -> Rig:
+        own = Orient(on_nonuniform_scale=policy, **options)
+        return orient_joints(rig, options=own, report=report)
+
+    return edit(source, target, step, options=Options(allow_rename=True), overwrite=True)
+
+
+def entries(outcome: Outcome) -> dict[str, dict[str, Any]]:
+    return {entry["joint"]: entry for entry in outcome.report.joints}
+
+
+def stretched(size: float, *joints: str) -> Limb:
+    """The limb with key rotations of some joints of another length than 1."""
+    limb = Limb()
+    limb.turns[:, [NAMES.index(name) for name in joints]] *= size
+    return limb
+
+
+# Rotations.
+
+
+@pytest.mark.parametrize("size", [3.0, 0.7071, 1.001])
+@pytest.mark.parametrize("joints", [("elbow",), ("wrist",), ("elbow", "wrist"), ("root",)])
+@pytest.mark.parametrize("policy", ["snap", "split"])
+def test_in_usd_a_joint_of_such_rotations_turns_as_its_parent_and_nothing_moves(
+    joints: tuple[str, ...], size: float, policy: str, tmp_path: Path
+) -> None:
+    source, out = made(tmp_path, stretched(size, *joints), ".usda"), tmp_path / "out.usda"
+    outcome = oriented(source, out, policy)
+    assert deviation(source, out) < FLOOR  # UsdSkel, which makes no rotation unit
+    found = verify(read(source), read(out))
+    assert max(found.deviation, found.raw_deviation) < FLOOR
+    said = entries(outcome)
+    leads = {name: said[name].get("follows") for name in NAMES}
+    first = NAMES[NAMES.index(joints[0]) - 1]
+    assert leads == {n: first if n in joints and n != "root" else None for n in NAMES}
+    assert said["finger"]["status"] == "turned"
+    told = [n.text for n in outcome.report.warnings if n.code == "rotation-not-unit"]
+    assert ("can only turn as" in " ".join(told)) == (joints != ("root",))
+    again = tmp_path / "again.usda"
+    oriented(out, again, policy)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_a_turn_against_the_parent_would_be_seen_and_is_not_let_through(tmp_path: Path) -> None:
+    source = made(tmp_path, stretched(0.7071, "elbow"), ".usda")
+    turn = np.tile(IDENTITY, (len(read(source).rig), 1))
+    turn[read(source).rig.find("elbow")] = from_axis_angle([1, 2, 3], 1.0)
+    with pytest.raises(DeviationError, match=r"rotations as stored: 0\.\d"):
+        edit(source, tmp_path / "out.usda", lambda rig, report: reframe(rig, turn))
+    assert not (tmp_path / "out.usda").exists()
+    turn[read(source).rig.find("shoulder")] = turn[read(source).rig.find("elbow")]
+    edit(source, tmp_path / "out.usda", lambda rig, report: reframe(rig, turn))
+    assert deviation(source, tmp_path / "out.usda") < FLOOR
+
+
+def test_who_allows_more_may_turn_what_moves_no_more_than_that(tmp_path: Path, app: Any) -> None:
+    source, out = made(tmp_path, stretched(1.0001, "elbow"), ".usda"), tmp_path / "out.usda"
+    assert "follows" in entries(oriented(source, out))["elbow"]
+    arguments = ["orient-joints", str(source), "-o", str(out), "--overwrite", "--tolerance", "2e-3"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    assert TOLERANCE < deviation(source, out) < 2e-3
+
+
+def test_a_parent_that_stays_holds_a_child_of_such_rotations(tmp_path: Path) -> None:
+    source, out = made(tmp_path, stretched(3.0, "shoulder"), ".usda"), tmp_path / "out.usda"
+    said = entries(oriented(source, out))
+    assert said["shoulder"]["status"] == "kept"
+    assert "rotations of 'shoulder' are not unit" in said["shoulder"]["reason"]
+    assert said["elbow"]["status"] == "turned"
+    assert deviation(source, out) < FLOOR
+    named = entries(oriented(source, out, selection=Selection(joints=("root", "shoulder"))))
+    assert named["shoulder"].get("follows") == "root"
+    assert deviation(source, out) < FLOOR
+
+
+def test_a_mirrored_joint_of_such_rotations_holds_its_parent(tmp_path: Path) -> None:
+    limb = Limb(rest={"elbow": (-1, 1, 1)}, keys={"elbow": [(-1, 1, 1)] * 5})
+    limb.turns[:, NAMES.index("elbow")] *= 3
+    source, out = made(tmp_path, limb, ".usda"), tmp_path / "out.usda"
+    said = entries(oriented(source, out))
+    assert "the scale of 'elbow' mirrors it" in said["elbow"]["reason"]
+    assert said["wrist"]["status"] == "turned"
+    assert deviation(source, out) < FLOOR
+
+
+@pytest.mark.parametrize("size", [3.0, 0.7071])
+def test_gltf_means_unit_rotations_whatever_their_length_and_says_what_else_is_shown(
+    size: float, tmp_path: Path
+) -> None:
+    source, out = made(tmp_path, stretched(size, "elbow"), ".glb"), tmp_path / "out.glb"
+    outcome = oriented(source, out)
+    assert "follows" not in entries(outcome)["elbow"]
+    result = outcome.verification
+    assert result is not None
+    assert result.deviation < FLOOR
+    assert result.raw_deviation > 1e-2
+    assert f"off unit length by {abs(size - 1):.2g}" in result.summary()
+    assert any(notice.code == "rotation-not-unit" for notice in outcome.report.warnings)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_rotation_of_no_length_is_refused_by_name(suffix: str, tmp_path: Path) -> None:
+    source = made(tmp_path, stretched(0.0, "elbow"), suffix)
+    with pytest.raises(FileError, match="0 0 0 0, which is no rotation"):
+        oriented(source, tmp_path / f"out{suffix}")
+
+
+ARM = [path for path in asset_files(".usda") if path.name == "pixar_skinnedArm.usda"]
+
+
+@pytest.mark.parametrize("path", ARM or [None], ids=lambda path: path.name if path else "none")
+def test_a_rotation_of_four_digits_is_shown_as_before(path: Path | None, tmp_path: Path) -> None:
+    if path is None:
+        pytest.skip(NO_ASSETS)
+    out = tmp_path / path.name
+    assert entries(oriented(path, out))["Elbow"]["status"] == "kept"
+    assert deviation(path, out) < FLOOR
+
+
+# Scales.
+
+NOISE = 1.9e-5
+
+
+def lever(far: float) -> Limb:
+    """The limb with noise in the elbow's scale and a small mesh, moved by the finger, far from it."""
+    limb = Limb(rest={"elbow": (1, 1 + NOISE, 1 - NOISE / 3)})
+    around = np.random.default_rng(3).normal(size=(60, 3))
+    limb.points = limb.world[4, 3, :3] + np.array([far, 0, 0]) + 0.12 * around
+    limb.joints, limb.weights = np.tile([4, 4], (60, 1)), np.tile([1.0, 0.0], (60, 1))
+    return limb
+
+
+@pytest.mark.parametrize("policy", ["snap", "split"])
+@pytest.mark.parametrize("far", [0.0, 3.0, 10.0])
+def test_noise_of_a_scale_counts_where_a_long_lever_would_show_it(
+    far: float, policy: str, tmp_path: Path
+) -> None:
+    source, out, again = made(tmp_path, lever(far), ".glb"), tmp_path / "out.glb", tmp_path / "again.glb"
+    outcome = oriented(source, out, policy)
+    assert verify(read(source), read(out)).deviation < FLOOR
+    assert entries(outcome)["elbow"]["scale"]["policy"] == policy
+    if policy == "snap":
+        (told,) = (n.text for n in outcome.report.warnings if n.code == "nonuniform-scale")
+        assert "reaches so far that it would be seen" in told
+    oriented(out, again, policy)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_the_same_noise_where_it_moves_little_is_uniform(tmp_path: Path) -> None:
+    limb = Limb(rest={"finger": (1, 1 + NOISE, 1 - NOISE / 3)})
+    source, out = made(tmp_path, limb, ".glb"), tmp_path / "out.glb"
+    outcome = oriented(source, out)
+    assert "scale" not in entries(outcome)["finger"]
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < TOLERANCE
+
+
+def test_noise_adds_up_along_a_chain(tmp_path: Path) -> None:
+    limb = Limb(rest=dict.fromkeys(NAMES[1:], (1, 1 + NOISE, 1 - NOISE / 3)))
+    source, out = made(tmp_path, limb, ".glb"), tmp_path / "out.glb"
+    outcome = oriented(source, out, style=Style("y", "x"))
+    assert verify(read(source), read(out)).deviation < TOLERANCE
+    assert entries(outcome)["shoulder"]["scale"]["policy"] == "snap"
+
+
+def test_in_usd_noise_of_a_matrix_at_rest_counts_as_in_gltf(tmp_path: Path) -> None:
+    source, out = made(tmp_path, lever(10.0), ".usda"), tmp_path / "out.usda"
+    source.write_text(source.read_text().replace("rel skel:animationSource = </Root/Bend>", ""))
+    assert entries(oriented(source, out))["elbow"]["scale"]["policy"] == "snap"
+    assert deviation(source, out) < FLOOR
+
+
+def test_a_reach_is_the_longest_way_along_bones_and_out_to_the_points() -> None:
+    """Bones of 3 and 5 in a box of 3 by 4."""
+    rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
+    assert np.allclose(reaches(rig), [8 / 5, 5 / 5, 0])
+
+
+def test_an_effect_may_be_no_more_than_its_share_of_a_line() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+    assert bearable(rig, np.array([1.0, 2.0, 3.0]), 6.0) == np.inf
+    assert bearable(rig, np.array([1.0, 2.0, 4.0]), 6.0) == 2.0
+    assert bearable(rig, np.array([0.0, 3.0, 4.0]), 6.0) == 3.0
+
+
+# Signs.
+
+
+def test_clips_may_mirror_a_joint_each_about_another_axis() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (1, 1, 0))
+    rows: list[Floats] = [np.array(s, dtype=float) for s in ([-1, 1, 1], [1, -1, 1], [1, 1, 1])]
+    clips = tuple(
+        Clip(f"{k}", (Track(1, "scale", "LINEAR", np.array([0.0, 1.0]), np.stack([row, -row])),))
+        for k, row in enumerate(rows)
+    )
+    rig = replace(rig, clips=clips)
+    after = split(rig, 1, from_axis_angle([1, 2, 3], 1.0))
+    before, now = poses(rig), poses(after)
+    assert np.allclose(now[:, [after.find(name) for name in rig.names]][:, 2], before[:, 2], atol=1e-12)
