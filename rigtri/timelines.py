@@ -40,14 +40,14 @@ class Timeline:
 
 
 def timelines(rig: Rig) -> list[Timeline]:
-    """All that can be played, in the file's order; clips without tracks are left out."""
+    """All that can be played, in the file's order; clips without tracks, and what is idle, are left out."""
     alone = [k for k, clip in enumerate(rig.clips) if not isinstance(clip.key, tuple)]
     together = [k for k, clip in enumerate(rig.clips) if isinstance(clip.key, tuple)]
-    found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].tracks]
-    if together:
+    found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].played.tracks]
+    if any(rig.clips[k].played.tracks for k in together):
         # Defaults are seen only where no samples are, so they come first and samples go over them.
         order = sorted(together, key=lambda k: not _is_default(rig.clips[k]))
-        tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].tracks}
+        tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].played.tracks}
         first = min(together, key=lambda k: _is_default(rig.clips[k]))
         members = (first, *(k for k in together if k != first))
         found.append(Timeline(Clip(rig.clips[first].name, tuple(tracks.values())), members))
