@@ -45,9 +45,15 @@ class UsdDocument:
 
     def __init__(self, source: Source, options: Options, layer: Any) -> None:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
-        rig = replace(source.rig, drawn=self.outlines, read_meshes=self.meshes)
+        self._notices = notices = list(source.warnings)
+        bare = source
+
+        def drawn() -> Sequence[Mesh]:
+            # It holds the stage, not the document: in a circle layers would outlive their readers.
+            return _meshes(bare, notices)
+
+        rig = replace(source.rig, drawn=drawn, read_meshes=drawn)
         self._source, self._options, self._layer = replace(source, rig=rig), options, layer
-        self._notices = list(source.warnings)
 
     @classmethod
     def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
@@ -67,24 +73,7 @@ class UsdDocument:
 
     def meshes(self) -> Sequence[Mesh]:
         """Skinned and rigid points, blend shapes as morphs without inbetweens."""
-        rig, source = self.rig, self._source
-        nodes = {label: node for node, label in enumerate(rig.labels) if kind(rig.keys[node]) == "prim"}
-        skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
-        tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
-        with quiet(f"{source.path}: USD cannot read its meshes"):
-            found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
-            playing = {
-                path: source.stage.GetPrimAtPath(skeleton.animation)
-                for path, skeleton in source.skeletons.items()
-                if skeleton.animation
-            }
-            found = meshes.resting_weights(found, source.bindings.every, playing)
-        for mesh in found:
-            if mesh.skin is not None and not np.isfinite(mesh.weights).all():
-                text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
-                if (notice := Notice("mesh-unread", text)) not in self._notices:
-                    self._notices.append(notice)
-        return found
+        return _meshes(self._source, self._notices)
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same: USD keeps what is drawn in memory anyway."""
@@ -245,6 +234,28 @@ class UsdDocument:
         fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
         if wanted != own and wanted not in fits:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
+
+
+def _meshes(source: Source, notices: list[Notice]) -> Sequence[Mesh]:
+    """What a stage draws; what cannot be measured is noticed."""
+    rig = source.rig
+    nodes = {label: node for node, label in enumerate(rig.labels) if kind(rig.keys[node]) == "prim"}
+    skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
+    tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
+    with quiet(f"{source.path}: USD cannot read its meshes"):
+        found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+        playing = {
+            path: source.stage.GetPrimAtPath(skeleton.animation)
+            for path, skeleton in source.skeletons.items()
+            if skeleton.animation
+        }
+        found = meshes.resting_weights(found, source.bindings.every, playing)
+    for mesh in found:
+        if mesh.skin is not None and not np.isfinite(mesh.weights).all():
+            text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
+            if (notice := Notice("mesh-unread", text)) not in notices:
+                notices.append(notice)
+    return found
 
 
 def opened(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]:

@@ -43,9 +43,7 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
     if before.keys != rig.keys[: len(before)]:
         raise ValueError("nodes of a file keep their order, and new ones come last")
     rig = united(before, rig, source.skeletons)
-    clips, keyed, weights = new_keys.divided(
-        before, rig, lambda node: node >= len(before) or locators.is_ours(before, node)
-    )
+    clips, keyed, weights = new_keys.divided(before, rig, lambda node: _keys_are_ours(before, node))
     plain = replace(rig, clips=clips)
     moved = np.zeros(len(before), dtype=bool)
     moved |= (before.local != rig.local[: len(before)]).any(axis=(1, 2))
@@ -57,6 +55,13 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
         *locators.edits(source, rig, keyed),
         *_joint_notes(source, rig),
     ]
+
+
+def _keys_are_ours(before: Rig, node: int) -> bool:
+    """Whether a node is a prim of ours, new or known; a joint with a note is none."""
+    if node >= len(before):
+        return True
+    return kind(before.keys[node]) == "prim" and locators.is_ours(before, node)
 
 
 def _prim_edits(
