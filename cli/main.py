@@ -24,6 +24,8 @@ COMMANDS = {
     "make-limb": "Make an oriented chain of joints and its pole vector from three points.",
     "add-twist": "Put twist joints along bones, so that skin does not wring.",
     "constrain": "Let a node follow others: parent, point, orient, scale, aim, pole vector.",
+    "add-posereader": "Let morph targets or values follow a joint's pose.",
+    "add-rivet": "Tie locators to the surface of a mesh, through skinning and morphs.",
     "mirror": "Give one side of a character the axes, controls and pole vectors of the other.",
     "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",

@@ -18,6 +18,8 @@ _WHERE = {
     "add_polevector": "rigtri.ops.polevector",
     "make_limb": "rigtri.ops.limb",
     "add_twist": "rigtri.ops.twist",
+    "add_posereader": "rigtri.ops.posereader",
+    "add_rivet": "rigtri.ops.rivet",
     "add_controls": "rigtri.ops.controls",
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
@@ -37,6 +39,8 @@ __all__ = [
     "RigtriError",
     "add_controls",
     "add_polevector",
+    "add_posereader",
+    "add_rivet",
     "add_twist",
     "check",
     "constrain",
@@ -64,6 +68,8 @@ if TYPE_CHECKING:
     from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
+    from rigtri.ops.posereader import add_posereader
+    from rigtri.ops.rivet import add_rivet
     from rigtri.ops.strip import strip
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit

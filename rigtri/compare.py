@@ -19,6 +19,7 @@ import numpy as np
 
 from rigtri import pose
 from rigtri.attached import compare_attached
+from rigtri.driven import Driven, moved, set_aside
 from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
@@ -93,7 +94,9 @@ class Comparison:
     the bit. lost, added, changed: `rigtri.matching.Matching`. different: what looks
     different whatever the pose (`rigtri.scenery`). boxed: meshes of which only some points
     were looked at, and the box that the file states for all. moved: where an edit changes poses on
-    purpose, how far, relative to ``diagonal``; None where none was meant to.
+    purpose, how far, relative to ``diagonal``; None where none was meant to. driven: how far morph
+    weights that the edit drives on purpose move points of each mesh, of the diagonal; the rest is
+    without them.
     """
 
     deviation: float
@@ -112,6 +115,7 @@ class Comparison:
     boxed: tuple[str, ...] = ()
     moved: float | None = None
     raw_counts: bool = False
+    driven: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def shown(self) -> float:
@@ -142,6 +146,11 @@ class Comparison:
             "poses": self.poses,
             "boxed": list(self.boxed),
             **({} if self.moved is None else {"moved": _finite(self.moved)}),
+            **(
+                {"driven": {name: _finite(value) for name, value in self.driven.items()}}
+                if self.driven
+                else {}
+            ),
         }
 
     def summary(self) -> str:
@@ -158,6 +167,9 @@ class Comparison:
             line += f"; {len(self.boxed)} large meshes by their boxes"
         if self.moved is not None:
             line += f" while no twist joint turns; as they turn, points move by up to {self.moved:.2g}"
+        if self.driven:
+            name, most = max(self.driven.items(), key=lambda item: item[1])
+            line += f"; without driven morphs, which move up to {most:.2g} of the size ({name})"
         for word, found in (("lost", self.lost), ("different", self.different)):
             if found:
                 line += f"; {word}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
@@ -187,16 +199,23 @@ class Comparison:
         return f"in {self.poses} poses" if self.poses else "for nothing can have moved"
 
 
-def self_check(before: Source, after: Source, *, closely: bool = False) -> Comparison:
+def self_check(
+    before: Source, after: Source, *, closely: bool = False, driven: Driven | None = None
+) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
     An upper bound: skin matrices move the corners of the box of the points that
     each joint moves. Nodes whose rest, tracks, ancestors and inverse binds are
     the same to the bit are not evaluated. Meshes that cannot be read are bounded
     by the box of their skin's joints. closely: look at every point also of very large
-    meshes, where else the box that the file states for all stands for what any joint moves.
+    meshes, where else the box that the file states for all stands for what any joint moves. driven:
+    morph weights that are meant to be other ones: they are set aside in both and told apart.
     """
-    mine, theirs = played_together(before.rig, after.rig, by_key=True)
+    rigs = before.rig, after.rig
+    if driven:
+        resting = {mesh.node: mesh.morph_weights for mesh in before.outlines(closely=closely)}
+        rigs = set_aside(*rigs, driven, resting)
+    mine, theirs = played_together(*rigs, by_key=True)
     matching = match(mine, theirs, by_key=True)
     added = theirs.holders.difference(matching.node.tolist())
     if any(added.intersection(skin.joints.tolist()) for skin in theirs.skins):
@@ -217,7 +236,9 @@ def self_check(before: Source, after: Source, *, closely: bool = False) -> Compa
     seen = side_by_side(mine, theirs, matching)
     compared = _compare(*seen, matching, kept, diagonal, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
-    return replace(compared, boxed=() if closely else boxed)
+    far = moved((before.rig, after.rig), (before.meshes(), after.meshes()), driven) if driven else {}
+    shares = {name: value / diagonal for name, value in far.items()}
+    return replace(compared, boxed=() if closely else boxed, driven=shares)
 
 
 def verify(before: Source, after: Source) -> Comparison:

@@ -25,6 +25,7 @@ from rigtri.delivery import (
     same_file,
     sync,
 )
+from rigtri.driven import Driven
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
@@ -103,7 +104,7 @@ def edit(
             place = folder / final.name
             written = Written(place, overwrite, needed, ahead)
             try:
-                result = _deliver(document, path, rig, written, verify, tolerance, clock)
+                result = _deliver(document, path, rig, written, verify, tolerance, clock, report.driven)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring
                 if to_stdout and not dry_run:
                     _to_stdout(written)
@@ -148,6 +149,7 @@ def _deliver(
     verify: bool,
     tolerance: float,
     clock: _Clock,
+    driven: Driven,
 ) -> Comparison | None:
     """Write the part, re-open it, compare it with the source."""
     names = {str(written.part): str(written.final), written.part.name: written.final.name}
@@ -158,7 +160,7 @@ def _deliver(
     if not verify:
         return None
     with _reaching_the_disk(written.part):
-        result = _checked(document, path, rig, written, names, tolerance)
+        result = _checked(document, path, rig, written, names, tolerance, driven)
     clock.lap("verify")
     if not result.passes(tolerance):
         raise DeviationError(
@@ -197,7 +199,13 @@ def _rounded_up(value: float) -> float:
 
 
 def _checked(
-    document: Document, path: Path, rig: Rig, written: Written, names: dict[str, str], tolerance: float
+    document: Document,
+    path: Path,
+    rig: Rig,
+    written: Written,
+    names: dict[str, str],
+    tolerance: float,
+    driven: Driven,
 ) -> Comparison:
     """Compare the part with the source."""
     small = written.part.stat().st_size < _LARGE
@@ -209,9 +217,9 @@ def _checked(
             return check_split(document, after)
         if rig.removed:
             return _without(after, document, rig)
-        result = self_check(document, after)
+        result = self_check(document, after, driven=driven)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
-            return self_check(document, after, closely=True)
+            return self_check(document, after, closely=True, driven=driven)
         return result
 
 

@@ -154,7 +154,8 @@ class Mesh:
     points: (v, 3). joints, weights: (v, k), indices into the skin's joints; empty
     (v, 0) for a rigid mesh, whose points are in the space of ``node``. bind: the
     matrix that takes points into the space of the skin's bind pose. morphs:
-    (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``.
+    (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``;
+    morph_names: what they are called, empty where nothing says it.
     ``surface`` reads faces and normals, None where they cannot be read; asked only when needed.
     box: where ``points`` are only some of many, the lows and highs of all of them wherever
     morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
@@ -170,6 +171,7 @@ class Mesh:
     bind: Floats = field(default_factory=lambda: np.eye(4))
     morphs: Floats = field(default_factory=lambda: np.zeros((0, 0, 3)))
     morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
+    morph_names: tuple[str, ...] = ()
     dual_quaternion: bool = False
     surface: Callable[[], Surface | None] | None = None
     box: Floats | None = None

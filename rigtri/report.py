@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,13 +23,18 @@ class Notice:
 
 @dataclass
 class Report:
-    """Records of an edit, in the order they were made."""
+    """Records of an edit, in the order they were made.
+
+    driven: morph targets whose weights are other ones on purpose, by the key of the node
+    that shows them; the self-check compares all but these.
+    """
 
     joints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[dict[str, Any]] = field(default_factory=list)
     added: list[dict[str, Any]] = field(default_factory=list)
     removed: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
+    driven: dict[Hashable, set[int]] = field(default_factory=dict)
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:

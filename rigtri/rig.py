@@ -25,7 +25,18 @@ from rigtri.trigonometry import Floats
 # would need n² characters.
 DEEPEST_PATH = 256
 # Notes on nodes that are there only because rigtri has added them.
-ADDED = ("constraint", "control", "group", "limb", "offset", "poleVector", "twist")
+ADDED = (
+    "constraint",
+    "control",
+    "group",
+    "limb",
+    "offset",
+    "poleVector",
+    "poseReader",
+    "poseWeight",
+    "rivet",
+    "twist",
+)
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
 
@@ -51,7 +62,9 @@ class Rig:
     removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
     raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
-    drawn: reads what is drawn, to measure; asked only when needed.
+    drawn: reads what is drawn, to measure; asked only when needed. read_meshes: the same with all
+    points, as `meshes`. shelf: the node that a new group of ours goes under, −1 where it is a root.
+    per_second: units of clips' time in a second.
     """
 
     names: tuple[str, ...]
@@ -82,9 +95,17 @@ class Rig:
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     raw: bool = False
     drawn: Callable[[], Sequence[Mesh]] = tuple
+    read_meshes: Callable[[], Sequence[Mesh]] = tuple
+    shelf: int = -1
+    per_second: float = 1.0
 
     def __len__(self) -> int:
         return len(self.names)
+
+    @cached_property
+    def meshes(self) -> Sequence[Mesh]:
+        """All that is drawn and can be read; none for a rig that no file was read for."""
+        return self.read_meshes()
 
     @cached_property
     def local(self) -> Floats:
@@ -416,6 +437,8 @@ class Rig:
             shapes={new[k]: shape for k, shape in self.shapes.items()},
             drawn=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.drawn()],
             removed=frozenset(new[k] for k in self.removed),
+            read_meshes=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.meshes],
+            shelf=new[self.shelf] if self.shelf >= 0 else self.shelf,
         )
 
     def with_nodes(

@@ -29,8 +29,8 @@ matrices
 euler triangle shapes records
 rig
 pose constraints rules spread twist
-following
-dependence
+following timelines fitting triangles
+carried readers driven dependence
 turned_rules
 reframe report reach
 lengths

@@ -97,7 +97,7 @@ class Interrupt(BaseException):
 def test_an_interrupt_while_measuring_leaves_the_old_files(
     gltf: Path, samples: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def stop(*args: Any) -> Any:
+    def stop(*args: Any, **more: Any) -> Any:
         raise Interrupt
 
     old = contents(gltf.parent)

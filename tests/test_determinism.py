@@ -17,7 +17,7 @@ import rigtri
 
 # Modules that only measure or print; nothing of theirs reaches a file but a report.
 MEASURING = {"compare", "describe", "matching", "moving", "watched", "pipeline", "report"}
-MEASURING |= {"changes", "diff", "difference", "scenery", "attached"}
+MEASURING |= {"driven", "changes", "diff", "difference", "scenery", "attached"}
 # Functions of the writing modules that only measure: module.function → why it may.
 _POINTS = "points are measured, never written"
 ALLOWED = {
@@ -30,12 +30,13 @@ ALLOWED = {
 }
 # They come from BLAS, LAPACK, libm or SIMD kernels, whose last bit differs between machines.
 _FORBIDDEN = """
-einsum matmul tensordot inner vdot linalg sum nansum mean average std var trace
+einsum matmul tensordot vdot linalg sum nansum mean average std var trace
 sin cos tan arcsin arccos arctan arctan2 sinh cosh tanh asin acos atan atan2
 exp exp2 expm1 log log2 log10 log1p power pow float_power cbrt hypot dist fsum
 """
 FORBIDDEN = frozenset(_FORBIDDEN.split())
-OURS_UNLESS_NUMPY = {"dot", "cross", "outer"}
+# Names that are ours too: only numpy's own functions of them are meant.
+OURS_UNLESS_NUMPY = {"dot", "cross", "outer", "inner"}
 
 
 def writing_modules() -> list[Path]:

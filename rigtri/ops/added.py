@@ -22,11 +22,11 @@ _SAME_PLACE = 5e-7
 
 
 def group(rig: Rig) -> tuple[Rig, int]:
-    """The root node that holds everything rigtri adds, at the world's origin; new where there is none."""
+    """The node that holds everything rigtri adds; new where there is none: a root, or on the `Rig.shelf`."""
     for node, note in rig.notes.items():
         if note.get("type") == "group":
             return rig, node
-    return add(rig, GROUP, -1, {"v": 1, "type": "group"})
+    return add(rig, GROUP, rig.shelf, {"v": 1, "type": "group"})
 
 
 def home(rig: Rig) -> tuple[Rig, int]:

@@ -78,11 +78,6 @@ def _others(rig: Rig) -> tuple[Constraint, ...]:
 def _gone(rig: Rig) -> frozenset[int]:
     """The nodes that go. GeometryError where one that stays would lose its parent."""
     gone = rig.own
-    joint = next((node for node in sorted(gone) if any(node in skin.joints for skin in rig.skins)), None)
-    if joint is not None:
-        raise GeometryError(
-            f"'{rig.title(joint)}' is a joint of a skin; strip takes out nodes, and no joints of skins yet"
-        )
     for node in sorted(gone):
         for child in rig.children[node]:
             if child not in gone:

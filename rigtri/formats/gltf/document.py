@@ -194,6 +194,7 @@ class GltfDocument:
             facing=bindings.facing,
             # Of the reader alone: a rig that held its document would keep the file open in a ring.
             drawn=partial(self._reader.outlines, skins),
+            read_meshes=partial(self._reader.read, skins),
         )
         self._freeze(rig, ordered, fixed)
         return rig

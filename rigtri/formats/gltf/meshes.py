@@ -229,6 +229,7 @@ class MeshReader:
             weights=weights,
             morphs=morphs,
             morph_weights=self._morph_weights(node, mesh, len(morphs)),
+            morph_names=_target_names((mesh, primitive.raw), len(morphs)),
             surface=lambda: self._surface(primitive, len(points)),
         )
 
@@ -316,6 +317,16 @@ class MeshReader:
 
 def _blocks(rows: int) -> list[tuple[int, int]]:
     return [(start, start + BLOCK) for start in range(0, rows, BLOCK)]
+
+
+def _target_names(holders: Sequence[Any], count: int) -> tuple[str, ...]:
+    """What targets are called, by the extras of a mesh, or, as VRM 0 has it, of its primitive."""
+    for holder in holders:
+        extras = holder.get("extras")
+        names = extras.get("targetNames") if isinstance(extras, dict) else None
+        if isinstance(names, list) and len(names) == count and all(isinstance(name, str) for name in names):
+            return tuple(names)
+    return ()
 
 
 def _within(primitive: Value, joints: Integers, weights: Floats, count: int) -> tuple[Integers, Floats]:

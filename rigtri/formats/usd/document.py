@@ -53,7 +53,8 @@ class UsdDocument:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
         self._notices = list(source.warnings)
         # Of the source alone: a rig that held its document would keep the stage open in a ring.
-        rig = replace(source.rig, drawn=partial(_read_meshes, source, self._notices))
+        drawn = partial(_read_meshes, source, self._notices)
+        rig = replace(source.rig, drawn=drawn, read_meshes=drawn)
         self._source, self._options, self._layer = replace(source, rig=rig), options, layer
 
     @classmethod
@@ -263,6 +264,12 @@ def _read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
     tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
     with quiet(f"{source.path}: USD cannot read its meshes"):
         found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+        playing = {
+            path: source.stage.GetPrimAtPath(skeleton.animation)
+            for path, skeleton in source.skeletons.items()
+            if skeleton.animation
+        }
+        found = meshes.resting_weights(found, source.bindings.every, playing)
     for mesh in found:
         if mesh.skin is not None and not np.isfinite(mesh.weights).all():
             text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"

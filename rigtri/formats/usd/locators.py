@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,10 @@ from rigtri.formats.usd.reader import GROUP, Source
 from rigtri.formats.usd.shapes import drawing
 from rigtri.formats.usd.stage import why_locked
 from rigtri.formats.usd.values import Edit, apply_schema, define, kind, parts, set_value
-from rigtri.formats.usd.xform import stand
+from rigtri.formats.usd.xform import SAME_TURN, stand
 from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
-from rigtri.records import Skin
+from rigtri.records import Skin, Track
 from rigtri.rig import Rig
 
 # What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
@@ -30,14 +30,36 @@ def is_ours(rig: Rig, node: int) -> bool:
     return "type" in rig.notes.get(node, {})
 
 
-def edits(source: Source, rig: Rig) -> list[Edit]:
-    """New nodes as prims, and prims of ours brought up to date."""
+def edits(source: Source, rig: Rig, keyed: Sequence[Track] = ()) -> list[Edit]:
+    """New nodes as prims, and prims of ours brought up to date. keyed: their tracks that are new."""
     if any(c.key is None and c.kind != "tail" for c in rig.constraints):
         raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
-    return [*_update(source, rig), *_Additions(source, rig).edits(), *_removals(source, rig)]
+    updated = _update(source, rig, {track.node for track in keyed})
+    return [*updated, *_Additions(source, rig).edits(), *_removals(source, rig)]
 
 
-def _update(source: Source, rig: Rig) -> list[Edit]:
+def _tracks(rig: Rig, node: int) -> list[Track]:
+    """All that moves a prim of ours; a scale that stays 1 is none."""
+    found = [t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights"]
+    return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_TURN]
+
+
+def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
+    """The attribute of a control that a pose reader drives: what its value node says by its x translation."""
+    note = rig.notes.get(node, {})
+    name = notes.TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
+    samples = {
+        float(time): float(row[0])
+        for track in _tracks(rig, node)
+        if track.path == "translation"
+        for time, row in zip(track.times, track.values, strict=True)
+    }
+    resting = float(rig.translation[node, 0])
+    double = Sdf.ValueTypeNames.Double
+    return [set_value(control, name, double, resting, samples=samples, custom=True, alone=True)]
+
+
+def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
     before, found, renamed = source.rig, [], []
     for node, key in enumerate(before.keys):
         if kind(key) != "prim" or node in rig.removed:
@@ -50,11 +72,13 @@ def _update(source: Source, rig: Rig) -> list[Edit]:
             found += _relations(path, note, _prims(rig, note, {}))
         if not is_ours(before, node):
             continue
-        if (before.local[node] != rig.local[node]).any():
+        if node in keyed or (before.local[node] != rig.local[node]).any():
             locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
             if locked:
                 raise FileError(f"{locked}.")
-            found += stand(path, rig.local[node])
+            found += stand(path, rig.local[node], _tracks(rig, node))
+            if "attribute" in note:
+                found += _values(rig, node, rig.labels[rig.find(str(note["control"]), "node")])
         if before.names[node] != rig.names[node]:
             renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
     # Renaming comes last: all other edits know a prim by the path it had.
@@ -140,8 +164,12 @@ class _Additions:
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
-        found = [define(path, "Xform"), *stand(path, local), *_attributes(path, notes.attributes_of(note))]
+        found = [define(path, "Xform"), *stand(path, local, _tracks(self.rig, node))]
+        found += _attributes(path, notes.attributes_of(note))
         found += _relations(path, note, _prims(self.rig, note, self.paths))
+        if "attribute" in note:
+            control = self.rig.find(str(note["control"]), "node")
+            found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.shapes:
             found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
         return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found

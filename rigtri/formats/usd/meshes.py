@@ -180,25 +180,54 @@ def blend_tracks(
     return tracks
 
 
+def resting_weights(
+    found: Sequence[Mesh], bound: Sequence[tuple[str, Any]], animations: Mapping[str, Any]
+) -> list[Mesh]:
+    """The meshes with the morph weights that their animation has by default, which hold without samples.
+
+    animations: SkelAnimation prims by the path of the skeleton that plays them.
+    """
+    skeletons = {str(query.GetPrim().GetPath()): path for path, query in bound}
+    return [_resting(mesh, animations.get(skeletons.get(mesh.name, ""))) for mesh in found]
+
+
+def _resting(mesh: Mesh, animation: Any) -> Mesh:
+    if not mesh.morph_names or animation is None:
+        return mesh
+    known = default_weights(animation)
+    if not any(known.get(name) for name in mesh.morph_names):
+        return mesh
+    return replace(mesh, morph_weights=np.array([known.get(name, 0.0) for name in mesh.morph_names]))
+
+
+def default_weights(animation: Any) -> dict[str, float]:
+    """The default weights of an animation by blend shape; none where they are not one for each."""
+    order, weights = animation.GetAttribute("blendShapes"), animation.GetAttribute("blendShapeWeights")
+    names = [str(name) for name in usable(order, order.Get(DEFAULT)) or ()] if order else []
+    values = usable(weights, weights.Get(DEFAULT)) if weights else None
+    if values is None or len(values) != len(names):
+        return {}
+    return {name: float(value) for name, value in zip(names, values, strict=True)}
+
+
 def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     morphs = _morphs(query, len(mesh.points)) if query.HasBlendShapes() else mesh.morphs
     rest = np.zeros(len(morphs))
+    order = [str(name) for name in query.GetBlendShapeOrder() or ()] if len(morphs) else []
+    names = tuple(order) if len(order) == len(morphs) else ()
+    mesh = replace(mesh, morphs=morphs, morph_weights=rest, morph_names=names)
     if not query.HasJointInfluences():
-        return Mesh(mesh.name, mesh.node, mesh.points, morphs=morphs, morph_weights=rest)
+        return mesh
     influences = _influences(query, tokens, len(mesh.points))
     if influences is None:
-        return Mesh(mesh.name, mesh.node, mesh.points, morphs=morphs, morph_weights=rest)
+        return mesh
     joints, weights = influences
-    return Mesh(
-        name=mesh.name,
-        node=mesh.node,
-        points=mesh.points,
+    return replace(
+        mesh,
         skin=skin,
         joints=joints,
         weights=weights,
         bind=np.array(query.GetGeomBindTransform(DEFAULT), dtype=np.float64),
-        morphs=morphs,
-        morph_weights=rest,
         dual_quaternion=str(query.GetSkinningMethod()) == "dualQuaternion",
     )
 

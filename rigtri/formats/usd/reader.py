@@ -95,6 +95,7 @@ class _Reader:
         rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins())))
         if self.options.root is not None:
             rig = rooted(rig, self.stage, self.options.root, self._interpolation, self.warnings)
+        rig = replace(rig, shelf=self._shelf(rig), per_second=float(self.stage.GetTimeCodesPerSecond()))
         return Source(
             self.path,
             self.stage,
@@ -115,6 +116,15 @@ class _Reader:
         others = tuple(clip for clip in rig.clips if clip.key != prim_clip.KEY)
         known = [track for clip in rig.clips if clip.key == prim_clip.KEY for track in clip.tracks]
         return replace(rig, clips=(*others, Clip(prim_clip.NAME, (*known, *tracks), prim_clip.KEY)))
+
+    def _shelf(self, rig: Rig) -> int:
+        """The top-level prim that holds the first skeleton, where our Scope can stand below it."""
+        about = list(self.skeletons) or [
+            str(skin.key[1]) for skin in rig.skins if isinstance(skin.key, tuple)
+        ]
+        top = "/" + about[0].split("/")[1] if about else ""
+        prim = self.stage.GetPrimAtPath(top) if top else None
+        return self.node_of.get(top, -1) if prim and not prim.IsInstance() else -1
 
     def _excuse(self) -> str:
         codes = ("unresolved", "animation-ignored")

@@ -7,13 +7,14 @@ Everything else keeps its bits, and every value is known before the first edit.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import locators, notes, xform
+from rigtri.formats.usd import locators, new_keys, notes, xform
 from rigtri.formats.usd.alike import united
 from rigtri.formats.usd.animations import HELD, Animation, Property
 from rigtri.formats.usd.reader import Source
@@ -42,15 +43,25 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
     if before.keys != rig.keys[: len(before)]:
         raise ValueError("nodes of a file keep their order, and new ones come last")
     rig = united(before, rig, source.skeletons)
+    clips, keyed, weights = new_keys.divided(before, rig, lambda node: _keys_are_ours(before, node))
+    plain = replace(rig, clips=clips)
     moved = np.zeros(len(before), dtype=bool)
     moved |= (before.local != rig.local[: len(before)]).any(axis=(1, 2))
     return [
         *_skin_edits(source, rig, moved),
-        *_animation_edits(source, rig, warnings),
+        *_animation_edits(source, plain, warnings),
+        *new_keys.weight_edits(source, weights),
         *_prim_edits(source, rig, moved, bake, warnings),
-        *locators.edits(source, rig),
+        *locators.edits(source, rig, keyed),
         *_joint_notes(source, rig),
     ]
+
+
+def _keys_are_ours(before: Rig, node: int) -> bool:
+    """Whether a node is a prim of ours, new or known; a joint with a note is none."""
+    if node >= len(before):
+        return True
+    return kind(before.keys[node]) == "prim" and locators.is_ours(before, node)
 
 
 def _prim_edits(

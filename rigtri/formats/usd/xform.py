@@ -10,6 +10,7 @@ turn multiplies into. ``bake`` writes translate, orient and scale instead.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from rigtri.matrices import (
 )
 from rigtri.quaternions import IDENTITY, conjugate, from_axes
 from rigtri.quaternions import multiply as product
+from rigtri.records import Track
 from rigtri.report import Notice
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -151,8 +153,22 @@ def stand_order(local: Floats) -> list[str]:
     return order + (["xformOp:scale"] if np.abs(scale - 1.0).max() > SAME_TURN else [])
 
 
-def stand(path: Any, local: Floats) -> list[Edit]:
-    """Edits that put a prim at a local matrix by translate, orient and scale ops."""
+# The ops that hold what tracks of prims of ours drive.
+_OPS = {"translation": "xformOp:translate", "rotation": "xformOp:orient", "scale": "xformOp:scale"}
+
+
+def _samples(track: Track | None) -> dict[float, Any]:
+    """The keys of a track as values of its op; none without a track."""
+    if track is None:
+        return {}
+    rows = zip(track.times.tolist(), track.values, strict=True)
+    return {
+        time: quaternion(row) if track.path == "rotation" else Gf.Vec3d(*row.tolist()) for time, row in rows
+    }
+
+
+def stand(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Edit]:
+    """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks."""
     translation, rotation, scale = decompose(local)
     types = Sdf.ValueTypeNames
     values = {
@@ -160,7 +176,10 @@ def stand(path: Any, local: Floats) -> list[Edit]:
         "xformOp:orient": (types.Quatd, quaternion(rotation)),
         "xformOp:scale": (types.Double3, Gf.Vec3d(*scale.tolist())),
     }
-    order = stand_order(local)
-    edits = [set_value(path, name, *values[name], alone=True) for name in order]
+    moved = {_OPS[track.path]: track for track in tracks}
+    order = [name for name in values if name in moved or name in stand_order(local)]
+    edits = [
+        set_value(path, name, *values[name], samples=_samples(moved.get(name)), alone=True) for name in order
+    ]
     tokens = Vt.TokenArray(order)
     return [*edits, set_value(path, "xformOpOrder", types.TokenArray, tokens, uniform=True)]

@@ -1,0 +1,187 @@
+"""Keys of ours: time samples of prims that rigtri made, and of the blend shapes it drives.
+
+Prims of ours are moved by samples of their ops. Morph weights are columns of one array of
+the SkelAnimation, by name: new names come behind those that are there, and the columns that
+nobody drives anew go on saying what they said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, Vt
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.animations import Animation
+from rigtri.formats.usd.meshes import default_weights
+from rigtri.formats.usd.reader import Source
+from rigtri.formats.usd.samples import time_samples
+from rigtri.formats.usd.stage import DEFAULT
+from rigtri.formats.usd.value_types import usable
+from rigtri.formats.usd.values import Edit, set_value
+from rigtri.pose import sample
+from rigtri.records import Clip, Interpolation, Track
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+
+def divided(
+    before: Rig, rig: Rig, ours: Callable[[int], bool]
+) -> tuple[tuple[Clip, ...], list[Track], list[tuple[Track | None, Track]]]:
+    """The clips without keys of ours; tracks of prims of ours; morph weights, each with what it was.
+
+    ours: whether a node is a prim of ours, whose keys are.
+    """
+    clips, prims, weights = [], [], []
+    for old, new in zip(before.clips, rig.clips, strict=False):
+        if new is old:
+            clips.append(new)
+            continue
+        known = {(track.node, track.path): track for track in old.tracks}
+        kept: list[Track] = []
+        for now in new.tracks:
+            was = known.get((now.node, now.path))
+            if now is was or not (now.path == "weights" or ours(now.node)):
+                kept.append(now)
+                continue
+            if now.path == "weights":
+                weights.append((was, now))
+            else:
+                prims.append(now)
+            kept += [was] if was is not None else []
+        clips.append(replace(new, tracks=tuple(kept)))
+    return (*clips, *rig.clips[len(before.clips) :]), prims, weights
+
+
+def weight_edits(source: Source, changed: Sequence[tuple[Track | None, Track]]) -> list[Edit]:
+    """Edits of the animations that drive blend shapes, with the columns that changed."""
+    driven: dict[str, dict[str, _Column]] = {}
+    for was, now in changed:
+        path, animation, names = _bound(source, now)
+        columns = driven.setdefault(animation, {})
+        resting = default_weights(source.stage.GetPrimAtPath(animation))
+        for number, name in enumerate(names):
+            if was is not None and np.array_equal(sample(was, now.times)[:, number], now.values[:, number]):
+                continue
+            if was is None and (now.values[:, number] == resting.get(name, 0.0)).all():
+                continue
+            column = _Column(path, now.times, now.values[:, number])
+            if name in columns and not columns[name].same(column):
+                raise FileError(
+                    f"Blend shape '{name}' of <{path}> and of <{columns[name].mesh}> is one column of "
+                    f"animation <{animation}>, so both can only be driven alike."
+                )
+            columns[name] = column
+    _check_shared(source, driven, changed)
+    return [
+        edit
+        for animation, columns in driven.items()
+        for edit in _written(source, source.animations[animation], columns)
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class _Column:
+    """The weight of one blend shape over time, and the mesh that asked for it."""
+
+    mesh: str
+    times: Floats
+    values: Floats
+
+    def same(self, other: _Column) -> bool:
+        return np.array_equal(self.times, other.times) and np.array_equal(self.values, other.values)
+
+
+def _bound(source: Source, track: Track) -> tuple[str, str, list[str]]:
+    """The prim that a weights track moves, the animation that drives it, and its blend shapes in order."""
+    label = source.rig.labels[track.node]
+    for skeleton, query in source.bindings.every:
+        if str(query.GetPrim().GetPath()) != label or skeleton not in source.skeletons:
+            continue
+        stand = source.skeletons[skeleton]
+        if not stand.animation or stand.animation not in source.animations:
+            break
+        if stand.locked:
+            raise FileError(f"{stand.locked}.")
+        return label, stand.animation, [str(name) for name in query.GetBlendShapeOrder() or ()]
+    raise FileError(f"<{label}>: no SkelAnimation plays there that could hold weights of its blend shapes.")
+
+
+def _check_shared(
+    source: Source,
+    driven: dict[str, dict[str, _Column]],
+    changed: Sequence[tuple[Track | None, Track]],
+) -> None:
+    """FileError where a name that is driven moves a mesh, too, that nobody asked to move."""
+    asked = {source.rig.labels[now.node] for _, now in changed}
+    for skeleton, query in source.bindings.every:
+        path = str(query.GetPrim().GetPath())
+        stand = source.skeletons.get(skeleton)
+        if stand is None or path in asked or not query.HasBlendShapes():
+            continue
+        columns = driven.get(stand.animation, {})
+        for name in map(str, query.GetBlendShapeOrder() or ()):
+            if name in columns:
+                raise FileError(
+                    f"Blend shape '{name}' is also one of <{path}>, and a USD animation drives both by "
+                    "that name. Drive it there, too."
+                )
+
+
+def _written(source: Source, animation: Animation, columns: dict[str, _Column]) -> Iterator[Edit]:
+    """The arrays of one animation, complete: a stronger sample hides all weaker ones."""
+    prim = source.stage.GetPrimAtPath(animation.path)
+    listed, weights = prim.GetAttribute("blendShapes"), prim.GetAttribute("blendShapeWeights")
+    names = [str(name) for name in usable(listed, listed.Get(DEFAULT)) or ()]
+    old = _stored(weights, len(names))
+    default = usable(weights, weights.Get(DEFAULT))
+    fits = default is not None and len(default) == len(names)
+    single = np.array(default, dtype=np.float64) if fits else None
+    every = [*names, *(name for name in columns if name not in names)]
+    times = np.unique(np.concatenate([old[0], *(column.times for column in columns.values())]))
+    way = _interpolation(source)
+    rows = np.zeros((len(times), len(every)))
+    if len(old[0]):
+        rows[:, : len(names)] = sample(Track(-1, "weights", way, *old), times)
+    elif single is not None:
+        rows[:, : len(names)] = single
+    for name, column in columns.items():
+        track = Track(-1, "weights", way, column.times, column.values[:, np.newaxis])
+        rows[:, every.index(name)] = sample(track, times)[:, 0]
+    types = Sdf.ValueTypeNames
+    if every != names:
+        yield set_value(animation.path, "blendShapes", types.TokenArray, Vt.TokenArray(every), uniform=True)
+        if single is not None:
+            single = np.concatenate([single, np.zeros(len(every) - len(names))])
+    yield set_value(
+        animation.path,
+        "blendShapeWeights",
+        types.FloatArray,
+        None if single is None else _floats(single),
+        samples={float(time): _floats(row) for time, row in zip(times, rows, strict=True)},
+        alone=True,
+    )
+
+
+def _stored(weights: Any, count: int) -> tuple[Floats, Floats]:
+    """Times and rows of the weights that are there, (k,) and (k, count)."""
+    found = [(time, usable(weights, value)) for time, value in time_samples(weights)] if weights else []
+    if any(value is None or len(value) != count for _, value in found):
+        raise FileError(
+            f"<{weights.GetPath()}> has samples that are blocked or have not as many weights as there are "
+            "blend shapes, so none can be added. Export it again."
+        )
+    times = np.array([time for time, _ in found], dtype=np.float64)
+    return times, np.array([list(value) for _, value in found], dtype=np.float64).reshape(-1, count)
+
+
+def _interpolation(source: Source) -> Interpolation:
+    held = source.stage.GetInterpolationType() == Usd.InterpolationTypeHeld
+    return "STEP" if held else "LINEAR"
+
+
+def _floats(row: Floats) -> Any:
+    return Vt.FloatArray.FromNumpy(np.ascontiguousarray(row, dtype=np.float32))

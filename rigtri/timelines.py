@@ -1,0 +1,181 @@
+"""What plays at the same time in a file, and how tracks of our own come into it.
+
+A glTF animation plays alone. Animations of a USD stage share its time: their keys are
+tuples, and what drives prims, skeletons and morphs together gives one pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rigtri.pose import sample
+from rigtri.records import Clip, Interpolation, Path, Track
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+# float32 readers see no difference below this share; a second run must change no byte.
+SAME_VALUE = 1e-6
+# Formats that keep times as float32 can tell two keys this far apart, as a share of the time.
+_SINGLE = np.float32
+
+
+@dataclass(frozen=True, eq=False)
+class Timeline:
+    """Clips that play together: all their tracks in ``clip``, their places in `Rig.clips` in ``members``."""
+
+    clip: Clip
+    members: tuple[int, ...]
+
+    @property
+    def name(self) -> str:
+        """The name of the clip that new tracks go into, or its number."""
+        return self.clip.name or f"#{self.members[0]}"
+
+    def track(self, node: int, path: Path) -> Track | None:
+        """What drives a property; None where nothing does."""
+        return next((t for t in self.clip.tracks if (t.node, t.path) == (node, path)), None)
+
+
+def timelines(rig: Rig) -> list[Timeline]:
+    """All that can be played, in the file's order; clips without tracks, and what is idle, are left out."""
+    alone = [k for k, clip in enumerate(rig.clips) if not isinstance(clip.key, tuple)]
+    together = [k for k, clip in enumerate(rig.clips) if isinstance(clip.key, tuple)]
+    found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].played.tracks]
+    if any(rig.clips[k].played.tracks for k in together):
+        # Defaults are seen only where no samples are, so they come first and samples go over them.
+        order = sorted(together, key=lambda k: not _is_default(rig.clips[k]))
+        tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].played.tracks}
+        first = min(together, key=lambda k: _is_default(rig.clips[k]))
+        members = (first, *(k for k in together if k != first))
+        found.append(Timeline(Clip(rig.clips[first].name, tuple(tracks.values())), members))
+    return found
+
+
+def _is_default(clip: Clip) -> bool:
+    return isinstance(clip.key, tuple) and clip.key[0] == "default"
+
+
+def placed(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
+    """The rig with tracks put into a timeline: each takes the place of the one that drove the same.
+
+    A track that says what the one before it said leaves it as it is, to the bit.
+    """
+    clips = list(rig.clips)
+    for track in tracks:
+        home, at = _place(clips, timeline, track)
+        now = list(clips[home].tracks)
+        if at < 0:
+            now.append(track)
+        elif _says_the_same(now[at], track):
+            continue
+        else:
+            now[at] = replace(track, key=now[at].key)
+        clips[home] = replace(clips[home], tracks=tuple(now))
+    unchanged = all(now is was for now, was in zip(clips, rig.clips, strict=True))
+    return rig if unchanged else replace(rig, clips=tuple(clips))
+
+
+def _place(clips: Sequence[Clip], timeline: Timeline, track: Track) -> tuple[int, int]:
+    """The clip, and the place in it, of what drives the same; −1 and the first clip where nothing does."""
+    for k in timeline.members:
+        for at, known in enumerate(clips[k].tracks):
+            if (known.node, known.path) == (track.node, track.path) and not _is_default(clips[k]):
+                return k, at
+    return timeline.members[0], -1
+
+
+def _says_the_same(was: Track, now: Track) -> bool:
+    if not np.array_equal(was.times, now.times) or was.values.shape != now.values.shape:
+        return False
+    if was.interpolation != now.interpolation and len(was.times) > 1:
+        return False
+    values = now.values
+    if now.path == "rotation":  # q and −q are one rotation
+        product = was.values * values
+        ahead = product[..., 0] + product[..., 1] + product[..., 2] + product[..., 3]
+        values = np.where(ahead[..., np.newaxis] < 0, -values, values)
+    size = max(1.0, float(np.abs(values).max(initial=0.0))) if now.path != "translation" else _size(values)
+    return bool(np.abs(was.values - values).max(initial=0.0) <= SAME_VALUE * size)
+
+
+def _size(values: Floats) -> float:
+    return max(float(np.abs(values).max(initial=0.0)), 1e-30)
+
+
+def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0) -> Floats:
+    """The times to start from, (f,): all keys, and with ``fps`` so many evenly spaced ones a second.
+
+    per_second: units of the clip's time in a second.
+    """
+    distinct = {id(track.times): track.times for track in timeline.clip.tracks if len(track.times) > 1}
+    keys = np.unique(np.concatenate([*distinct.values(), np.zeros(0)]))
+    keys = keys[np.isfinite(keys)]
+    if not len(keys):
+        firsts = [float(t.times[0]) for t in timeline.clip.tracks if len(t.times) and np.isfinite(t.times[0])]
+        return np.array([min(firsts, default=0.0)])
+    if fps is None:
+        return np.asarray(keys)
+    step = per_second / fps
+    count = int((keys[-1] - keys[0]) / step)
+    even = single(keys[0] + step * np.arange(1, count + 1))
+    return np.unique(np.concatenate([keys, even[even < keys[-1]]]))
+
+
+def single(times: Floats) -> Floats:
+    """Times as float32 keeps them."""
+    return np.asarray(times.astype(_SINGLE).astype(np.float64))
+
+
+def just_before(times: Floats) -> Floats:
+    """The last times before these that float32 can tell from them."""
+    return np.asarray(np.nextafter(times.astype(_SINGLE), _SINGLE(-np.inf)).astype(np.float64))
+
+
+def looked_at(keys: Floats) -> Floats:
+    """Keys and two places between each two, as far as float32 has times there.
+
+    Across a jump, between a key and the one just before it, there is nothing to look at.
+    """
+    inside = single(np.concatenate([keys[:-1] + share * np.diff(keys) for share in (0.29, 0.5)]))
+    return np.unique(np.concatenate([keys, inside]))
+
+
+def jumps(timeline: Timeline) -> Floats:
+    """The times, (k,), at which a track that holds its values goes on to the next one."""
+    held = {id(t.times): t.times[1:] for t in timeline.clip.tracks if t.interpolation == "STEP"}
+    return np.unique(np.concatenate([*held.values(), np.zeros(0)]))
+
+
+def steps_only(timeline: Timeline) -> bool:
+    """Whether nothing of it moves between keys."""
+    return all(t.interpolation == "STEP" or len(t.times) == 1 for t in timeline.clip.tracks)
+
+
+def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Floats) -> Track:
+    """A weights track with some of its columns replaced: keys at the union of both times.
+
+    values: (f, len(columns)) at ``times``, linear between. The other columns go on saying what
+    they said: exactly, but for the rounding of values that new keys repeat between old ones.
+    ValueError for splines, whose curves no union of keys can keep.
+    """
+    if was.interpolation == "CUBICSPLINE" and len(was.times) > 1:
+        raise ValueError("splines cannot take keys of another track")
+    old = was.times
+    if was.interpolation == "STEP" and len(old) > 1:
+        # Linear keys just before each step keep the step, within the last bit of its time.
+        before = just_before(old[1:])
+        old = np.unique(np.concatenate([old, before[before > old[:-1]]]))
+    if len(old) == 1:
+        old = old[:0]  # what has one key says the same at all times
+    together = np.unique(np.concatenate([old, times]))
+    rows = sample(was, together)
+    new = Track(was.node, "weights", "LINEAR", times, values)
+    rows[:, list(columns)] = sample(new, together)
+    return replace(was, interpolation=_linear(together), times=together, values=rows)
+
+
+def _linear(times: Floats) -> Interpolation:
+    return "LINEAR" if len(times) > 1 else "STEP"

@@ -1,0 +1,383 @@
+"""add-posereader: weights that follow a joint's pose, and what they drive."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from conftest import Golden
+from morphs import WEIGHT_TIMES, WEIGHTS, arm, arm_usd
+from numpy.testing import assert_allclose
+from pxr import Usd
+from second_opinions import khronos_errors, usd_errors, validator
+
+from rigtri import pose
+from rigtri.compare import self_check, verify
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.formats import read
+from rigtri.matrices import compose, identity
+from rigtri.ops.controls import Options as ControlOptions
+from rigtri.ops.controls import add_controls
+from rigtri.ops.posereader import Goal, Options, add_posereader
+from rigtri.ops.select import Selection
+from rigtri.pipeline import Outcome, edit
+from rigtri.quaternions import IDENTITY, from_axis_angle
+from rigtri.readers import Reader, Target, twist, weights
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats, exponential
+
+X, Y, Z = np.eye(3)
+# Up at rest; the arm's clip turns the lower joint's y axis to −x.
+UP = Goal("up", direction=(0, 1, 0))
+SIDE = Goal("side", direction=(-1, 0, 0))
+BULGE = Options(
+    driver="lower", axis=(0, 1, 0), targets=(SIDE,), morphs=(("side", "Skin", "bulge"),), name="reader"
+)
+
+
+def turned(*turns: Floats) -> Floats:
+    """World matrices of a driver, (f, 4, 4)."""
+    return compose(np.zeros((len(turns), 3)), np.array(turns), np.ones((len(turns), 3)))
+
+
+def about_z(*degrees: float) -> Floats:
+    return np.stack([from_axis_angle(Z, np.radians(d)) for d in degrees])
+
+
+def read_out(reader: Reader, turns: Floats, **nodes: Floats) -> Floats:
+    return weights(reader, turned(*turns), identity(len(turns)), nodes)
+
+
+def posed(*degrees: float, **more: Any) -> Reader:
+    """An rbf reader of the y axis with poses turned about z."""
+    targets = tuple(Target(f"p{k}", rotation=q) for k, q in enumerate(about_z(*degrees)))
+    return Reader("rbf", Y, targets, **more)
+
+
+def test_a_dot_reader_is_the_cosine_not_below_zero() -> None:
+    reader = Reader("dot", Y, (Target("up", direction=Y),))
+    assert_allclose(read_out(reader, about_z(0, 60, 90, 120))[:, 0], [1, 0.5, 0, 0], atol=1e-12)
+
+
+def test_a_node_to_point_at_may_move() -> None:
+    """The talk's node: the driver's axis against the way from driver to target."""
+    reader = Reader("dot", X, (Target("t", node="goal"),))
+    goal = identity(3)
+    goal[:, 3, :3] = [[5, 0, 0], [3, 4, 0], [-1, 0, 0]]
+    assert_allclose(read_out(reader, np.tile(IDENTITY, (3, 1)), goal=goal)[:, 0], [1, 0.6, 0], atol=1e-12)
+
+
+def test_a_cone_is_one_inside_and_zero_outside() -> None:
+    reader = Reader("cone", Y, (Target("up", direction=Y),), inner=np.radians(20), outer=np.radians(60))
+    assert_allclose(
+        read_out(reader, about_z(0, 20, 30, 40, 60, 80))[:, 0], [1, 1, 0.75, 0.5, 0, 0], atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("kernel", ["linear", "gaussian"])
+@pytest.mark.parametrize("mode", ["swing", "both"])
+def test_an_rbf_reader_is_one_at_its_pose_and_zero_at_the_others(kernel: Any, mode: Any) -> None:
+    reader = posed(0, 40, 100, 175, kernel=kernel, mode=mode)
+    assert_allclose(read_out(reader, about_z(0, 40, 100, 175)), np.eye(4), atol=1e-9)
+    anywhere = read_out(reader, about_z(*np.linspace(-180, 180, 91)))
+    assert (anywhere >= 0).all()
+    assert (anywhere.sum(axis=1) <= 1 + 1e-12).all()
+
+
+def test_linear_poses_fade_out_at_the_nearest_other_by_hand() -> None:
+    """Poses at 0°, 40° and 100°: they reach 40°, 40° and 60°."""
+    found = read_out(posed(0, 40, 100), about_z(10, 60, -20))
+    assert_allclose(found, [[0.75, 0.25, 0], [0, 0.5, 1 / 3], [0.5, 0, 0]], atol=1e-9)
+
+
+def test_two_gaussians_by_hand() -> None:
+    """At 60° the functions are e^−4.5 and e^−½, untangled by the matrix 1, e^−2; at 20° both share 1."""
+    found = read_out(posed(0, 40, kernel="gaussian"), about_z(60, 20))
+    second = (np.exp(-0.5) - np.exp(-2) * np.exp(-4.5)) / (1 - np.exp(-4))
+    assert_allclose(found, [[0, second], [0.5, 0.5]], atol=1e-9)
+
+
+def test_twist_poses_do_not_see_the_swing() -> None:
+    turns = np.stack([from_axis_angle(Y, np.radians(d)) for d in (0, 90)])
+    targets = tuple(Target(f"p{k}", rotation=q) for k, q in enumerate(turns))
+    reader = Reader("rbf", Y, targets, mode="twist", rest=IDENTITY)
+    assert_allclose(read_out(reader, about_z(0, 30, 90)), [[1, 0]] * 3, atol=1e-9)
+    assert_allclose(twist(reader, turns), [0, np.pi / 2], atol=1e-12)
+    assert_allclose(read_out(reader, np.array([from_axis_angle(Y, np.pi / 4)])), [[0.5, 0.5]], atol=1e-9)
+    assert twist(reader, from_axis_angle(Z, np.pi)) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_readers_of_many_frames_are_those_of_each() -> None:
+    reader, turns = posed(0, 40, 100, kernel="gaussian"), about_z(*range(0, 120, 7))
+    together = read_out(reader, turns)
+    assert_allclose(together, [read_out(reader, turns[k : k + 1])[0] for k in range(len(turns))], atol=1e-14)
+
+
+def test_a_driver_without_axes_weighs_nothing() -> None:
+    flat = turned(IDENTITY) * np.array([0.0, 0, 0, 1])[:, np.newaxis]
+    reader = Reader("dot", Y, (Target("up", direction=Y),))
+    assert weights(reader, flat, identity(1), {}).tolist() == [[0.0]]
+
+
+def test_the_exponential_is_the_exponential() -> None:
+    x = -np.linspace(0, 699, 20001)
+    assert_allclose(exponential(x), np.exp(x), rtol=1e-14, atol=0)
+    assert exponential(-1e9) == 0.0
+
+
+def driven(source: Path, target: Path, options: Options = BULGE) -> Outcome:
+    return edit(
+        source,
+        target,
+        lambda rig, report: add_posereader(rig, options=options, report=report),
+        overwrite=True,
+    )
+
+
+def weights_of(path: Path, times: Floats) -> Floats:
+    """The weights of ``bulge`` and ``other`` in the one clip with keys, (f, 2)."""
+    rig = read(path).rig
+    (mesh,) = (mesh for mesh in rig.meshes if len(mesh.morphs))
+    clip = next(clip for clip in rig.clips if any(track.path == "weights" for track in clip.tracks))
+    return np.array(pose.morph_weights(mesh, clip, times))
+
+
+def source_of(kind: str, folder: Path, **more: Any) -> Path:
+    return arm(**more).glb(folder / "in.glb") if kind == "glb" else arm_usd(folder, **more)
+
+
+def for_kind(kind: str, options: Options = BULGE) -> Options:
+    return options if kind == "glb" else replace(options, driver="b")
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_a_morph_follows_the_pose_and_the_other_keeps_its_keys(kind: str, tmp_path: Path) -> None:
+    source = source_of(kind, tmp_path)
+    once, twice = tmp_path / f"once.{kind}", tmp_path / f"twice.{kind}"
+    outcome = driven(source, once, for_kind(kind))
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    assert max(outcome.verification.driven.values()) > 0.1
+    second = 1.0 if kind == "glb" else 24.0
+    times = np.linspace(0, 1, 41)
+    found = weights_of(once, times * second)
+    assert_allclose(found[:, 0], np.sin(np.pi / 2 * times), atol=2e-4)
+    assert_allclose(found[:, 1], np.interp(times, WEIGHT_TIMES, np.array(WEIGHTS)[:, 1]), atol=1e-7)
+    assert_allclose(weights_of(once, np.array([0.0, second]))[:, 0], [0, 1], atol=1e-7)
+    driven(once, twice, for_kind(kind))
+    assert once.read_bytes() == twice.read_bytes()
+    for note in read(once).rig.notes.values():
+        validator("node").validate(note)
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_the_same_reader_evaluated_from_its_note_says_the_same(kind: str, tmp_path: Path) -> None:
+    source = source_of(kind, tmp_path)
+    driven(source, tmp_path / f"out.{kind}", for_kind(kind))
+    rig = read(tmp_path / f"out.{kind}").rig
+    (note,) = (note for note in rig.notes.values() if note["type"] == "poseReader")
+    second = 1.0 if kind == "glb" else 24.0
+    times = np.linspace(0, second, 9)
+    world = pose.worlds(rig, pose.locals_at(rig, rig.clips[0], times))
+    said = weights(
+        Reader.of_note(note), world[:, rig.find(note["driver"])], world[:, rig.find(note["frame"])], {}
+    )
+    assert_allclose(said[:, 0], weights_of(tmp_path / f"out.{kind}", times)[:, 0], atol=2e-4)
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_verify_by_itself_sees_what_was_driven(kind: str, tmp_path: Path, app: click.Group) -> None:
+    source, target = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
+    driven(source, target, for_kind(kind))
+    assert not verify(read(source), read(target)).passes()
+    assert CliRunner().invoke(app, ["verify", str(source), str(target)]).exit_code == 6
+
+
+def test_the_self_check_is_told_of_driven_targets_alone(tmp_path: Path) -> None:
+    source, target = arm().glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    driven(source, target)
+    before, after = read(source), read(target)
+    assert self_check(before, after, driven={2: {0}}).passes()
+    assert not self_check(before, after, driven={2: {1}}).passes()
+    assert not self_check(before, after, driven={7: {0}}).passes()
+    assert self_check(before, after, driven={2: {0, 1}}).passes()
+
+
+def test_steps_of_other_morphs_stay_steps(tmp_path: Path) -> None:
+    source, target = arm(weights="STEP").glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    driven(source, target)
+    times = np.array([0, 0.2, 0.499, 0.5, 0.75, 0.999, 1.0])
+    assert_allclose(weights_of(target, times)[:, 1], weights_of(source, times)[:, 1], atol=1e-7)
+
+
+def test_spline_weights_are_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=r"'bend'.*'Skin' are splines"):
+        driven(arm(weights="CUBICSPLINE").glb(tmp_path / "in.glb"), tmp_path / "out.glb")
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_weights_that_nothing_drove_get_a_channel_of_their_own(tmp_path: Path) -> None:
+    source, target = arm(weights=None).glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    driven(source, target)
+    found = weights_of(target, np.array([0.0, 1.0]))
+    assert_allclose(found, [[0, 0.25], [1, 0.25]], atol=1e-7)
+    before, after = khronos_errors(source, target)
+    assert not after - before
+
+
+def test_usd_defaults_of_other_blend_shapes_stay(tmp_path: Path) -> None:
+    source = arm_usd(
+        tmp_path, weights='uniform token[] blendShapes = ["other"]\nfloat[] blendShapeWeights = [0.3]'
+    )
+    driven(source, tmp_path / "out.usda", for_kind("usda"))
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    animation = stage.GetPrimAtPath("/Root/Anim")
+    assert list(animation.GetAttribute("blendShapes").Get()) == ["other", "bulge"]
+    values = animation.GetAttribute("blendShapeWeights")
+    assert_allclose(values.Get(24.0), [0.3, 1.0], atol=1e-6)
+    assert_allclose(values.Get(), [0.3, 0.0], atol=1e-6)
+    assert not usd_errors(tmp_path / "out.usda") - usd_errors(source)
+
+
+def test_a_blend_shape_of_two_meshes_is_driven_in_both_or_not_at_all(tmp_path: Path) -> None:
+    text = arm_usd(tmp_path).read_text("utf-8")
+    start = text.index('def Mesh "Skin"')
+    twin = text[start : text.rindex("}")].replace("Skin", "Twin")
+    source = tmp_path / "twins.usda"
+    source.write_text(text[: text.rindex("}")] + twin + "}\n", "utf-8")
+    with pytest.raises(FileError, match=r"'bulge' is also one of </Root/Twin>"):
+        driven(source, tmp_path / "out.usda", for_kind("usda"))
+    both = (("side", "Skin", "bulge"), ("side", "Twin", "bulge"))
+    driven(source, tmp_path / "out.usda", replace(for_kind("usda"), morphs=both))
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_path: Path) -> None:
+    source, target = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
+    options = replace(for_kind(kind), targets=(UP, SIDE), morphs=())
+    outcome = driven(source, target, options)
+    assert outcome.verification is not None
+    assert outcome.verification.passes()
+    assert verify(read(source), read(target)).passes()
+    rig = read(target).rig
+    node = rig.find("reader_up")
+    (track,) = (t for c in rig.clips for t in c.tracks if t.node == node and t.path == "translation")
+    second = 1.0 if kind == "glb" else 24.0
+    times = np.linspace(0, second, 17)
+    assert_allclose(pose.sample(track, times)[:, 0], np.cos(np.pi / 2 * times / second), atol=2e-4)
+    assert rig.translation[node, 0] == pytest.approx(1.0)
+
+
+def with_control(rig: Rig, report: Report) -> Rig:
+    rig = add_controls(rig, options=ControlOptions(selection=Selection(joints=("b",))), report=report)
+    options = replace(for_kind("usda"), morphs=(), attributes=(("side", "b_ctl", "bulge"),))
+    return add_posereader(rig, options=options, report=report)
+
+
+def test_a_control_has_the_value_as_an_attribute_over_time(tmp_path: Path) -> None:
+    source = arm_usd(tmp_path)
+    edit(source, tmp_path / "once.usda", with_control)
+    edit(tmp_path / "once.usda", tmp_path / "twice.usda", with_control)
+    assert (tmp_path / "once.usda").read_bytes() == (tmp_path / "twice.usda").read_bytes()
+    stage = Usd.Stage.Open(str(tmp_path / "once.usda"))
+    (prim,) = (prim for prim in stage.Traverse() if prim.GetName() == "b_ctl")
+    value = prim.GetAttribute("userProperties:bulge")
+    assert value.Get(0.0) == pytest.approx(0.0, abs=1e-7)
+    assert value.Get(24.0) == pytest.approx(1.0)
+
+
+def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    for kind in ("dot", "cone", "rbf"):
+        goals = (Goal("half", pose="bend@0.5"), Goal("start", pose="rest"))
+        out = add_posereader(rig, options=Options(driver="lower", axis=(0, 1, 0), reader=kind, targets=goals))  # type: ignore[arg-type]
+        node = out.find("lower_reader_half")
+        (track,) = (t for t in out.clips[0].tracks if t.node == node)
+        assert pose.sample(track, [0.5])[0, 0] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "words"),
+    [
+        ({"driver": ""}, UsageError, "--driver"),
+        ({"driver": "lowre"}, NameNotFoundError, "Did you mean 'lower'"),
+        ({"targets": ()}, UsageError, "--target"),
+        ({"targets": (Goal("side", direction=(0, 0, 0)),)}, UsageError, "other than 0,0,0"),
+        ({"targets": (Goal("side", pose="bend@then"),)}, UsageError, "CLIP@TIME"),
+        ({"targets": (Goal("side", pose="walk@1"),)}, NameNotFoundError, "walk"),
+        ({"targets": (SIDE, SIDE)}, UsageError, "name of its own"),
+        ({"morphs": (("side", "Skim", "bulge"),)}, NameNotFoundError, "Did you mean 'Skin'"),
+        ({"morphs": (("side", "Skin", "bulg"),)}, NameNotFoundError, "Did you mean 'bulge'"),
+        ({"morphs": (("sid", "Skin", "bulge"),)}, UsageError, "there are side"),
+        ({"attributes": (("side", "upper", "x"),)}, UsageError, "is no control"),
+        ({"reader": "cone", "inner": 50.0, "outer": 40.0}, UsageError, "larger outer"),
+        ({"reader": "rbf", "targets": (Goal("side", node="upper"),)}, UsageError, "reads poses"),
+        (
+            {"reader": "rbf", "targets": (SIDE, Goal("same", pose="bend@1"))},
+            GeometryError,
+            "'side' and 'same' are one pose",
+        ),
+    ],
+)
+def test_what_reads_no_pose_is_told(
+    changes: dict[str, Any], error: type[Exception], words: str, tmp_path: Path
+) -> None:
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    with pytest.raises(error, match=words):
+        add_posereader(rig, options=replace(BULGE, **changes))
+
+
+def test_a_file_without_morphs_is_told_what_there_is(tmp_path: Path, samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    name = rig.names[rig.meshes[0].node]
+    joint = rig.names[int(rig.skins[0].joints[3])]
+    options = replace(BULGE, driver=joint, morphs=(("side", name, "bulge"),))
+    with pytest.raises(GeometryError, match="no other mesh of this file has any"):
+        add_posereader(rig, options=options)
+
+
+def test_without_clips_nothing_is_driven_and_that_is_said(tmp_path: Path) -> None:
+    source, target = arm(clips=False).glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    outcome = driven(source, target)
+    assert [notice.code for notice in outcome.report.warnings] == ["reader-without-clips"]
+    assert verify(read(source), read(target)).passes()
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_the_command_does_what_a_reviewer_has_read(
+    kind: str, app: click.Group, tmp_path: Path, golden: Golden
+) -> None:
+    source, out = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
+    line = [
+        "add-posereader",
+        source,
+        "-o",
+        out,
+        "--driver",
+        "b" if kind == "usda" else "lower",
+        "--axis",
+        "y",
+    ]
+    line += ["--target", "side=-1,0,0", "--target", "rest", "--morph", "side", "Skin", "bulge", "--json"]
+    result = CliRunner().invoke(app, list(map(str, line)))
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    validator("report").validate(document)
+    assert document["verification"]["driven"]
+    told = CliRunner().invoke(app, ["inspect", str(out)]).stdout
+    golden.check(f"add-posereader_{kind}.txt", told.replace(str(out), f"out.{kind}"))
+
+
+def test_options_of_another_kind_of_reader_are_refused(app: click.Group, tmp_path: Path) -> None:
+    source = arm().glb(tmp_path / "in.glb")
+    line = ["add-posereader", source, "-o", tmp_path / "out.glb", "--driver", "lower", "--target", "rest"]
+    result = CliRunner().invoke(app, [*map(str, line), "--outer", "40"])
+    assert result.exit_code == 2
+    assert "--outer is for --reader cone" in result.stderr

@@ -1,0 +1,306 @@
+"""add-rivet: a locator held by a triangle, through skinning and morphs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from conftest import Golden
+from morphs import arm, arm_usd
+from numpy.testing import assert_allclose
+from places import NOTHING_DRAWN, asset_files, leave_out, leave_out_refused, sample_files
+from second_opinions import khronos_errors, usd_errors, validator
+
+from rigtri import pose
+from rigtri.carried import Carried
+from rigtri.compare import verify
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.formats import Options as ReadOptions
+from rigtri.formats import read
+from rigtri.ops.rivet import Options, add_rivet
+from rigtri.ops.strip import strip
+from rigtri.pipeline import edit
+from rigtri.records import Mesh, Surface
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.timelines import looked_at, timelines
+from rigtri.triangles import nearest, triangles
+
+TRUSTING = ReadOptions(allow_external_paths=True)
+MIDDLE = Options(mesh="Skin", triangles=(0,), names=("button",))
+# Meshes whose faces are compressed, or whose only triangle has no area.
+UNUSABLE = {"gltfpack_cc_kn_godot_enemy.glb", "magnum_Assimp_skin-shared.gltf"}
+
+
+def riveted(source: Path, target: Path, options: Options = MIDDLE) -> Report:
+    report = Report()
+    outcome = edit(
+        source,
+        target,
+        lambda rig, told: add_rivet(rig, options=options, report=told),
+        options=TRUSTING,
+        report=report,
+        overwrite=True,
+    )
+    assert outcome.verification is not None
+    assert outcome.verification.deviation == 0.0
+    return report
+
+
+def farthest(path: Path, report: Report, mesh_name: str) -> float:
+    """The largest distance of rivets from the surface by the plain evaluation that verify uses."""
+    rig = read(path, TRUSTING).rig
+    mesh = next(mesh for mesh in rig.meshes if mesh.name == mesh_name)
+    worst = 0.0
+    for timeline in timelines(rig):
+        times = looked_at(pose.key_times(timeline.clip))
+        times = times[:: max(1, len(times) // 20)]
+        world = pose.worlds(rig, pose.locals_at(rig, timeline.clip, times, normalised=not rig.raw))
+        points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, timeline.clip, times))
+        for entry in report.added:
+            place = (points[:, entry["vertices"]] * np.array(entry["barycentric"])[:, np.newaxis]).sum(axis=1)
+            there = world[:, rig.find(entry["node"]), 3, :3]
+            worst = max(worst, float(np.linalg.norm(place - there, axis=1).max()))
+    return worst
+
+
+def largest(rig: Rig) -> tuple[Mesh, int] | None:
+    """The mesh with the most triangles, and how many it has."""
+    found = []
+    for mesh in rig.meshes:
+        try:
+            found.append((len(triangles(mesh)), mesh))
+        except FileError:
+            continue
+    count, mesh = max(found, key=lambda pair: pair[0], default=(0, None))
+    return (mesh, count) if mesh is not None and count else None
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_a_rivet_stays_on_the_surface_and_all_else_as_it_is(path: Path, tmp_path: Path) -> None:
+    try:
+        rig = read(path, TRUSTING).rig
+    except FileError as error:
+        leave_out_refused(path, error)
+    found = largest(rig)
+    if found is None or path.name in UNUSABLE:
+        names = {*UNUSABLE, "arm.gltf", "magnum_Gltf_animation-splines-sharing.gltf"}
+        if path.name in names:
+            return
+        leave_out(path, NOTHING_DRAWN)
+    mesh, count = found
+    options = Options(mesh=mesh.name, triangles=(count // 2,), names=("one",))
+    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
+    report = riveted(path, once, options)
+    size = max(float(np.ptp(mesh.points, axis=0).max()), 1e-30)
+    assert max(entry["deviation"] for entry in report.added) <= 2e-5
+    assert farthest(once, report, mesh.name) <= 2e-4 * max(size, 1.0)
+    again = riveted(once, twice, options)
+    assert once.read_bytes() == twice.read_bytes()
+    assert not any(entry["new"] for entry in again.added)
+    says = validator("node")
+    for note in read(once, TRUSTING).rig.notes.values():
+        says.validate(note)
+
+
+def test_a_rivet_on_the_middle_of_a_triangle_by_hand(tmp_path: Path) -> None:
+    """Points (0,0,0), (1,2,0), (0,3,0), morph 'other' at 0.25 moves the first to (0.25,0,0) at rest."""
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    out = add_rivet(rig, options=MIDDLE)
+    node = out.find("button")
+    world = pose.worlds(out)[node]
+    assert_allclose(world[3, :3], [1.25 / 3, 5 / 3, 0], atol=1e-7)
+    edge = np.array([0.75, 2, 0]) / np.hypot(0.75, 2)
+    assert_allclose(world[0, :3], edge, atol=1e-7)
+    assert_allclose(world[1, :3], [0, 0, 1], atol=1e-7)
+    assert out.notes[node]["vertices"] == [0, 1, 2]
+
+
+def test_a_rivet_follows_skinning_and_morphs_by_hand(tmp_path: Path) -> None:
+    """At 1 s the lower joint has turned by 90° about z at (0,1,0), and the weights are 0.5 and 0.5."""
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    out = add_rivet(rig, options=replace(MIDDLE, barycentric=((0.0, 0.0, 1.0),)))
+    clip = out.clips[0]
+    world = pose.worlds(out, pose.locals_at(out, clip, [0.0, 1.0]))[:, out.find("button"), 3, :3]
+    assert_allclose(world, [[0, 3, 0], [-2, 1, 0.5]], atol=1e-6)
+
+
+def test_few_points_are_carried_as_all_points_are_deformed(tmp_path: Path) -> None:
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    (timeline,), mesh = timelines(rig), rig.meshes[0]
+    times = np.linspace(-0.1, 1.1, 23)
+    for some in (mesh, replace(mesh, dual_quaternion=True), replace(mesh, skin=None)):
+        world = pose.worlds(rig, pose.locals_at(rig, timeline.clip, times))
+        wanted = pose.deformed(some, rig, world, pose.morph_weights(some, timeline.clip, times))
+        assert_allclose(
+            Carried(rig, some, np.array([2, 0, 1])).sample(timeline, times), wanted[:, [2, 0, 1]], atol=1e-12
+        )
+
+
+def test_a_tighter_bound_takes_more_keys_and_keeps_it(tmp_path: Path) -> None:
+    source = arm().glb(tmp_path / "in.glb")
+    counts = []
+    for within in (1e-2, 1e-4, 1e-6):
+        report = riveted(source, tmp_path / "out.glb", replace(MIDDLE, within=within))
+        assert report.added[0]["deviation"] <= max(within, 1e-7)
+        counts.append(report.added[0]["keys"]["bend"])
+    assert counts == sorted(counts)
+    assert counts[0] < counts[-1]
+
+
+def test_what_is_held_between_keys_is_held_by_the_rivet(tmp_path: Path) -> None:
+    source = arm(turn="STEP", weights="STEP").glb(tmp_path / "in.glb")
+    report = riveted(source, tmp_path / "out.glb")
+    assert report.added[0]["keys"] == {"bend": 3}
+    mixed = arm(turn="STEP").glb(tmp_path / "mixed.glb")
+    report = riveted(mixed, tmp_path / "out.glb")
+    assert farthest(tmp_path / "out.glb", report, "Skin/0") <= 1e-4
+
+
+def test_more_frames_a_second_are_more_keys(tmp_path: Path) -> None:
+    source = arm().glb(tmp_path / "in.glb")
+    few = riveted(source, tmp_path / "a.glb", replace(MIDDLE, within=1.0))
+    many = riveted(source, tmp_path / "a.glb", replace(MIDDLE, within=1.0, fps=30))
+    assert few.added[0]["keys"]["bend"] == 3
+    assert many.added[0]["keys"]["bend"] >= 30
+
+
+def test_usd_rivets_move_by_time_samples_under_the_skeletons_prim(tmp_path: Path) -> None:
+    source = arm_usd(tmp_path)
+    report = riveted(source, tmp_path / "out.usda", replace(MIDDLE, mesh="Skin"))
+    text = (tmp_path / "out.usda").read_text("utf-8")
+    assert "xformOp:orient.timeSamples" in text
+    assert report.added[0]["deviation"] <= 1e-5
+    assert farthest(tmp_path / "out.usda", report, "/Root/Skin") <= 1e-4
+    assert not usd_errors(tmp_path / "out.usda") - usd_errors(source)
+
+
+def test_a_moving_parent_of_a_usd_scope_is_taken_out(tmp_path: Path) -> None:
+    source = arm_usd(tmp_path)
+    text = source.read_text("utf-8").replace(
+        'def SkelRoot "Root"\n{',
+        'def SkelRoot "Root"\n{\ndouble3 xformOp:translate.timeSamples = {0: (0, 0, 0), 24: (5, 7, 0)}\n'
+        'uniform token[] xformOpOrder = ["xformOp:translate"]\n',
+    )
+    source.write_text(text, "utf-8")
+    report = riveted(source, tmp_path / "once.usda")
+    assert farthest(tmp_path / "once.usda", report, "/Root/Skin") <= 1e-4
+    riveted(tmp_path / "once.usda", tmp_path / "twice.usda")
+    assert (tmp_path / "once.usda").read_bytes() == (tmp_path / "twice.usda").read_bytes()
+
+
+def test_the_nearest_point_of_a_triangle_is_inside_on_an_edge_or_a_corner() -> None:
+    corners = np.array([[[0, 0, 0], [4, 0, 0], [0, 4, 0]]], dtype=np.float64)
+    for place, weights in (
+        ([1, 1, 5], [0.5, 0.25, 0.25]),
+        ([2, -3, 0], [0.5, 0.5, 0]),
+        ([9, -1, 0], [0, 1, 0]),
+        ([3, 3, 1], [0, 0.5, 0.5]),
+    ):
+        found, there = nearest(np.array(place, dtype=np.float64), corners)
+        assert found == 0
+        assert_allclose(there, weights, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes", "corners", "wanted"),
+    [
+        ("triangles", [], [0, 1, 2, 2, 1, 3], [[0, 1, 2], [2, 1, 3]]),
+        ("triangle strip", [], [0, 1, 2, 3], [[0, 1, 2], [2, 1, 3]]),
+        ("triangle fan", [], [0, 1, 2, 3], [[0, 1, 2], [0, 2, 3]]),
+        ("Mesh", [4, 3], [0, 1, 2, 3, 3, 2, 1], [[0, 1, 2], [0, 2, 3], [3, 2, 1]]),
+        ("lines", [], [0, 1], []),
+    ],
+)
+def test_faces_are_cut_into_triangles(
+    kind: str, sizes: list[int], corners: list[int], wanted: list[list[int]]
+) -> None:
+    surface = Surface(kind, np.array(sizes, dtype=np.int64), np.array(corners), np.zeros((0, 3)))
+    mesh = Mesh("m", 0, np.zeros((4, 3)), surface=lambda: surface)
+    assert triangles(mesh).tolist() == wanted
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        (Options(), UsageError, "which mesh"),
+        (Options(mesh="Skin"), UsageError, "where the rivet goes"),
+        (replace(MIDDLE, mesh="Skim"), NameNotFoundError, "Did you mean 'Skin'"),
+        (replace(MIDDLE, triangles=(1,)), GeometryError, "has 1 triangles, 0 to 0"),
+        (replace(MIDDLE, triangles=(-1,)), GeometryError, "no triangle -1"),
+        (replace(MIDDLE, barycentric=((1.0, 1.0, 0.0),)), UsageError, "sum to 1"),
+        (replace(MIDDLE, barycentric=((2.0, -1.0, 0.0),)), UsageError, "from 0 to 1"),
+        (Options(mesh="Skin", vertices=(3,)), GeometryError, "no vertex 3"),
+        (Options(mesh="Skin", vertices=(0, 1), names=("a", "a")), UsageError, "name of its own"),
+    ],
+)
+def test_what_holds_no_rivet_is_told(
+    options: Options, error: type[Exception], words: str, tmp_path: Path
+) -> None:
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    with pytest.raises(error, match=words):
+        add_rivet(rig, options=options)
+
+
+def test_a_mesh_of_lines_or_without_area_holds_none(tmp_path: Path) -> None:
+    lines = arm()
+    lines.gltf["meshes"][0]["primitives"][0]["mode"] = 3
+    with pytest.raises(GeometryError, match="no triangles"):
+        add_rivet(read(lines.glb(tmp_path / "lines.glb")).rig, options=MIDDLE)
+    flat = arm()
+    primitive = flat.gltf["meshes"][0]["primitives"][0]
+    primitive["attributes"]["POSITION"] = flat.points([[0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    del primitive["targets"], flat.gltf["meshes"][0]["weights"], flat.gltf["meshes"][0]["extras"]
+    flat.gltf["animations"][0]["channels"].pop()
+    rig = read(flat.glb(tmp_path / "flat.glb")).rig
+    with pytest.raises(GeometryError, match="no area"):
+        add_rivet(rig, options=MIDDLE)
+    with pytest.raises(GeometryError, match="in no triangle"):
+        add_rivet(rig, options=Options(mesh="Skin", vertices=(0,)))
+
+
+@pytest.mark.parametrize("name", ["in.glb", "in.usda"])
+def test_strip_takes_rivets_and_their_keys_out_again(name: str, tmp_path: Path) -> None:
+    source = arm().glb(tmp_path / name) if name == "in.glb" else arm_usd(tmp_path)
+    made, bare = tmp_path / f"made{source.suffix}", tmp_path / f"bare{source.suffix}"
+    riveted(source, made)
+    edit(made, bare, lambda rig, report: strip(rig, report=report))
+    found = verify(read(source), read(bare))
+    assert found.deviation == 0.0
+    assert (found.lost, found.added, found.changed) == ((), (), ())
+
+
+def test_the_khronos_validator_finds_no_new_errors(tmp_path: Path) -> None:
+    source, target = arm().glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    riveted(source, target)
+    before, after = khronos_errors(source, target)
+    assert not after - before
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_the_command_does_what_a_reviewer_has_read(
+    name: str, app: click.Group, samples: Path, tmp_path: Path, golden: Golden
+) -> None:
+    out = tmp_path / name
+    mesh = largest(read(samples / name).rig)
+    assert mesh is not None
+    line = [
+        "add-rivet",
+        samples / name,
+        "-o",
+        out,
+        "--mesh",
+        mesh[0].name,
+        "--vertex",
+        "0",
+        "--at",
+        "0,100,9",
+    ]
+    result = CliRunner().invoke(app, list(map(str, [*line, "--name", "button"])))
+    assert result.exit_code == 0, result.output
+    told = CliRunner().invoke(app, ["inspect", str(out)]).stdout
+    golden.check(f"add-rivet_{name}.txt", told.replace(str(out), name))
