@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from engines import three_vrm
-from gltf_files import glb_json
+from gltf_files import glb_bytes, glb_json, glb_parts
 from numpy.testing import assert_allclose
 from places import GOLDENS, asset_files, leave_out_refused, sample_files
 from rigs import chain, rig_of
@@ -482,13 +482,13 @@ VRM = [
 ]
 
 
-def looking(rig: Rig) -> Rig:
+def looking(rig: Rig, head: str = "head", hand: str = "hand_R") -> Rig:
     """With two nodes below the head that look at the right hand along −z."""
-    head = rig.find("head")
+    above = rig.find(head)
     world = worlds(rig)
-    way = world[rig.find("hand_R"), 3, :3] - world[head, 3, :3]
-    turn = product(conjugate(factored(world[head]).rotation), between([0, 0, -1], way))
-    return rig.with_nodes(["gaze", "copy"], [head, head], np.zeros((2, 3)), np.stack([turn, turn]))
+    way = world[rig.find(hand), 3, :3] - world[above, 3, :3]
+    turn = product(conjugate(factored(world[above]).rotation), between([0, 0, -1], way))
+    return rig.with_nodes(["gaze", "copy"], [above, above], np.zeros((2, 3)), np.stack([turn, turn]))
 
 
 def test_three_vrm_evaluates_the_exported_constraints_as_we_do(samples: Path, tmp_path: Path) -> None:
@@ -499,18 +499,76 @@ def test_three_vrm_evaluates_the_exported_constraints_as_we_do(samples: Path, tm
     assert glb_json(path)["extensionsUsed"].count("VRMC_node_constraint") == 1
     rig = read(path).rig
     assert sorted(c.kind for c in rig.constraints) == ["aim", "roll", "roll", "rotation", "rotation"]
-    (shown,) = three_vrm(path, folder=tmp_path)
-    assert shown["constraints"] == 5
+    assert_three_vrm_agrees(path, 5, tmp_path)
+
+
+def assert_three_vrm_agrees(path: Path, count: int, folder: Path) -> None:
+    """While the first clip plays, three-vrm has every node where our rules have it, and rules matter."""
+    rig = read(path).rig
+    (shown,) = three_vrm(path, folder=folder)
+    assert shown["constraints"] == count
     free = {rig.find(str(note["child"])) for note in rig.notes.values() if note["type"] == "constraint"}
-    plain_moves = 0.0
+    plain_moves = dict.fromkeys(free, 0.0)
     for step in range(0, 40, 3):
         local = locals_at(rig, rig.clips[0], [step / 60])
         ours, without = worlds(rig, followed(rig, local))[0], worlds(rig, local)[0]
         for node, key in enumerate(rig.keys):
             theirs = np.reshape(shown[f"{key}|{step}"], (4, 4))
             assert_allclose(theirs, ours[node], atol=1e-5)
-        plain_moves = max(plain_moves, float(np.abs(ours - without)[sorted(free)].max()))
-    assert plain_moves > 0.05
+        for node in free:
+            plain_moves[node] = max(plain_moves[node], float(np.abs(ours - without)[node].max()))
+    assert min(plain_moves.values()) > 0.01
+
+
+REAL = [
+    Options("orient", "toes.L", (("toes.R", 1.0),), space="local", vrm=True),
+    Options("orient", "hand.L", (("lower_arm.R", 1.0),), roll="y", vrm=True),
+    Options("orient", "lower_leg.L", (("upper_leg.R", 1.0),), roll="z", vrm=True),
+    Options("aim", "gaze", (("hand.R", 1.0),), aim=(0.0, 0.0, -1.0), world_up="none", vrm=True),
+]
+
+
+def test_three_vrm_evaluates_constraints_on_a_real_vrm_1_as_we_do(assets: Path, tmp_path: Path) -> None:
+    moving, out = tmp_path / "moving.vrm", tmp_path / "out.vrm"
+    moving.write_bytes(waving(assets / "vrm" / "addon_Example_vrm1.vrm", REAL))
+    document = read(moving)
+    rig = told(looking(document.rig, "head", "hand.R"), *REAL)
+    document.write(rig, out, out)
+    assert sorted(c.kind for c in read(out).rig.constraints) == ["aim", "roll", "roll", "rotation"]
+    assert_three_vrm_agrees(out, 4, tmp_path)
+
+
+def waving(path: Path, rules: list[Options]) -> bytes:
+    """A GLB in which a clip turns what the rules follow, and the arm of the hand that is looked at."""
+    gltf, binary = glb_parts(path)
+    names = [node.get("name") for node in gltf["nodes"]]
+    times = np.array([0.0, 0.3, 0.7], dtype="<f4")
+    arrays, animation = [times], {"name": "wave", "channels": [], "samplers": []}
+    followed_ones = {name for rule in rules for name, _ in rule.drivers} | {"upper_arm.R"}
+    for number, name in enumerate(sorted(followed_ones)):
+        node = names.index(name)
+        rest_turn = np.array(gltf["nodes"][node].get("rotation", [0, 0, 0, 1]), dtype=np.float64)
+        turns = [from_axis_angle([1, 2, number + 1], angle) for angle in (0.0, 0.9, -0.6)]
+        arrays.append(np.array([product(rest_turn, turn) for turn in turns], dtype="<f4"))
+        animation["samplers"].append({"input": 0, "output": len(arrays) - 1})
+        animation["channels"].append({"sampler": number, "target": {"node": node, "path": "rotation"}})
+    first = len(gltf["accessors"])
+    for sampler in animation["samplers"]:
+        sampler.update(input=first, output=first + sampler["output"])
+    for array in arrays:
+        binary += b"\0" * (-len(binary) % 4)
+        gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": array.nbytes})
+        kind = (
+            {"type": "SCALAR", "min": [0.0], "max": [float(times[2])]}
+            if array.ndim == 1
+            else {"type": "VEC4"}
+        )
+        view = len(gltf["bufferViews"]) - 1
+        gltf["accessors"].append({"bufferView": view, "componentType": 5126, "count": 3, **kind})
+        binary += array.tobytes()
+    gltf["buffers"][0]["byteLength"] = len(binary)
+    gltf["animations"] = [animation]
+    return glb_bytes(gltf, binary)
 
 
 def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) -> None:

@@ -12,7 +12,6 @@ from engines import apart, blender, blender_ik, blender_scene, three_rig
 from numpy.testing import assert_allclose
 from places import ASSETS, NO_ASSETS, SAMPLES, USD
 
-from rigtri.errors import GeometryError
 from rigtri.formats import read
 from rigtri.ops.constrain import Options as Constrain
 from rigtri.ops.constrain import constrain
@@ -132,11 +131,6 @@ def by_note(things: list[dict[str, Any]], told: str) -> dict[tuple[str, ...], di
     return {key_of(thing[told]): thing for thing in things}
 
 
-def one_set(points: Floats) -> Floats:
-    """Points, (p, 3), in an order of their own."""
-    return points[np.lexsort(np.round(points, 4).T)]
-
-
 def spread(points: Floats, others: Floats) -> float:
     """How far the farthest of the points is from the nearest of the others, both ways."""
     between = np.linalg.norm(points[:, np.newaxis] - others, axis=-1)
@@ -211,3 +205,62 @@ def test_blender_reads_every_note_of_gltf_as_custom_properties(samples: Path, tm
     assert stored == written
 
 
+def test_blender_s_usd_import_keeps_the_words_of_notes(samples: Path, tmp_path: Path) -> None:
+    out, rig = built(samples / "biped.usdz", everything, tmp_path)
+    (scene,) = blender_scene(out, folder=tmp_path)
+    stored = by_note(scene["things"], "stored")
+    for node, note in rig.notes.items():
+        if not rig.is_joint[node]:
+            for word, value in note.items():
+                if isinstance(value, str):
+                    assert stored[key_of(dict(note))]["stored"][word] == value
+
+
+@pytest.mark.parametrize("path", [BIPEDS[0], BIPEDS[2], *CHARACTERS], ids=lambda path: path.name)
+def test_blender_s_own_ik_with_our_pole_vector_leaves_the_elbow_in_place(path: Path, tmp_path: Path) -> None:
+    """As a rigger does: joints with Blender's axes, an IK constraint, our locator as its pole."""
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return poles(orient_joints(rig, options=Orient(style=PRESETS["blender"]), report=report), report)
+
+    out, rig = built(path, step, tmp_path)
+    (limbs,) = blender_ik(out, folder=tmp_path)
+    notes = [note for note in rig.notes.values() if note["type"] == "poleVector"]
+    assert len(limbs) == len(notes) == 4
+    for note in notes:
+        found = limbs[rig.names[rig.find(str(note["chain"][1]))]]
+        assert found["off"] < CLOSE  # Blender's bones meet at the joints
+        assert max(found["moved"]) <= ELBOW * found["length"]
+        if float(note["bend"]) > 5:  # a pole a quarter turn aside takes the elbow along
+            assert found["wrong"][1] > 200 * ELBOW * found["length"]
+
+
+GLB = [BIPEDS[0], *(path for path in CHARACTERS if path.suffix in (".glb", ".vrm"))]
+
+
+@pytest.mark.parametrize("path", GLB, ids=lambda path: path.name)
+def test_three_js_draws_every_control_at_its_joint(path: Path, tmp_path: Path) -> None:
+    out, rig = built(path, whole, tmp_path)
+    (scene,) = three_rig(out, folder=tmp_path)
+    things = by_note(scene["things"], "note")
+    world, near = worlds(rig), 1e-6 * size_of(rig)
+    assert len(rig.shapes) > 20
+    for node, shape in rig.shapes.items():
+        thing = things[key_of(dict(rig.notes[node]))]
+        assert thing["visible"]
+        assert thing["name"] == rig.names[node]
+        assert_allclose(thing["world"][12:15], world[node, 3, :3], rtol=0, atol=near)
+        lines = thing["lines"]
+        assert lines["type"] == ("LineLoop" if shape.closed and len(shape.strips) == 1 else "LineSegments")
+        placed = (shape.segments[..., np.newaxis] * world[node, :3, :3]).sum(axis=2) + world[node, 3, :3]
+        assert_allclose(lines["ends"], placed, rtol=0, atol=near)
+        assert_allclose(lines["color"], shape.color, atol=1e-6)
+
+
+def test_three_js_reads_every_note_of_loose_nodes(samples: Path, tmp_path: Path) -> None:
+    out, _ = built(samples / "biped.glb", everything, tmp_path)
+    (scene,) = three_rig(out, folder=tmp_path)
+    written = read(out).rig
+    assert {thing["name"]: thing["note"] for thing in scene["things"]} == {
+        written.names[node]: note for node, note in written.notes.items()
+    }

@@ -9,6 +9,7 @@ where they were: ``moved``, and once more with the pole turned a quarter about t
 
 import json
 import sys
+from itertools import pairwise
 from math import atan2, degrees
 from pathlib import Path
 
@@ -30,19 +31,14 @@ def armature_with(names):
 
 
 def silence():
-    """No clip plays: bones stay in the pose that the file's nodes have."""
+    """No clip plays, and every bone is in its rest pose."""
     for thing in bpy.data.objects:
         if thing.animation_data:
             thing.animation_data.action = None
             for track in thing.animation_data.nla_tracks:
                 track.mute = True
-
-
-def rest_as_posed(armature):
-    """Make the pose of the nodes the rest pose, where a file's bind pose is another."""
-    select(armature, "POSE")
-    bpy.ops.pose.armature_apply(selected=False)
-    bpy.ops.object.mode_set(mode="OBJECT")
+        for bone in thing.pose.bones if thing.pose else ():
+            bone.matrix_basis.identity()
 
 
 def select(armature, mode):
@@ -61,7 +57,7 @@ def reach_joints(armature, names):
     select(armature, "EDIT")
     bones = [armature.data.edit_bones[name] for name in names]
     off = 0.0
-    for bone, following in zip(bones, bones[1:]):
+    for bone, following in pairwise(bones):
         way = following.head - bone.head
         bone.length = way.length
         off = max(off, (bone.tail - following.head).length / way.length)
@@ -80,7 +76,7 @@ def pole_angle(armature, names, pole):
 
 
 def distances(before, after):
-    return [(a - b).length for a, b in zip(before, after)]
+    return [(a - b).length for a, b in zip(before, after, strict=True)]
 
 
 def solved(armature, names, pole):
@@ -107,15 +103,14 @@ def solved(armature, names, pole):
 
 
 def judged(path):
-    load(path)
+    # Bones rest as the nodes of a glTF file lie, not as its skins were bound.
+    load(path, guess_original_bind_pose=False)
     silence()
     poles = [thing for thing in bpy.data.objects if stored(thing).get("type") == "poleVector"]
     found = {}
     for pole in poles:
         names = chain_of(pole)
         armature = armature_with(names)
-        if not found:
-            rest_as_posed(armature)
         off = reach_joints(armature, names)
         found[names[1]] = solved(armature, names, pole) | {"off": off}
     return found

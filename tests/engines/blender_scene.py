@@ -15,12 +15,12 @@ import bpy
 import numpy as np
 
 
-def load(path):
+def load(path, **gltf):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if path.suffix in (".usd", ".usda", ".usdc", ".usdz"):
         bpy.ops.wm.usd_import(filepath=str(path), import_guide=True)
     else:
-        bpy.ops.import_scene.gltf(filepath=str(path), disable_bone_shape=True)
+        bpy.ops.import_scene.gltf(filepath=str(path), disable_bone_shape=True, **gltf)
 
 
 def plain(value):
@@ -36,7 +36,7 @@ def stored(thing):
     """What rigtri stored at an object: the extras of glTF, or the userProperties of USD."""
     if "rigtri" in thing:
         return plain(thing["rigtri"])
-    return {key[7:]: plain(thing[key]) for key in thing.keys() if key.startswith("rigtri_")}
+    return {key[7:]: plain(value) for key, value in thing.items() if key.startswith("rigtri_")}
 
 
 def lines(thing):
@@ -47,14 +47,19 @@ def lines(thing):
         colors = [list(slot.material.diffuse_color)[:3] for slot in thing.material_slots if slot.material]
         if thing.material_slots and thing.material_slots[0].material.node_tree:
             tree = thing.material_slots[0].material.node_tree
-            colors = [list(n.inputs["Base Color"].default_value)[:3] for n in tree.nodes if n.type == "BSDF_PRINCIPLED"]
+            colors = [
+                list(n.inputs["Base Color"].default_value)[:3]
+                for n in tree.nodes
+                if n.type == "BSDF_PRINCIPLED"
+            ]
         count = len(thing.data.edges)
     elif thing.type == "CURVES":
         points = np.array([point.position for point in thing.data.points], dtype=np.float64)
         colors = [list(one.color)[:3] for one in thing.data.attributes["displayColor"].data]
         cyclic = thing.data.attributes.get("cyclic")
         closed = [one.value for one in cyclic.data] if cyclic else [False] * len(thing.data.curves)
-        count = sum(curve.points_length - (not whole) for curve, whole in zip(thing.data.curves, closed))
+        lengths = [curve.points_length for curve in thing.data.curves]
+        count = sum(length - (not whole) for length, whole in zip(lengths, closed, strict=True))
     else:
         return None
     return {"count": count, "points": (points @ world[:3, :3].T + world[:3, 3]).tolist(), "colors": colors}
@@ -75,7 +80,10 @@ def told(thing):
 
 def bones(thing):
     world = np.array(thing.matrix_world, dtype=np.float64)
-    return {bone.name: (world[:3, :3] @ np.array(bone.head_local) + world[:3, 3]).tolist() for bone in thing.data.bones}
+    return {
+        bone.name: (world[:3, :3] @ np.array(bone.head_local) + world[:3, 3]).tolist()
+        for bone in thing.data.bones
+    }
 
 
 def seen(path):
