@@ -315,7 +315,9 @@ def _over(layer: Any, below: Path, path: Path, allow_external: bool) -> tuple[An
         # What their expressions name is known only with the variables of that file.
         variables = variables_of(stage.GetRootLayer())
         held = external.check(path, allow_external=allow_external, variables=variables)
-        assert held layers.over(layer, stage.GetRootLayer()), warnings
+        both = layers.over(layer, stage.GetRootLayer())
+        del held  # they had to stay open until the stage has them
+    return both, warnings
 
 
 def _apply(stage: Any, edits: list[Edit], layer: Any, notices: list[Notice]) -> None:

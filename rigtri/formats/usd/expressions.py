@@ -32,7 +32,10 @@ def variables_of(layer: Any) -> dict[str, Any]:
 
 
 def evaluated(path: str, variables: Variables) -> str:
-    """The asset path that is meant; "" where an expression names none, as USD evaluates it."""
+    """The asset path that is meant; "" where an expression names none, as USD evaluates it.
+
+    A variable that is not set stays in it: ``${NAME}``.
+    """
     if not is_one(path):
         return path
     result = Sdf.VariableExpression(path).Evaluate(dict(variables))

@@ -31,7 +31,8 @@ _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 def check(path: Path, *, allow_external: bool, variables: Variables | None = None) -> list[Any]:
     """Look at every layer that composing ``path`` may open; returns those layers, still open.
 
-    variables: of the layer stack that it will be part of; its own where there is none above. FileError for one that lies outside the folder of ``path`` (unless allowed), on a network or
+    variables: of the layer stack that it will be part of; its own where there is none above.
+    FileError for one that lies outside the folder of ``path`` (unless allowed), on a network or
     in no plain file, naming the layer and the prim that ask for it.
     """
     root = Sdf.Layer.FindOrOpen(str(path))
@@ -48,8 +49,8 @@ def check(path: Path, *, allow_external: bool, variables: Variables | None = Non
             continue
         if len(seen) >= SETTINGS:
             raise FileError(
-                f"{layer.identifier} is referred to with more than {SETTINGS} settings of expressionVariables. "
-                "Write the asset paths without expressions"
+                f"{layer.identifier} is referred to with more than {SETTINGS} settings of "
+                "expressionVariables. Write the asset paths without expressions"
             )
         seen.append(given)
         layers[layer.identifier] = layer

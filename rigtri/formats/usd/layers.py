@@ -81,7 +81,8 @@ def from_folder(source: Path, target: Path, layer: Any) -> Rename | None:
     """How asset paths of a layer in ``source`` read from ``target``; None where they are the same.
 
     Absolute paths, URLs and names on a search path stay as they are. Expressions are put behind the
-    way to ``source``; `rename_assets` refuses those that cannot be.
+    way to ``source``; `rename_assets` refuses those that cannot be. One that says nothing with the
+    variables of ``layer`` may say something below a layer that sets others, so it is treated alike.
     """
     source, target = source.resolve(), target.resolve()
     if source == target:
@@ -103,7 +104,11 @@ def anchored(folder: Path, layer: Any) -> Rename:
     def absolute(path: str) -> str:
         return os.path.normpath(folder / path).replace(os.sep, "/")
 
-    return _renaming(folder, absolute, lambda path: absolute(evaluated(path, variables)), layer)
+    def expressed(path: str) -> str:
+        found = evaluated(path, variables)
+        return absolute(found) if found else path
+
+    return _renaming(folder, absolute, expressed, layer)
 
 
 class _FixedError(Exception):
@@ -121,6 +126,9 @@ def _renaming(source: Path, moved: Rename, expressed: Rename, layer: Any) -> Ren
 
     def rename(path: str) -> str:
         outer, bracket, inner = evaluated(path, variables).partition("[")
+        # USD leaves a variable that is not set where it stands.
+        if is_one(path) and (not outer or "${" in outer):
+            return expressed(path)
         if not outer or outer.startswith(("/", "\\")) or ":" in outer.split("/")[0]:
             return path
         # Without a dot in front it is relative only if it is there; else the resolver searches.

@@ -17,6 +17,8 @@ from rigtri.formats.usd.text import COMMENTS, STRINGS
 # Tuples, arrays and metadata are some ten deep at most; prims and dictionaries stand in braces.
 MOST_BRACKETS, MOST_BRACES = 1000, 5000
 
+# Bytes that are counted at a time.
+_CHUNK = 1 << 20
 _MARKS = re.compile(rb"[\"'@#/]")
 _SKIPPED = re.compile(STRINGS + rb"|" + COMMENTS)
 _KINDS = (("brackets", b"([", b")]", MOST_BRACKETS), ("braces", b"{", b"}", MOST_BRACES))
@@ -38,16 +40,26 @@ def check(content: bytes | memoryview, name: str) -> None:
         if sum(content.count(mark) for mark in _single(opening)) <= most:
             continue
         plain = plain or _without_words(content)
-        marks = np.frombuffer(plain, np.uint8)
-        places = np.flatnonzero(np.isin(marks, list(opening + closing)))
-        steps = np.where(np.isin(marks[places], list(opening)), 1, -1)
-        deep = np.flatnonzero(np.cumsum(steps) > most)
-        if len(deep):
-            line = plain.count(b"\n", 0, int(places[deep[0]])) + 1
+        if (place := _too_deep(plain, opening, closing, most)) >= 0:
+            line = plain.count(b"\n", 0, place) + 1
             raise FileError(
                 f"{name}: more than {most} {what} stand in each other in line {line}, which USD cannot read. "
                 "The file is damaged; export it again"
             )
+
+
+def _too_deep(plain: bytes, opening: bytes, closing: bytes, most: int) -> int:
+    """Where more than ``most`` brackets of a kind are open; −1 where they never are."""
+    step = np.zeros(256, np.int32)
+    step[list(opening)], step[list(closing)] = 1, -1
+    marks, depth = np.frombuffer(plain, np.uint8), 0
+    for start in range(0, len(marks), _CHUNK):
+        open_there = depth + np.cumsum(step[marks[start : start + _CHUNK]])
+        deep = np.flatnonzero(open_there > most)
+        if len(deep):
+            return start + int(deep[0])
+        depth = int(open_there[-1])
+    return -1
 
 
 def _single(marks: bytes) -> list[bytes]:
