@@ -209,11 +209,18 @@ class UsdDocument:
     def _encoded(self, layer: Any, encoding: str, content: bytes, notices: list[Notice]) -> bytes:
         """An edited copy of the layer as a file; a text stays as it is in all that was not edited."""
         if encoding == "usda":
+            lost: list[str] = []
             try:
-                return splice.spliced(content, self._layer, layer)
+                told = splice.spliced(content, self._layer, layer, lost)
             except UnknownTextError as why:
                 text = f"the text was written anew by USD, which sorts properties and drops comments: {why}"
                 notices.append(Notice("text-respelled", text))
+            else:
+                if lost:
+                    what = ", ".join(dict.fromkeys(lost))
+                    text = f"comments inside these values went, for the values got another size: {what}"
+                    notices.append(Notice("comments-dropped", text))
+                return told
         return layers.to_bytes(layer, encoding)
 
     def _opinions(self, target: Path) -> Any:
