@@ -126,15 +126,7 @@ class _Builder:
             self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
         for limb in dict.fromkeys(self.limbs):
             chain = [self.rig.address(node) for node in limb.triple]
-            about = {"joint": chain[-1], "chain": chain}
-            known = self._find("ik", about)
-            joint = (
-                self.options.ends == "joint" if known is None else as_wanted(self.rig, known, options.ends)
-            )
-            if joint:
-                self._ik_joint(limb, known, about)
-            else:
-                self._control(limb.end, "ik", about)
+            self._ik(limb, {"joint": chain[-1], "chain": chain})
         self._poles()
         return self.rig
 
