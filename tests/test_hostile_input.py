@@ -138,7 +138,7 @@ def test_links_in_a_circle_and_pipes_are_no_buffers(tmp_path: Path) -> None:
     (tmp_path / "two.bin").symlink_to("one.bin")
     assert "buffers[0]" in fault(path)
     os.mkfifo(tmp_path / "pipe.bin")
-    assert "is missing" in fault(changed(path, uri="pipe.bin"))
+    assert "is no plain file" in fault(changed(path, uri="pipe.bin"))
 
 
 # --- limits
