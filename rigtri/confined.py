@@ -17,7 +17,7 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from rigtri.errors import FileError, RigtriError
 
@@ -25,8 +25,6 @@ T = TypeVar("T")
 
 # What the server of children has loaded already, so that a new child costs milliseconds.
 _PRELOADED = ["rigtri.pipeline", "rigtri.formats.gltf.document", "rigtri.formats.usd.document"]
-# How many bytes this process may take, where it is a child with a limit: its own children may as much.
-_allowed: int | None = None
 
 
 class CrashError(FileError):
@@ -41,8 +39,10 @@ class Confined:
     as much as this process where it is such a child itself. A child ends with its parent.
     """
 
+    allowed: ClassVar[int | None] = None  # in a child: its own limit
+
     def __init__(self, *, seconds: float | None = None, memory: int | None = None) -> None:
-        self._seconds, self._memory = seconds, _allowed if memory is None else memory
+        self._seconds, self._memory = seconds, self.allowed if memory is None else memory
         # A fork of this process would copy the locks that its threads hold; the server has no threads.
         method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
         self._context: Any = multiprocessing.get_context(method)
@@ -127,14 +127,13 @@ def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError
 
 def _serve(pipe: Connection, memory: int | None) -> None:
     """The life of a child: tasks until the pipe closes."""
-    global _allowed
     # The parent hears of an interrupt, and then ends us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # For the parent we are a daemon, which it ends at its exit; a task may have children of its own.
     multiprocessing.current_process().daemon = False
     threading.Thread(target=_end_with_parent, daemon=True).start()
     if memory is not None:
-        _allowed = memory
+        Confined.allowed = memory
         _limit(memory)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
