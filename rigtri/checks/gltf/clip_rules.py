@@ -162,6 +162,14 @@ RULES = (
         "Normalise the weights again.",
     ),
     Rule(
+        "gltf.mesh.vertex-nan",
+        "error",
+        "A number of a vertex, of its position, normal, texture place or of a morph target, is none, or is infinite: "
+        "engines show a hole, or nothing of the mesh.",
+        "Mend that vertex in the program that made the mesh (normals of faces without area are often so), and "
+        "export it anew.",
+    ),
+    Rule(
         "gltf.mesh.weight-negative",
         "error",
         "A weight is negative.",
