@@ -176,15 +176,11 @@ def growth(folder: Path) -> list[str]:
 
 def differences(folder: Path) -> list[str]:
     """What `rigtri diff` takes for a file and what orient-joints makes of it, by joints."""
-    lines = [
-        "## Differences",
-        "",
-        "Seconds by the clock of `rigtri diff` as a new process, of a file with joints",
-    ]
-    lines[-1] += (
-        " in limbs of ten and what orient-joints made of it; `--no-verify` leaves out how far they look"
+    about = (
+        "Seconds by the clock of `rigtri diff` as a new process, of a file with joints in limbs of ten and "
+        "what orient-joints made of it; `--no-verify` leaves out how far they look apart."
     )
-    lines[-1] += " apart."
+    lines = ["## Differences", "", about]
     lines += ["", "| joints | diff | diff --no-verify | peak memory, MB |", "|---|---|---|---|"]
     for joints in (2500, 5000, 10000):
         path, target = write_glb(folder / "plain.glb", Character(joints=joints)), folder / "turned.glb"

@@ -164,10 +164,9 @@ RULES = (
     Rule(
         "gltf.mesh.vertex-nan",
         "error",
-        "A number of a vertex, of its position, normal, texture place or of a morph target, is none, or is infinite: "
+        "A number of a vertex (position, normal, texture place, morph target) is none, or is infinite: "
         "engines show a hole, or nothing of the mesh.",
-        "Mend that vertex in the program that made the mesh (normals of faces without area are often so), and "
-        "export it anew.",
+        "Mend that vertex where the mesh was made (normals of faces without area are often so); export it.",
     ),
     Rule(
         "gltf.mesh.weight-negative",

@@ -150,18 +150,18 @@ class View:
                 self._check_bounds(index, np.array(lows), np.array(highs))
 
     def blocks(self, index: int) -> Iterator[Floats]:
-        """The numbers of an accessor, some rows at a time, none of which is kept; all at once of packed ones."""
-        if index in self._numbers or not self._is_lost(index):
-            known = self._numbers.get(index)
-            try:
-                if known is not None or not self.accessors.has_rows(index):
-                    yield self.accessors.read(index) if known is None else known
-                    return
-                count = self.accessors.layout(index).rows
-                for start in range(0, count, _BLOCK):
-                    yield self.accessors.rows(index, start, start + _BLOCK)
-            except FileError as error:
-                self._add_broken(index, error)
+        """The numbers of an accessor, some rows at a time, none of which is kept; of packed ones all."""
+        if self._is_lost(index):
+            return
+        known = self._numbers.get(index)
+        try:
+            if known is not None or not self.accessors.has_rows(index):
+                yield self.accessors.read(index) if known is None else known
+                return
+            for start in range(0, self.accessors.layout(index).rows, _BLOCK):
+                yield self.accessors.rows(index, start, start + _BLOCK)
+        except FileError as error:
+            self._add_broken(index, error)
 
     def raw_accessor(self, raw: Any) -> dict[str, Any]:
         """The JSON of an accessor that could be read."""
