@@ -90,6 +90,9 @@ def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     place = multiply(from_frame(axes, position), inverse(above))
     # A place near its parent's keeps the rounding of both in the world.
     largest = max(float(length(position)), float(length(above[3, :3])))
+    if rig.keys[node] is not None and rig.is_joint.any():
+        # And of all that the joint which it stands at hangs on, though that may be far from both.
+        largest = max(largest, float(length(rig.world[rig.is_joint, 3, :3]).max()))
     return stand_local(rig, node, place, noise=_SAME_PLACE * largest)
 
 
