@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from rigtri.matrices import nearest_rotation
-from rigtri.naming import Side, twin
-from rigtri.ops.mirror import Options
+from rigtri.naming import twin
+from rigtri.ops.across import Options, other, side
 from rigtri.ops.select import chosen
-from rigtri.ops.twins import mirrored_axes, pairs, reflection, side_of
+from rigtri.ops.twins import Plane, mirrored_axes
 from rigtri.pose import worlds
 from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
 from rigtri.rig import Rig
-from rigtri.skeleton import reference, skeleton
+from rigtri.skeleton import Skeleton, reference, skeleton
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 # What tools leave of a symmetric character: a share of its size, and degrees.
 TOLERANCE = 1e-4
 DEGREES = 0.1
+# Nodes of ours that stand somewhere, and those whose axes say something.
+_STANDING = ("control", "poleVector", "rivet")
+_WITH_AXES = ("control", "poleVector")
+# Pairs that are farther apart than this share of the size lie on two sides.
+_APART = 1e-2
 
 
 @dataclass(frozen=True)
@@ -44,10 +50,15 @@ class Pair:
 
 @dataclass(frozen=True)
 class Asymmetry:
-    """All pairs of joints and of nodes that rigtri made, and those without a twin."""
+    """All pairs of joints and of nodes that rigtri made, and those without a twin.
+
+    better: the plane, and its place on its axis, between most pairs, where it is another one than
+    was asked for.
+    """
 
     pairs: tuple[Pair, ...]
     alone: tuple[str, ...]
+    better: tuple[Plane, float] | None = None
 
     def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
         """The pairs that are not symmetric, worst place first."""
@@ -64,30 +75,85 @@ def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
     options = options or Options()
     tree = skeleton(rig, options.root)
     ref = reference(tree, options.pose)
-    joints = [k for k in chosen(tree, options.selection) if tree.carries[k] or tree.below[k]]
-    found, alone = pairs(rig, joints, options.from_side)
-    other_side: Side = "left" if options.from_side == "right" else "right"
-    alone += pairs(rig, joints, other_side)[1]
-    compared = _compared(rig, found, ref.world, ref.extent, options)
-    made = [node for node, note in rig.notes.items() if note.get("type") != "frame" and side_of(rig, node)]
-    ours, single = pairs(rig, made, options.from_side)
-    single += pairs(rig, made, other_side)[1]
-    compared += _compared(rig, ours, worlds(rig), ref.extent, options)
-    return Asymmetry(
-        tuple(compared), tuple(f"{rig.title(k)} (no {twin(rig.names[k])})" for k in alone + single)
-    )
+    joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint)]
+    found, alone = _pairs(rig, joints, options)
+    rest = worlds(rig)
+    kinds = {node: str(note.get("type")) for node, note in rig.notes.items() if node not in set(tree.joints)}
+    standing, unpaired = _pairs(rig, (n for n, kind in kinds.items() if kind in _STANDING), options)
+    rules = (n for n, kind in kinds.items() if kind in ("constraint", "poseReader"))
+    alone += unpaired + _pairs(rig, rules, options)[1]
+    turned = {node: there for node, there in standing.items() if kinds[node] in _WITH_AXES}
+    placed = {node: there for node, there in standing.items() if node not in turned}
+    compared = [
+        *_compared(rig, found, ref.world, ref.extent, options),
+        *_compared(rig, turned, rest, ref.extent, options),
+        *_compared(rig, placed, rest, ref.extent, options, axes=False),
+    ]
+    titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
+    return Asymmetry(tuple(compared), titles, _better(found, ref.world, ref.extent, options))
 
 
-def _compared(rig: Rig, found: dict[int, int], world: Floats, size: float, options: Options) -> list[Pair]:
+def _is_bone(tree: Skeleton, joint: int) -> bool:
+    return bool(tree.carries[joint] or tree.below[joint])
+
+
+def _pairs(rig: Rig, nodes: Iterable[int], options: Options) -> tuple[dict[int, int], list[int]]:
+    """Those on the side that is copied with their twins, and those of either that have none."""
+    found: dict[int, int] = {}
+    alone = []
+    for node in nodes:
+        mine = side(rig, node)
+        there = _twin(rig, node) if mine else None
+        if mine and there is None:
+            alone.append(node)
+        elif mine == options.from_side and there is not None:
+            found[node] = there
+    return found, alone
+
+
+def _twin(rig: Rig, node: int) -> int | None:
+    """The twin of a node; of rivets and readers, which have names of their own, the one called so."""
+    note = rig.notes.get(node, {})
+    if note.get("type") in ("rivet", "poseReader"):
+        names = {str(n.get("name")): k for k, n in rig.notes.items() if n.get("type") == note["type"]}
+        return names.get(twin(str(note["name"])))
+    return other(rig, node)
+
+
+def _compared(
+    rig: Rig, found: dict[int, int], world: Floats, size: float, options: Options, *, axes: bool = True
+) -> list[Pair]:
     if not found:
         return []
-    reflect = reflection(options.plane)
     here, there = list(found), list(found.values())
-    apart = length(world[here, 3, :3] * reflect - world[there, 3, :3]) / (size or 1.0)
-    wanted = from_axes(mirrored_axes(nearest_rotation(world[here]), options.mode, reflect))
-    now = from_axes(nearest_rotation(world[there]))
-    angles = np.degrees(turn_angle(multiply(conjugate(wanted), now)))
+    apart = length(options.across.points(world[here, 3, :3]) - world[there, 3, :3]) / (size or 1.0)
+    angles = np.zeros(len(here))
+    if axes:
+        mine, now = nearest_rotation(world[here]), from_axes(nearest_rotation(world[there]))
+        wanted = from_axes(mirrored_axes(mine, options.mode, options.across.reflect))
+        angles = np.degrees(turn_angle(multiply(conjugate(wanted), now)))
     return [
         Pair(rig.title(a), rig.title(b), float(d), float(angle))
         for a, b, d, angle in zip(here, there, apart, angles, strict=True)
     ]
+
+
+def _better(
+    found: dict[int, int], world: Floats, size: float, options: Options
+) -> tuple[Plane, float] | None:
+    """The plane halfway between most pairs, where they are symmetric about that and not about the asked."""
+    if not found:
+        return None
+    here, there = world[list(found), 3, :3], world[list(found.values()), 3, :3]
+    axis = int(np.argmax(np.median(np.abs(there - here), axis=0)))
+    planes: tuple[Plane, ...] = ("yz", "xz", "xy")
+    middle = float(np.median((here + there)[:, axis])) / 2.0
+    if not np.median(np.abs(there - here)[:, axis]) > _APART * size:
+        return None
+    least = TOLERANCE * (size or 1.0)
+    if planes[axis] == options.plane and abs(middle - options.plane_at) <= least:
+        return None
+    other_plane = Options(plane=planes[axis], plane_at=middle).across
+    off = np.median(length(other_plane.points(here) - there))
+    asked = np.median(length(options.across.points(here) - there))
+    return (planes[axis], middle) if off < asked else None
