@@ -158,7 +158,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 def _check(values: dict[str, Any], options: Options) -> None:
     from rigtri.formats import read
     from rigtri.inputs import opened
-    from rigtri.ops.asymmetry import asymmetry
+    from rigtri.ops.mirroring.asymmetry import asymmetry
 
     if values["target"] is not None:
         raise UsageError("--check writes nothing; leave -o out")

@@ -13,12 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.ops.across import WHAT, Options, What, side
-from rigtri.ops.mirror_controls import mirror_controls, mirror_poles
-from rigtri.ops.mirror_limbs import mirror_limbs, mirror_twists
-from rigtri.ops.mirror_readers import mirror_readers
-from rigtri.ops.mirror_rivets import mirror_rivets
-from rigtri.ops.mirror_rules import mirror_rules
+from rigtri.ops.mirroring.across import WHAT, Options, What, side
+from rigtri.ops.mirroring.controls import mirror_controls, mirror_poles
+from rigtri.ops.mirroring.limbs import mirror_limbs, mirror_twists
+from rigtri.ops.mirroring.readers import mirror_readers
+from rigtri.ops.mirroring.rivets import mirror_rivets
+from rigtri.ops.mirroring.rules import mirror_rules
 from rigtri.ops.orient import Options as OrientOptions
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.select import LONE, ROOT, WEIGHTLESS, Selection, chosen, select

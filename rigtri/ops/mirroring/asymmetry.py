@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.matrices import nearest_rotation
 from rigtri.naming import twin
-from rigtri.ops.across import Options, other, side
+from rigtri.ops.mirroring.across import Options, other, side
 from rigtri.ops.select import chosen
 from rigtri.ops.twins import Plane, mirrored_axes
 from rigtri.pose import worlds

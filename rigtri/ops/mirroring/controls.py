@@ -11,11 +11,11 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.limbs import given
 from rigtri.matrices import inverse, multiply, orthonormal_axes
-from rigtri.ops.across import Options, lone, of_side, other, twin_name, twin_note
 from rigtri.ops.added import add, find, group, noted, renamed, stand, stand_local, unposed
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
 from rigtri.ops.joints import Kind, add_joint, beside, move_joint
+from rigtri.ops.mirroring.across import Options, lone, of_side, other, twin_name, twin_note
 from rigtri.ops.polevector import NO_PLANE
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.select import Selection

@@ -10,8 +10,8 @@ import numpy as np
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.matrices import orthonormal_axes
 from rigtri.naming import twin
-from rigtri.ops.across import Options, alike, direction, lone, of_side, other, size_of, twin_name
 from rigtri.ops.added import find
+from rigtri.ops.mirroring.across import Options, alike, direction, lone, of_side, other, size_of, twin_name
 from rigtri.ops.posereader import Goal, add_posereader
 from rigtri.ops.posereader import Options as ReaderOptions
 from rigtri.pose import worlds

@@ -9,8 +9,8 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
 from rigtri.matrices import identity, orthonormal_axes
-from rigtri.ops.across import ALIKE, Options, alike, direction, lone, of_side, other, size_of
 from rigtri.ops.constrain import follow
+from rigtri.ops.mirroring.across import ALIKE, Options, alike, direction, lone, of_side, other, size_of
 from rigtri.ops.twins import mirrored_axes
 from rigtri.pose import rest, worlds
 from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, to_axes, turn_angle

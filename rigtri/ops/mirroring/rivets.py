@@ -10,8 +10,8 @@ import numpy as np
 from rigtri.carried import Carried
 from rigtri.errors import GeometryError, UsageError
 from rigtri.naming import side as said
-from rigtri.ops.across import Options, lone, other, twin_name
 from rigtri.ops.added import find
+from rigtri.ops.mirroring.across import Options, lone, other, twin_name
 from rigtri.ops.rivet import Options as RivetOptions
 from rigtri.ops.rivet import add_rivet
 from rigtri.ops.twins import side_of

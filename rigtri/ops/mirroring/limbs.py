@@ -10,9 +10,9 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.matrices import determinant, nearest_rotation
 from rigtri.naming import twin
-from rigtri.ops.across import Options, direction, lone, of_side, other, twin_name
 from rigtri.ops.added import find, free_name, group, noted, renamed
 from rigtri.ops.joints import add_joint, move_joint, new_skin
+from rigtri.ops.mirroring.across import Options, direction, lone, of_side, other, twin_name
 from rigtri.ops.twins import Mirror, mirrored_axes, twin_of
 from rigtri.ops.twist import NAME, add_twist
 from rigtri.ops.twist import Options as TwistOptions
