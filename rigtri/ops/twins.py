@@ -18,6 +18,7 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 Mirror = Literal["behavior", "orientation", "blender"]
+MIRRORS: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
 Plane = Literal["yz", "xz", "xy"]
 _BONE = {"left": "right", "right": "left"}
 

@@ -69,13 +69,14 @@ class Asymmetry:
 def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
     """Compare each joint and node of ours on one side with the mirror image of its twin.
 
-    In the pose of the options (the bind pose by default) for joints, at rest for other nodes. Ends
-    that carry nothing are left out: they have no axes to speak of, and glTF does not call them joints.
+    In the pose of the options (the bind pose by default) for joints, at rest for other nodes.
+    Ends of others that carry nothing are left out: they have no axes to speak of, and glTF does not
+    call them joints.
     """
     options = options or Options()
     tree = skeleton(rig, options.root)
     ref = reference(tree, options.pose)
-    joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint)]
+    joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
     found, alone = _pairs(rig, joints, options)
     rest = worlds(rig)
     kinds = {node: str(note.get("type")) for node, note in rig.notes.items() if node not in set(tree.joints)}

@@ -12,7 +12,16 @@ from rigtri.matrices import determinant, nearest_rotation
 from rigtri.naming import twin
 from rigtri.ops.added import find, free_name, group, noted, renamed
 from rigtri.ops.joints import add_joint, move_joint, new_skin
-from rigtri.ops.mirroring.across import Options, direction, lone, of_side, other, twin_name
+from rigtri.ops.mirroring.across import (
+    Options,
+    alike,
+    direction,
+    lone,
+    of_side,
+    other,
+    twin_name,
+    twin_note,
+)
 from rigtri.ops.twins import Mirror, mirrored_axes, twin_of
 from rigtri.ops.twist import NAME, add_twist
 from rigtri.ops.twist import Options as TwistOptions
@@ -218,6 +227,12 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: Options,
         axis = (x, y, z)
     known = {k: find(rig, type="twist", joint=bone[0], to=bone[1], number=k) for k in by_number}
     there = [node for node in known.values() if node is not None]
+    split = _weighted(rig, nodes) and not _weighted(rig, there)
+    if not split and all(_same_twist(rig, node, known[k], axis) for k, node in by_number.items()):
+        # They follow already, and have been carried along where axes turned: keys keep their bits.
+        for node in there:
+            report.added.append({"node": rig.names[node], "type": "twist", "new": False})
+        return rig
     wanted = TwistOptions(
         bones=(bone,),
         count=count,
@@ -226,11 +241,19 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: Options,
         lower=not upper,
         axis=axis,
         # Shared weight is shared already where joints of the other side have any.
-        split_weights=_weighted(rig, nodes) and not _weighted(rig, there),
+        split_weights=split,
         keys=not rig.clips or any(t.node in nodes for clip in rig.clips for t in clip.tracks),
     )
     rig = add_twist(rig, options=wanted, report=report)
     return _names(rig, by_number, bone, known, report)
+
+
+def _same_twist(rig: Rig, node: int, there: int | None, axis: tuple[float, float, float] | None) -> bool:
+    """Whether a twist joint is told already what its twin tells; ``axis``: the mirrored one."""
+    wanted = twin_note(rig, rig.notes[node])
+    if there is None or wanted is None:
+        return False
+    return alike(wanted | ({} if axis is None else {"axis": list(axis)}), rig.notes[there], 1.0)
 
 
 def _names(

@@ -71,7 +71,12 @@ def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: Options, repor
     except (UsageError, GeometryError) as error:
         lone(rig, node, report, "rivet", str(error))
         return rig
-    off = float(length(np.array(heard.added[-1]["position"]) - mirrored))
+    found = np.array(heard.added[-1]["position"])
+    if known is not None and _stands(rig, known, there, note, found, size):
+        # The nearest point of a mesh that is not quite symmetric, but for the rounding of its skinning.
+        report.added.append({"node": rig.names[known], "type": "rivet", "new": False})
+        return rig
+    off = float(length(found - mirrored))
     if off > NEAR * size:
         why = f"the mesh is {off / size:.2g} of its size away from the mirrored place"
         lone(rig, node, report, "rivet", why)
