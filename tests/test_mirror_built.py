@@ -62,7 +62,7 @@ def left(rig: Rig, report: Report | None = None) -> Rig:
     parent = Constraint("parent", "thigh_L", (("hips", 1.0), ("hand_L", 2.0)))
     for rule in (aim, parent):
         rig = constrain(rig, options=rule, report=report)
-    rig = add_rivet(rig, options=Rivet("body", at=((0.4, 1.2, 0.1),), names=("badge_L",)), report=report)
+    rig = add_rivet(rig, options=Rivet("body", triangles=(310,), names=("badge_L",)), report=report)
     x, y, z = worlds(rig)[rig.find("forearm_L"), 0, :3].tolist()
     reader = Reading(
         driver="forearm_L",
