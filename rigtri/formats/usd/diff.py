@@ -72,7 +72,7 @@ def _layers(stages: Sequence[Any], paths: tuple[Path, Path], tolerance: float) -
 def _real(layer: Any) -> str:
     """Where a layer lies, whatever links lead there."""
     outer, bracket, inner = layer.identifier.partition("[")
-    return os.path.realpath(outer) + bracket + inner
+    return f"{os.path.realpath(outer)}{bracket}{inner}"
 
 
 def _others(stage: Any, path: Path) -> dict[str, Any]:
