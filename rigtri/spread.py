@@ -46,6 +46,29 @@ def shared(
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
 
 
+def folded(rows: Integers, joints: Integers, weights: Floats) -> tuple[Integers, Floats]:
+    """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
+
+    rows: as `Fold.rows`. What a point has of a joint and of those that it inherits is added up in
+    the first of their places. Of columns at the end, those that held something and do no longer go.
+    """
+    inside = np.clip(joints, 0, len(rows) - 1)
+    live = weights != 0
+    moved = live & (rows[inside] != joints)
+    out_joints, out_weights = np.where(live | (rows[inside] == joints), rows[inside], 0), weights.copy()
+    for later in range(1, joints.shape[1]):
+        for first in range(later):
+            both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)
+            both &= (out_joints[:, first] == out_joints[:, later]) & (joints[:, first] != joints[:, later])
+            both &= moved[:, first] | moved[:, later]
+            out_weights[both, first] += out_weights[both, later]
+            out_weights[both, later], out_joints[both, later] = 0.0, 0
+    width = joints.shape[1]
+    while width > 1 and live[:, width - 1].any() and not out_weights[:, width - 1].any():
+        width -= 1
+    return out_joints[:, :width], out_weights[:, :width]
+
+
 def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
     """The joints before and after places along the bone, and the share of the one after, (v,) each."""
     last = len(spread.at) - 1
