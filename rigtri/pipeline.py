@@ -185,12 +185,12 @@ def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
     )
 
 
-def _without(after: Document, document: Document, rig: Rig) -> Comparison:
+def _without(after: Document, document: Document, rig: Rig, driven: Driven) -> Comparison:
     """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
-    if all(fold.idle for fold in rig.folds):
-        result = compare(after, document)
-    else:  # their weights are their bones' again: alike while they do not turn
-        result = compare(Stilled(after), Stilled(document))
+    # Where weights are the bones' again, all is alike while no twist joint turns.
+    places = {key: node for node, key in enumerate(document.rig.keys)}
+    aside = {document.rig.address(places[key]): columns for key, columns in driven.items()}
+    result = compare(Stilled(after, driven=aside), Stilled(document, driven=aside))
     stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
     lost = [f"node {name}" for name in (Counter(stay) - Counter(after.rig.names)).elements()]
     shown = [mesh.name for mesh in document.meshes() if mesh.node not in rig.removed]
@@ -221,7 +221,7 @@ def _checked(
         if rig.spreads:
             return check_split(document, after)
         if rig.removed:
-            return _without(after, document, rig)
+            return _without(after, document, rig, driven)
         result = self_check(document, after, driven=driven)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
             return self_check(document, after, closely=True, driven=driven)

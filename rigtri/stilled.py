@@ -6,14 +6,14 @@ the twist joints stand still, at rest and in every clip, nothing may.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from rigtri import pose
 from rigtri.compare import Comparison, Source, self_check, verify
-from rigtri.records import Booleans, Mesh
+from rigtri.records import Booleans, Mesh, Track
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 from rigtri.twist import is_twist
@@ -24,9 +24,17 @@ _AT_ONCE = 64
 
 
 class Stilled:
-    """A document in which no clip turns a twist joint. meshes: instead of its own."""
+    """A document in which no clip turns a twist joint. meshes: instead of its own.
 
-    def __init__(self, document: Source, meshes: Sequence[Mesh] | None = None) -> None:
+    driven: morph targets by the addresses of nodes, whose weights stay what they are at rest.
+    """
+
+    def __init__(
+        self,
+        document: Source,
+        meshes: Sequence[Mesh] | None = None,
+        driven: Mapping[str, Collection[int]] | None = None,
+    ) -> None:
         self._document, self._meshes = document, meshes
         still = {node for node, note in document.rig.notes.items() if is_twist(note)}
         self._rig = replace(
@@ -38,6 +46,8 @@ class Stilled:
                 for clip in document.rig.clips
             ),
         )
+        if driven:
+            self._rig = _resting(self._rig, self.meshes(), driven)
 
     @property
     def rig(self) -> Rig:
@@ -51,6 +61,23 @@ class Stilled:
 
     def scenery(self, *, closely: bool = False) -> Scenery:
         return self._document.scenery(closely=closely)
+
+
+def _resting(rig: Rig, meshes: Sequence[Mesh], driven: Mapping[str, Collection[int]]) -> Rig:
+    """A rig in whose clips the weights of some morph targets are those at rest."""
+    rest = {mesh.node: mesh.morph_weights for mesh in meshes}
+    columns = {node: list(some) for name, some in driven.items() if (node := rig.known(name)) in rest}
+
+    def still(track: Track) -> Track:
+        if track.path != "weights" or track.node not in columns:
+            return track
+        values = track.values.copy()
+        some = columns[track.node]
+        values[..., some] = rest[track.node][some]
+        return replace(track, values=values)
+
+    clips = tuple(replace(clip, tracks=tuple(map(still, clip.tracks))) for clip in rig.clips)
+    return replace(rig, clips=clips)
 
 
 def check_split(before: Source, after: Source) -> Comparison:

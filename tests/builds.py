@@ -117,7 +117,7 @@ def _posereader(rig: Rig, report: Report) -> Rig:
 def _constrain(rig: Rig, report: Report, *, vrm: bool = False) -> Rig:
     for child in reversed(_joints(rig)):
         driver = next((k for k in _joints(rig) if not rig.is_below(k, child)), None)
-        if driver is None or rig.is_below(child, driver) and rig.children[child]:
+        if driver is None or (rig.is_below(child, driver) and rig.children[child]):
             continue
         wanted = constrain.Options(
             "orient", rig.address(child), ((rig.address(driver), 1.0),), space="local", vrm=vrm

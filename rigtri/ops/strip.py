@@ -12,6 +12,7 @@ import numpy as np
 
 from rigtri.constraints import told_by_rules
 from rigtri.errors import GeometryError
+from rigtri.ops.kept_keys import restored
 from rigtri.records import Booleans, Constraint, Fold, Skin
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -33,6 +34,10 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
     options = options or Options()
     report = report if report is not None else Report()
     gone = _gone(rig)
+    readers = [node for node in gone if rig.notes.get(node, {}).get("type") == "poseReader"]
+    rig, driven = restored(rig, readers)
+    for node, columns in driven.items():
+        report.driven.setdefault(rig.keys[node], set()).update(columns)
     notes = {}
     for node, note in rig.notes.items():
         if node in gone:
@@ -82,7 +87,7 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
         if stays.all() or not (stays.any() or skin.drawn):
             continue
         rows = np.cumsum(stays) - 1
-        lost, weighted = np.flatnonzero(~stays), skin.weighted
+        lost, weighted = np.flatnonzero(~stays), _weighted(rig, number)
         for row in lost.tolist():
             heir = _heir(rig, int(skin.joints[row]), gone, skin) if weighted[row] else -1
             if heir < 0 and weighted[row]:
@@ -94,6 +99,15 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
         idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
         found.append(Fold(number, rows, idle))
     return tuple(found)
+
+
+def _weighted(rig: Rig, number: int) -> Booleans:
+    """Which joints of a skin move points that can be read, (m,)."""
+    found = np.zeros(len(rig.skins[number].joints), dtype=bool)
+    for mesh in rig.meshes:
+        if mesh.skin == number:
+            found[mesh.joints[mesh.weights != 0]] = True
+    return found
 
 
 def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:

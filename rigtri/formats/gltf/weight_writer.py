@@ -80,7 +80,9 @@ class WeightWriter:
     def _title(self, mesh: int) -> str:
         return str(self._draft.gltf["meshes"][mesh].get("name") or f"#{mesh}")
 
-    def _primitive(self, mesh: int, number: int, skin: int, spreads: Sequence[Spread], fold: Fold | None) -> None:
+    def _primitive(
+        self, mesh: int, number: int, skin: int, spreads: Sequence[Spread], fold: Fold | None
+    ) -> None:
         raw = self._draft.gltf["meshes"][mesh]["primitives"][number]
         attributes = raw["attributes"]
         sets = _sets(attributes)
