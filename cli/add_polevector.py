@@ -14,6 +14,7 @@ from .options import (
     facing_option,
     given_options,
     output_options,
+    pole_options,
     reading_options,
     refuse_given,
     run_edit,
@@ -56,45 +57,7 @@ _FAR = 1e18
     type=click.Choice(["auto"]),
     help="Find arms and legs by the VRM humanoid map or by joint names.",
 )
-@click.option(
-    "--method",
-    type=click.Choice(["perpendicular", "ratio"]),
-    default="perpendicular",
-    show_default=True,
-    help="Which point of the chord the direction starts at: nearest to the middle, or by lengths.",
-)
-@click.option(
-    "--from",
-    "origin",
-    type=click.Choice(["middle", "root", "foot"]),
-    default="middle",
-    show_default=True,
-    help="Where the distance is counted from; foot is that point of the chord.",
-)
-@click.option(
-    "--reach",
-    type=click.FloatRange(min=0, min_open=True),
-    help="Distance as a multiple of the limb's length. [0.5]",
-)
-@click.option(
-    "--distance",
-    type=click.FloatRange(min=0, min_open=True),
-    help="Distance in world units of the file.",
-)
-@click.option(
-    "--reach-of",
-    type=click.Choice(["limb", "chord"]),
-    default="limb",
-    show_default=True,
-    help="What --reach multiplies: both bones, or root to end.",
-)
-@click.option(
-    "--orientation",
-    type=click.Choice(["world", "limb", "aim"]),
-    default="world",
-    show_default=True,
-    help="The locator's axes: the world's, the limb's, or aiming at the middle joint.",
-)
+@pole_options
 @click.option(
     "--bend",
     "bends",

@@ -15,6 +15,7 @@ from .options import (
     edit_options,
     given_options,
     output_options,
+    pole_options,
     reading_options,
     refuse_given,
     run_edit,
@@ -115,43 +116,7 @@ def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[flo
 @click.option("--parent", metavar="NODE", help="What the limb hangs below; of a joint it joins the skins.")
 @click.option("--skin/--no-skin", default=True, show_default=True, help="Make the joints joints of a skin.")
 @click.option("--pole/--no-pole", default=True, show_default=True, help="Add the limb's pole vector.")
-@click.option(
-    "--method",
-    type=click.Choice(["perpendicular", "ratio"]),
-    default="perpendicular",
-    show_default=True,
-    help="Pole vector: which point of the chord the direction starts at.",
-)
-@click.option(
-    "--from",
-    "origin",
-    type=click.Choice(["middle", "root", "foot"]),
-    default="middle",
-    show_default=True,
-    help="Pole vector: where the distance is counted from.",
-)
-@click.option(
-    "--reach",
-    type=click.FloatRange(min=0, min_open=True),
-    help="Pole vector: distance as a multiple of the limb's length. [0.5]",
-)
-@click.option(
-    "--distance", type=click.FloatRange(min=0, min_open=True), help="Pole vector: distance in file units."
-)
-@click.option(
-    "--reach-of",
-    type=click.Choice(["limb", "chord"]),
-    default="limb",
-    show_default=True,
-    help="Pole vector: what --reach multiplies.",
-)
-@click.option(
-    "--orientation",
-    type=click.Choice(["world", "limb", "aim"]),
-    default="world",
-    show_default=True,
-    help="Pole vector: its axes.",
-)
+@pole_options
 @click.option("--pole-name", help="Name of the pole vector. [MIDDLE_pole]")
 @click.option(
     "--up-axis", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Of a new USD file."

@@ -112,6 +112,53 @@ def reading_options(command: F) -> F:
     return command
 
 
+def pole_options(command: F) -> F:
+    """Where the pole vector of a limb stands."""
+    for option in (
+        click.option(
+            "--method",
+            type=click.Choice(["perpendicular", "ratio"]),
+            default="perpendicular",
+            show_default=True,
+            help="Which point of the chord the direction starts at: nearest to the middle, or by lengths.",
+        ),
+        click.option(
+            "--from",
+            "origin",
+            type=click.Choice(["middle", "root", "foot"]),
+            default="middle",
+            show_default=True,
+            help="Where the distance is counted from; foot is that point of the chord.",
+        ),
+        click.option(
+            "--reach",
+            type=click.FloatRange(min=0, min_open=True),
+            help="Distance as a multiple of the limb's length. [0.5]",
+        ),
+        click.option(
+            "--distance",
+            type=click.FloatRange(min=0, min_open=True),
+            help="Distance in world units of the file.",
+        ),
+        click.option(
+            "--reach-of",
+            type=click.Choice(["limb", "chord"]),
+            default="limb",
+            show_default=True,
+            help="What --reach multiplies: both bones, or root to end.",
+        ),
+        click.option(
+            "--orientation",
+            type=click.Choice(["world", "limb", "aim"]),
+            default="world",
+            show_default=True,
+            help="The locator's axes: the world's, the limb's, or aiming at the middle joint.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
 def turn_options(command: F) -> F:
     """What becomes of joints that may not turn freely."""
     for option in (

@@ -108,8 +108,9 @@ def _others(mine: Mesh, theirs: Mesh) -> Booleans:
         [np.pad(rows, ((0, 0), (0, width - rows.shape[1]))) for rows in (mesh.joints, mesh.weights)]
         for mesh in (mine, theirs)
     )
-    changed = (one[0] != other[0]).any(axis=1) | (one[1] != other[1]).any(axis=1)
-    changed |= (mine.points != theirs.points).any(axis=1)
+    changed = (mine.points != theirs.points).any(axis=1)
+    if width:  # a rigid mesh has no influences
+        changed |= (one[0] != other[0]).any(axis=1) | (one[1] != other[1]).any(axis=1)
     if len(mine.morphs):
         changed |= (mine.morphs != theirs.morphs).any(axis=(0, 2))
     return np.asarray(changed)

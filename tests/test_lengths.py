@@ -241,6 +241,6 @@ def test_clips_may_mirror_a_joint_each_about_another_axis() -> None:
         for k, row in enumerate(rows)
     )
     rig = replace(rig, clips=clips)
-    after = split(rig, 1, from_axis_angle([1, 2, 3], 1.0))
+    after = split(rig, {1: from_axis_angle([1, 2, 3], 1.0)})
     before, now = poses(rig), poses(after)
     assert np.allclose(now[:, [after.find(name) for name in rig.names]][:, 2], before[:, 2], atol=1e-12)

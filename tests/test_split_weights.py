@@ -17,6 +17,8 @@ from second_opinions import khronos_errors, validator
 
 from rigtri.errors import FileError
 from rigtri.formats import Document, read
+from rigtri.ops.controls import Options as Controls
+from rigtri.ops.controls import add_controls
 from rigtri.ops.twist import Options, add_twist
 from rigtri.pipeline import edit
 from rigtri.report import Report
@@ -200,3 +202,12 @@ def test_options_that_do_not_fit_are_told(
     )
     assert run.exit_code == 2
     assert words in run.output
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_rigid_lines_of_controls_do_not_disturb_the_check(samples: Path, tmp_path: Path, name: str) -> None:
+    built, out = tmp_path / f"built_{name}", tmp_path / name
+    edit(samples / name, built, lambda rig, _: add_controls(rig, options=Controls(whole_character=True)))
+    outcome = edit(built, out, lambda rig, _: add_twist(rig, options=Options(auto=True, split_weights=True)))
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-6

@@ -135,15 +135,17 @@ def test_split_weights_change_no_pose_that_does_not_twist_and_split_once(path: P
         leave_out_refused(path, error)
     assert outcome.verification is not None
     assert outcome.verification.passes()
-    assert outcome.verification.moved is not None
     before, after = weight_on_bones(path), weight_on_bones(once)
+    # Where nothing is drawn with weights, nothing moves.
+    assert outcome.verification.moved is not None if before else not outcome.verification.moved
     assert before.keys() == after.keys()
     for name, table in before.items():
         assert_allclose(after[name], table, atol=2e-7)
     again = edit(once, twice, split, options=TRUSTING).verification
     assert once.read_bytes() == twice.read_bytes()
     assert again is not None
-    assert_allclose(again.moved, outcome.verification.moved, rtol=1e-6)
+    if before:
+        assert_allclose(again.moved, outcome.verification.moved, rtol=1e-6)
 
 
 def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
