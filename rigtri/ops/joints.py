@@ -9,9 +9,10 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.matrices import inverse, multiply
+from rigtri.matrices import inverse, multiply, orthonormal_axes
 from rigtri.ops.added import add, stand
 from rigtri.pose import world_of
+from rigtri.quaternions import from_axes
 from rigtri.records import Booleans, Skin, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -111,8 +112,7 @@ def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
 
 def _still_in_clips(rig: Rig, before: Rig, node: int) -> Rig:
     """The rig with a joint that moved at rest moved in each clip, where tracks held it at its old rest."""
-    rest = {"translation": rig.translation[node], "rotation": rig.rotation[node]}
-    old = {"translation": before.translation[node], "rotation": before.rotation[node]}
+    rest, old = ({"translation": r.local[node, 3, :3], "rotation": _turn(r, node)} for r in (rig, before))
 
     def moved(track: Track) -> Track:
         if track.node != node or track.path not in rest or track.interpolation == "CUBICSPLINE":
@@ -131,6 +131,11 @@ def _still_in_clips(rig: Rig, before: Rig, node: int) -> Rig:
         same = all(a is b for a, b in zip(tracks, clip.tracks, strict=True))
         clips.append(clip if same else replace(clip, tracks=tracks))
     return replace(rig, clips=tuple(clips))
+
+
+def _turn(rig: Rig, node: int) -> Floats:
+    """The rotation of a node at rest, (4,), also where a matrix holds it."""
+    return from_axes(orthonormal_axes(rig.local[node])) if rig.has_matrix[node] else rig.rotation[node]
 
 
 def _stands(rig: Rig, moved: Rig, node: int, position: Floats) -> bool:
