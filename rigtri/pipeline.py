@@ -33,7 +33,7 @@ from rigtri.outputs import Written, as_file_error, spare
 from rigtri.pose import worlds
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
-from rigtri.stilled import Stilled, check_split
+from rigtri.stilled import check_split, stilled
 
 Step = Callable[[Rig, Report], Rig]
 
@@ -190,7 +190,7 @@ def _without(after: Document, document: Document, rig: Rig, driven: Driven) -> C
     # Where weights are the bones' again, all is alike while no twist joint turns.
     places = {key: node for node, key in enumerate(document.rig.keys)}
     aside = {document.rig.address(places[key]): columns for key, columns in driven.items()}
-    result = compare(Stilled(after, driven=aside), Stilled(document, driven=aside))
+    result = compare(*stilled(after, document, aside))
     stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
     lost = [f"node {name}" for name in (Counter(stay) - Counter(after.rig.names)).elements()]
     shown = [mesh.name for mesh in document.meshes() if mesh.node not in rig.removed]

@@ -13,7 +13,8 @@ import numpy as np
 
 from rigtri import pose
 from rigtri.compare import Comparison, Source, self_check, verify
-from rigtri.records import Booleans, Mesh, Track
+from rigtri.driven import set_aside
+from rigtri.records import Booleans, Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 from rigtri.twist import is_twist
@@ -24,16 +25,13 @@ _AT_ONCE = 64
 
 
 class Stilled:
-    """A document in which no clip turns a twist joint. meshes: instead of its own.
-
-    driven: morph targets by the addresses of nodes, whose weights stay what they are at rest.
-    """
+    """A document in which no clip turns a twist joint. meshes, rig: instead of its own."""
 
     def __init__(
         self,
         document: Source,
         meshes: Sequence[Mesh] | None = None,
-        driven: Mapping[str, Collection[int]] | None = None,
+        rig: Rig | None = None,
     ) -> None:
         self._document, self._meshes = document, meshes
         still = {node for node, note in document.rig.notes.items() if is_twist(note)}
@@ -46,8 +44,8 @@ class Stilled:
                 for clip in document.rig.clips
             ),
         )
-        if driven:
-            self._rig = _resting(self._rig, self.meshes(), driven)
+        if rig is not None:
+            self._rig = rig
 
     @property
     def rig(self) -> Rig:
@@ -63,21 +61,22 @@ class Stilled:
         return self._document.scenery(closely=closely)
 
 
-def _resting(rig: Rig, meshes: Sequence[Mesh], driven: Mapping[str, Collection[int]]) -> Rig:
-    """A rig in whose clips the weights of some morph targets are those at rest."""
-    rest = {mesh.node: mesh.morph_weights for mesh in meshes}
-    columns = {node: list(some) for name, some in driven.items() if (node := rig.known(name)) in rest}
+def stilled(before: Source, after: Source, driven: Mapping[str, Collection[int]]) -> tuple[Stilled, Stilled]:
+    """Both documents without the turns of twist joints, and without the morph weights ``driven``.
 
-    def still(track: Track) -> Track:
-        if track.path != "weights" or track.node not in columns:
-            return track
-        values = track.values.copy()
-        some = columns[track.node]
-        values[..., some] = rest[track.node][some]
-        return replace(track, values=values)
-
-    clips = tuple(replace(clip, tracks=tuple(map(still, clip.tracks))) for clip in rig.clips)
-    return replace(rig, clips=clips)
+    driven: morph targets by the addresses of nodes: where one file counts its nodes in another way, too.
+    """
+    pair = Stilled(before), Stilled(after)
+    if not driven:
+        return pair
+    rigs = [replace(s.rig, keys=tuple(s.rig.address(node) for node in range(len(s.rig)))) for s in pair]
+    resting = {mesh.node: mesh.morph_weights for mesh in before.meshes()}
+    aside = set_aside(rigs[0], rigs[1], driven, resting)
+    first, second = (
+        Stilled(document, rig=replace(document.rig, clips=rig.clips))
+        for document, rig in zip(pair, aside, strict=True)
+    )
+    return first, second
 
 
 def check_split(before: Source, after: Source) -> Comparison:

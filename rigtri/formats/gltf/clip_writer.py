@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.accessors import Accessors
+from rigtri.formats.gltf.accessors import FLOAT, Accessors
 from rigtri.formats.gltf.animations import POINTER, pointer_of
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import Singles, round_tracks, to_singles
@@ -275,7 +275,7 @@ class ClipWriter:
                     self._inputs[id(known.times)] = sampler["input"]
         if id(track.times) not in self._inputs:
             rows = to_singles(track.times.reshape(-1, 1))
-            return self._storage.add(rows, "SCALAR", "animation", bounds=True)
+            return self._keys(rows, "SCALAR", bounds=True)
         return self._inputs[id(track.times)]
 
     def _add_channel(self, number: int, track: Track) -> None:
@@ -303,9 +303,23 @@ class ClipWriter:
         rows = rows.reshape(-1, 1) if track.path == "weights" else rows
         return {
             "input": self._input(track),
-            "output": self._storage.add(rows, KINDS[rows.shape[1]], "animation"),
+            "output": self._keys(rows, KINDS[rows.shape[1]]),
             "interpolation": track.interpolation,
         }
+
+    def _keys(self, rows: Singles, kind: str, *, bounds: bool = False) -> int:
+        """An accessor with times or values; where keys are put back, the one that has them still."""
+        for index in range(len(self._accessors)) if self._rig.removed else ():
+            try:
+                raw = self._accessors.value(index).object()
+                fits = (raw.get("type"), raw.get("count"), raw.get("componentType")) == (kind, len(rows), FLOAT)
+                if not fits or (bounds and "min" not in raw):
+                    continue
+                if np.array_equal(self._accessors.read(index).reshape(rows.shape), rows):
+                    return index
+            except FileError:
+                continue
+        return self._storage.add(rows, kind, "animation", bounds=bounds)
 
 
 def drop_channels(draft: Draft, number: int, lost: Collection[int]) -> None:

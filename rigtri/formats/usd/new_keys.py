@@ -239,7 +239,7 @@ def _stored(weights: Any, count: int) -> tuple[Floats, Floats]:
             "blend shapes, so none can be added. Export it again."
         )
     times = np.array([time for time, _ in found], dtype=np.float64)
-    return times, np.array([list(value) for _, value in found], dtype=np.float64).reshape(-1, count)
+    return times, np.array([list(value) for _, value in found], dtype=np.float64).reshape(len(found), count)
 
 
 def _interpolation(source: Source) -> Interpolation:
