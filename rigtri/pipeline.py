@@ -189,7 +189,7 @@ def _without(after: Document, document: Document, rig: Rig, driven: Driven) -> C
     """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
     # Where weights are the bones' again, all is alike while no twist joint turns.
     places = {key: node for node, key in enumerate(document.rig.keys)}
-    aside = {document.rig.address(places[key]): columns for key, columns in driven.items()}
+    aside: Driven = {document.rig.address(places[key]): columns for key, columns in driven.items()}
     result = compare(*stilled(after, document, aside))
     stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
     lost = [f"node {name}" for name in (Counter(stay) - Counter(after.rig.names)).elements()]

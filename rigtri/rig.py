@@ -37,8 +37,17 @@ ADDED = (
     "rivet",
     "twist",
 )
+# The version of the description of notes that is read and written, and the types that it has.
+VERSION, KNOWN = 1, (*ADDED, "frame")
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
+
+
+def illegible(note: Mapping[str, Any]) -> str:
+    """Why this version cannot read a note, which stays as it is then; "" where it can."""
+    if note.get("v") != VERSION:
+        return f"its version is {note.get('v')!r}, and this rigtri reads {VERSION}"
+    return "" if note.get("type") in KNOWN else f"its type {note.get('type')!r} is not known to this rigtri"
 
 
 @dataclass(frozen=True, eq=False)

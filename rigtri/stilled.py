@@ -6,14 +6,14 @@ the twist joints stand still, at rest and in every clip, nothing may.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from rigtri import pose
 from rigtri.compare import Comparison, Source, self_check, verify
-from rigtri.driven import set_aside
+from rigtri.driven import Driven, set_aside
 from rigtri.records import Booleans, Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
@@ -61,7 +61,7 @@ class Stilled:
         return self._document.scenery(closely=closely)
 
 
-def stilled(before: Source, after: Source, driven: Mapping[str, Collection[int]]) -> tuple[Stilled, Stilled]:
+def stilled(before: Source, after: Source, driven: Driven) -> tuple[Stilled, Stilled]:
     """Both documents without the turns of twist joints, and without the morph weights ``driven``.
 
     driven: morph targets by the addresses of nodes: where one file counts its nodes in another way, too.

@@ -312,8 +312,8 @@ class ClipWriter:
         for index in range(len(self._accessors)) if self._rig.removed else ():
             try:
                 raw = self._accessors.value(index).object()
-                fits = (raw.get("type"), raw.get("count"), raw.get("componentType")) == (kind, len(rows), FLOAT)
-                if not fits or (bounds and "min" not in raw):
+                shape = raw.get("type"), raw.get("count"), raw.get("componentType")
+                if shape != (kind, len(rows), FLOAT) or (bounds and "min" not in raw):
                     continue
                 if np.array_equal(self._accessors.read(index).reshape(rows.shape), rows):
                     return index

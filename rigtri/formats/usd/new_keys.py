@@ -209,7 +209,7 @@ def _written(
 
 
 def _needed(track: Track, wanted: Floats, columns: Booleans) -> tuple[Floats, Floats]:
-    """Times and rows of a track without the times that its columns do not need, if they need ``wanted`` alone."""
+    """Times and rows of a track at ``wanted`` alone, where its columns need no others."""
     if not len(wanted):
         same = (np.abs(track.values[:, columns] - track.values[:1, columns]) <= SAME_VALUE).all()
         return (wanted, track.values[:0]) if same else (track.times, track.values)
