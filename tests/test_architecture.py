@@ -36,13 +36,14 @@ reframe report reach
 lengths
 naming
 limbs
+stature
 skeleton bend
 matching
 playing
 moving scenery attached
 watched
 compare describe description changes
-stilled
+advice stilled
 delivery
 ahead ops formats
 inputs outputs
