@@ -122,5 +122,5 @@ def test_joint_notes_of_a_later_version_stay_beside_ours(samples: Path, tmp_path
     attribute.default = Vt.StringArray([json.dumps(text) for text in texts])
     layer.Save()
     assert unread(edit(path, tmp_path / "bare.usda", stripped))
-    after = Sdf.Layer.FindOrOpen(str(tmp_path / "bare.usda")).GetAttributeAtPath(found[0])
-    assert [json.loads(text)["v"] for text in after.default] == [2]
+    after = Sdf.Layer.FindOrOpen(str(tmp_path / "bare.usda"))
+    assert [json.loads(text)["v"] for text in after.GetAttributeAtPath(found[0]).default] == [2]
