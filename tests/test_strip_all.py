@@ -17,7 +17,9 @@ from rigtri import diff, verify
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Options as Reading
 from rigtri.formats import read
-from rigtri.ops import posereader
+from rigtri.ops import orient, posereader
+from rigtri.ops.presets import Style
+from rigtri.ops.select import Selection
 from rigtri.ops.strip import strip
 from rigtri.pipeline import edit
 from rigtri.report import Report
@@ -143,3 +145,22 @@ def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_pat
         return rig
 
     assert comes_back(source, step, tmp_path) == source.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_joints_of_ours_that_are_turned_keep_what_says_how_they_were_made(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
+    built, turned = tmp_path / name, tmp_path / f"turned_{name}"
+    edit(samples / name, built, everything)
+    axes = orient.Options(style=Style(aim="-z", up="x"), selection=Selection(joints=("*",)))
+    edit(built, turned, lambda rig, report: orient.orient_joints(rig, options=axes, report=report))
+    before, after = read(built).rig, read(turned).rig
+    made = {before.names[node]: note["type"] for node, note in before.notes.items()}
+    assert {"limb", "twist"} <= set(made.values())
+    known = {after.names[node]: note["type"] for node, note in after.notes.items()}
+    assert made.items() <= known.items()
+    own = [node for node in before.own if before.is_joint[node]]
+    assert (before.rotation[own] != after.rotation[own]).any() or (
+        before.local[own] != after.local[own]
+    ).any()
