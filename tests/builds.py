@@ -138,7 +138,7 @@ def _mirror(rig: Rig, report: Report) -> Rig:
     rig = controls.add_controls(
         rig, options=controls.Options(selection=Selection(joints=(left[0],))), report=report
     )
-    wanted = mirror.Options(what=("controls", "poles"))
+    wanted = mirror.Options(what=("controls", "polevectors"))
     return mirror.mirror(rig, options=wanted, report=report)
 
 
