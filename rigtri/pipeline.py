@@ -31,9 +31,11 @@ from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
 from rigtri.outputs import Written, as_file_error, spare
+from rigtri.records import Mesh
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
-from rigtri.stilled import check_split
+from rigtri.scenery import Scenery
+from rigtri.stilled import check_split, stilled
 
 Step = Callable[[Rig, Report], Rig]
 
@@ -104,7 +106,7 @@ def edit(
             place = folder / final.name
             written = Written(place, overwrite, needed, ahead)
             try:
-                result = _deliver(document, path, rig, written, verify, tolerance, clock, report.driven)
+                result = _deliver(document, path, rig, written, verify, tolerance, clock, report)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring
                 if to_stdout and not dry_run:
                     _to_stdout(written)
@@ -149,7 +151,7 @@ def _deliver(
     verify: bool,
     tolerance: float,
     clock: _Clock,
-    driven: Driven,
+    report: Report,
 ) -> Comparison | None:
     """Write the part, re-open it, compare it with the source."""
     names = {str(written.part): str(written.final), written.part.name: written.final.name}
@@ -160,7 +162,7 @@ def _deliver(
     if not verify:
         return None
     with _reaching_the_disk(written.part):
-        result = _checked(document, path, rig, written, names, tolerance, driven)
+        result = _checked(document, path, rig, written, names, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
         raise DeviationError(
@@ -170,12 +172,17 @@ def _deliver(
     return result
 
 
-def _without(after: Document, document: Document, rig: Rig) -> Comparison:
+def _without(after: Document, document: Document, rig: Rig, driven: Driven) -> Comparison:
     """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
-    result = compare(after, document)
+    # Where weights are the bones' again, all is alike while no twist joint turns.
+    places = {key: node for node, key in enumerate(document.rig.keys)}
+    aside: Driven = {document.rig.address(places[key]): columns for key, columns in driven.items()}
+    result = compare(*stilled(after, document, aside))
     stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
-    lost = (Counter(stay) - Counter(after.rig.names)).elements()
-    return replace(result, different=(*result.different, *(f"node {name} went too" for name in lost)))
+    lost = [f"node {name}" for name in (Counter(stay) - Counter(after.rig.names)).elements()]
+    shown = [mesh.name for mesh in document.meshes() if mesh.node not in rig.removed]
+    lost += [f"mesh {name}" for name in (Counter(shown) - Counter(m.name for m in after.meshes())).elements()]
+    return replace(result, different=(*result.different, *(f"{name} went too" for name in lost)))
 
 
 def _checked(
@@ -185,9 +192,9 @@ def _checked(
     written: Written,
     names: dict[str, str],
     tolerance: float,
-    driven: Driven,
+    report: Report,
 ) -> Comparison:
-    """Compare the part with the source."""
+    """Compare the part with the source, or with what was to become of it where that moves otherwise."""
     small = written.part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, written.part, shallow=False):
         return self_check(document, document)
@@ -196,11 +203,29 @@ def _checked(
         if rig.spreads:
             return check_split(document, after)
         if rig.removed:
-            return _without(after, document, rig)
-        result = self_check(document, after, driven=driven)
+            return _without(after, document, rig, report.driven)
+        source = _Meant(document, rig) if report.reposed else document
+        result = self_check(source, after, driven=report.driven)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
-            return self_check(document, after, closely=True, driven=driven)
+            return self_check(source, after, closely=True, driven=report.driven)
         return result
+
+
+@dataclass(frozen=True)
+class _Meant:
+    """What a document shows, moved as another rig of the same nodes moves it."""
+
+    document: Document
+    rig: Rig
+
+    def meshes(self) -> Sequence[Mesh]:
+        return self.document.meshes()
+
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        return self.document.outlines(closely=closely)
+
+    def scenery(self, *, closely: bool = False) -> Scenery:
+        return self.document.scenery(closely=closely)
 
 
 def _to_stdout(written: Written) -> None:
