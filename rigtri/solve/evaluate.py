@@ -1,0 +1,281 @@
+"""A rig evaluated: which controls, limbs and rules are at work, in which order, over all frames at once.
+
+Source: docs/evaluation.md, which says in words what is done here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.following import Parts, evaluate, factored
+from rigtri.matrices import inverse, multiply
+from rigtri.rig import Rig
+from rigtri.rules import Rule, rules_of
+from rigtri.solve.fk import Fk
+from rigtri.solve.ik import Ik
+from rigtri.solve.posed import Posed
+from rigtri.solve.reference import FkControl, Reference
+from rigtri.twist import Twist, twists
+
+
+class Step(Protocol):
+    """Something that moves nodes. sets: them. reads: nodes whose local parts, needs: whose places it uses."""
+
+    @property
+    def sets(self) -> tuple[int, ...]: ...
+    @property
+    def reads(self) -> tuple[int, ...]: ...
+    @property
+    def needs(self) -> tuple[int, ...]: ...
+    def run(self, posed: Posed) -> None: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """The control over all, for a joint that has no control of its own: it is carried along."""
+
+    reference: Reference
+    own: FkControl
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        return (self.own.joint,)
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        return ()
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        above = int(self.reference.rig.parents[self.own.joint])
+        return (self.own.control, above) if above >= 0 else (self.own.control,)
+
+    def run(self, posed: Posed) -> None:
+        joint, control = self.own.joint, self.own.control
+        world = self.reference.world
+        carried = multiply(multiply(world[joint], inverse(world[control])), posed.world(control))
+        above = int(self.reference.rig.parents[joint])
+        posed.set(joint, factored(multiply(carried, inverse(posed.world(above)))))
+
+
+@dataclass(frozen=True, eq=False)
+class Follow:
+    """Rules of one child, in the order in which they come on top of each other."""
+
+    rig: Rig
+    rules: tuple[Rule, ...]
+    base: Step | None = None
+
+    @property
+    def child(self) -> int:
+        return self.rules[0].child
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        return self.base.sets if self.base is not None else (self.child,)
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        own = self.base.reads if self.base is not None else ()
+        local = [node for rule in self.rules if rule.space != "world" for node in rule.drivers]
+        return (*own, *local)
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        own = self.base.needs if self.base is not None else ()
+        world = [node for rule in self.rules if rule.space == "world" for node in rule.sources]
+        above = int(self.rig.parents[self.child])
+        return (*own, *world, *((above,) if above >= 0 else ()))
+
+    def run(self, posed: Posed) -> None:
+        if self.base is not None:
+            self.base.run(posed)
+        for rule in self.rules:
+            of = posed.world if rule.space == "world" else posed.local
+            drivers = [of(node) for node in rule.drivers]
+            parent, own = posed.world(int(self.rig.parents[self.child])), posed.local(self.child)
+            up = posed.world(rule.up_object) if rule.up_object >= 0 else None
+            held = [*drivers, parent, own, *([up] if up is not None else [])]
+            count = max(map(len, held))
+            wide = [np.broadcast_to(m, (count, 4, 4)) for m in held]
+            there = np.stack(wide[: len(drivers)], axis=1)
+            found = evaluate(
+                rule, there, wide[len(drivers)], wide[len(drivers) + 1], wide[-1] if up is not None else None
+            )
+            posed.set(self.child, factored(found))
+
+
+@dataclass(frozen=True, eq=False)
+class Turned:
+    """A twist joint."""
+
+    rig: Rig
+    twist: Twist
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        return (self.twist.node,)
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        return self.twist.path
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        return ()
+
+    def run(self, posed: Posed) -> None:
+        place = {node: k for k, node in enumerate(self.twist.path)}
+        local = [posed.local(node) for node in self.twist.path]
+        count = max(map(len, local))
+        matrices = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in local], axis=1)
+        moved = Twist(
+            self.twist.node,
+            tuple(place.values()),
+            self.twist.rest,
+            self.twist.axis,
+            self.twist.own_axis,
+            self.twist.weight,
+            self.twist.standing,
+        )
+        turn = moved.rotations(matrices)
+        posed.set(self.twist.node, posed.part(self.twist.node)._replace(rotation=turn))
+
+
+class Solver:
+    """The steps of a rig, in the order in which they can be taken.
+
+    driven: the controls, IK ends and poles that are at work; None: all of them.
+    Raises GeometryError for a circle.
+    """
+
+    def __init__(self, rig: Rig, driven: Collection[int] | None = None) -> None:
+        self.rig = rig
+        self.reference = Reference(rig)
+        self.driven = driven
+        rules = rules_of(rig).values()
+        self.poles = {rule.chain: rule for rule in rules if rule.kind == "polevector"}
+        self.rules: dict[int, list[Rule]] = {}
+        for rule in rules:
+            if rule.kind != "polevector":
+                self.rules.setdefault(rule.child, []).append(rule)
+
+    def _works(self, *controls: int) -> bool:
+        rules = set(self.rules)
+        return self.driven is None or any(node in self.driven or node in rules for node in controls)
+
+    @cached_property
+    def limbs(self) -> list[Ik]:
+        """The limbs whose IK end or pole is at work."""
+        found, taken = [], set[int]()
+        for limb in self.reference.limbs:
+            rule = self.poles.get(limb.chain)
+            works = self._works(limb.control, *((limb.pole,) if limb.pole >= 0 else ()))
+            if works and taken.isdisjoint(limb.chain):
+                taken.update(limb.chain)
+                fk = {
+                    node: Fk(self.reference, self.reference.fk[node])
+                    for node in limb.chain
+                    if node in self.reference.fk
+                }
+                found.append(Ik(self.reference, limb, fk, rule))
+        return found
+
+    @cached_property
+    def steps(self) -> list[Step]:
+        """All that moves a joint or another node, each after what it uses."""
+        found: list[Step] = list(self.limbs)
+        taken = {node for limb in self.limbs for node in limb.sets}
+        for joint, own in self.reference.fk.items():
+            if joint not in taken and self._works(own.control):
+                found.append(Fk(self.reference, own))
+                taken.add(joint)
+        for own in self.reference.roots:
+            if own.joint not in taken and self._works(own.control):
+                found.append(Root(self.reference, own))
+                taken.add(own.joint)
+        for twist in twists(self.rig):
+            if twist.node not in taken:
+                found.append(Turned(self.rig, twist))
+        return self._ordered(self._with_rules(found))
+
+    def _with_rules(self, steps: Sequence[Step]) -> list[Step]:
+        """Rules come on top of what else moves their children; what moves a whole limb stays as it is."""
+        moved = {node: step for step in steps for node in step.sets}
+        result = [step for step in steps if len(step.sets) > 1 or step.sets[0] not in self.rules]
+        for child, rules in self.rules.items():
+            base = moved.get(child)
+            if base is not None and len(base.sets) > 1:
+                continue  # the limb's solver moves it; a rule of one of its joints would tear it
+            order = sorted(rules, key=_turn)
+            result.append(Follow(self.rig, tuple(order), base))
+        return result
+
+    def _ordered(self, steps: Sequence[Step]) -> list[Step]:
+        """Steps by what they use: parents' places take part in those of their children."""
+        setter = {node: k for k, step in enumerate(steps) for node in step.sets}
+        waits = [self._waits(step, k, setter) for k, step in enumerate(steps)]
+        done: list[int] = []
+        state = [0] * len(steps)
+        for start in range(len(steps)):
+            self._visit(start, waits, state, done, steps)
+        return [steps[k] for k in done]
+
+    def _waits(self, step: Step, own: int, setter: Mapping[int, int]) -> list[int]:
+        found = {setter[node] for node in step.reads if node in setter}
+        for node in step.needs:
+            above = node
+            while above >= 0:
+                if above in setter:
+                    found.add(setter[above])
+                above = int(self.rig.parents[above])
+        return sorted(found - {own})
+
+    def _visit(
+        self, start: int, waits: Sequence[Sequence[int]], state: list[int], done: list[int], steps: Sequence[Step]
+    ) -> None:
+        """Depth first, without recursion: a step after all that it waits for. state: 1 entered, 2 done."""
+        if state[start]:
+            return
+        state[start] = 1
+        stack = [(start, iter(waits[start]))]
+        while stack:
+            step, left = stack[-1]
+            following = next(left, None)
+            if following is None:
+                state[step] = 2
+                done.append(step)
+                stack.pop()
+            elif state[following] == 1:
+                circle = [k for k, _ in stack]
+                names = [steps[k].sets[0] for k in circle[circle.index(following) :]]
+                told = " → ".join(f"'{self.rig.title(node)}'" for node in (*names, names[0]))
+                raise GeometryError(f"Controls and constraints go round in a circle: {told}")
+            elif state[following] == 0:
+                state[following] = 1
+                stack.append((following, iter(waits[following])))
+
+    def run(self, sampled: Mapping[int, Parts]) -> Posed:
+        """The rig with all steps taken. sampled: the parts of nodes that a clip moves, (f, ·) each."""
+        posed = Posed(self.rig, sampled)
+        for step in self.steps:
+            step.run(posed)
+        return posed
+
+    @cached_property
+    def sets(self) -> list[int]:
+        """The nodes that are moved, parents first."""
+        return sorted({node for step in self.steps for node in step.sets})
+
+
+def _turn(rule: Rule) -> int:
+    """Translations first, then rotations, scale last."""
+    return 0 if any(c[0] == "t" for c in rule.sets) else 1 if any(c[0] == "r" for c in rule.sets) else 2
+
+

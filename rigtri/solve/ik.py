@@ -1,0 +1,278 @@
+"""A limb whose end follows a control and whose bend follows a pole, and the place that both need.
+
+The solver turns the rest pose of the limb, carried by what the limb hangs on, from the triangle
+that it has there to the one that reaches the target. At rest it changes nothing, wherever rounding
+has put control and pole. FK controls of the limb's joints work below it: their channels come
+on top of what it has solved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from rigtri.following import Parts, factored, pole
+from rigtri.matrices import inverse, multiply, transform_directions, transform_points
+from rigtri.quaternions import conjugate, from_axes, rotate
+from rigtri.quaternions import multiply as product
+from rigtri.rig import Rig
+from rigtri.rules import Rule
+from rigtri.solve.fk import Fk
+from rigtri.solve.posed import Posed
+from rigtri.solve.reference import IkLimb, Reference
+from rigtri.solve.two_bone import Solved, two_bone
+from rigtri.trigonometry import Floats
+from rigtri.vectors import cross, dot, length, normalise
+
+# Below this sine of the bend a limb's plane is the rounding of its positions; then its pole tells it.
+_STRAIGHT = 2e-3
+# Radians between pole and plane that rounding may make; a pole that somebody moved is farther off.
+_ROUNDING = 1e-3
+# Sines of the bend from which on, and up to which, a pole is placed by the bend and by the bone.
+_BENDS, _TOLD = 0.15, 0.02
+
+
+class _Rest(NamedTuple):
+    """What stays the same in all frames. lines: of the bones, seen from what the limb hangs on, (3,) each.
+
+    upper, lower: the frames of the bones, seen from its turn. between, last: how the parents of the
+    middle and the end joint are turned, seen from its turn. side: the way it bends, in its axes.
+    """
+
+    lines: tuple[Floats, Floats]
+    upper: Floats
+    lower: Floats
+    between: Floats
+    last: Floats
+    chord: Floats
+    side: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Ik:
+    """One limb of a rig. fk: the FK controls of its joints, by joint. rule: what moves its pole besides."""
+
+    reference: Reference
+    limb: IkLimb
+    fk: dict[int, Fk]
+    rule: Rule | None = None
+
+    @property
+    def rig(self) -> Rig:
+        return self.reference.rig
+
+    @cached_property
+    def paths(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """The nodes below the root down to the middle, and below that down to the end."""
+        a, b, c = self.limb.chain
+        return self._path(a, b), self._path(b, c)
+
+    def _path(self, start: int, end: int) -> tuple[int, ...]:
+        path = [end]
+        while int(self.rig.parents[path[-1]]) != start:
+            path.append(int(self.rig.parents[path[-1]]))
+        return tuple(path[::-1])
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        a, _, _ = self.limb.chain
+        upper, lower = self.paths
+        return (a, *upper, *lower) if self.limb.stretch else self.limb.chain
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        return tuple(fk.own.control for fk in self.fk.values())
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        nodes = (self._above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ()))
+        return tuple(node for node in nodes if node >= 0)
+
+    @property
+    def _above(self) -> int:
+        return int(self.rig.parents[self.limb.chain[0]])
+
+    @cached_property
+    def _points(self) -> Floats:
+        """Root, middle and end while controls are zero, (3, 3), in the world."""
+        return self.reference.world[list(self.limb.chain), 3, :3]
+
+    @cached_property
+    def _target(self) -> Floats:
+        return self.reference.world[self.limb.control, 3, :3]
+
+    @cached_property
+    def _pole(self) -> Floats:
+        """Where the pole tells the rest pose from, (3,): the pole, or the plane where the pole was moved."""
+        a, b, c = self._points
+        line = normalise(c - a)
+        bend = (b - a) - dot(b - a, line) * line
+        told = self.limb.pole >= 0
+        straight = length(bend) <= _STRAIGHT * (length(b - a) + length(c - b))
+        if told:
+            place = self.reference.world[self.limb.pole, 3, :3]
+            across = (place - a) - dot(place - a, line) * line
+            near = length(cross(normalise(across), normalise(bend))) <= _ROUNDING
+            if straight or (near and dot(across, bend) > 0):
+                return np.asarray(place)
+        if straight:  # nothing says where it bends: an axis of its own, the same one every time
+            return np.asarray(a + cross(line, np.eye(3)[np.argmin(np.abs(line))]))
+        return np.asarray(b + normalise(bend) * (length(b - a) + length(c - b)))
+
+    @cached_property
+    def rest(self) -> _Rest:
+        world, above = self.reference.world, self._above
+        a, b, c = self._points
+        chord, side = normalise(c - a), self._pole - a
+        solved = two_bone(
+            a[np.newaxis],
+            (length(b - a)[np.newaxis], length(c - b)[np.newaxis]),
+            self._target[np.newaxis],
+            self._pole[np.newaxis],
+            chord=chord[np.newaxis],
+            side=side[np.newaxis],
+            soft=self.limb.soft,
+            stretch=False,
+        )
+        start = conjugate(self.reference.turn(above))
+        back = inverse(world[above]) if above >= 0 else np.eye(4)
+        _, middle, end = self.limb.chain
+        return _Rest(
+            lines=(transform_directions(b - a, back), transform_directions(c - b, back)),
+            upper=product(start, solved.upper[0]),
+            lower=product(start, solved.lower[0]),
+            between=product(start, self.reference.turn(int(self.rig.parents[middle]))),
+            last=product(start, self.reference.turn(int(self.rig.parents[end]))),
+            chord=rotate(start, chord),
+            side=rotate(start, side),
+        )
+
+    def _own(self, node: int) -> Parts:
+        """Local parts of a joint of the limb while controls are zero, one row."""
+        if node in self.fk:
+            return self.fk[node].rest
+        return factored(self.reference.local[node][np.newaxis])
+
+    def solve(self, posed: Posed, target: Floats, place: Floats) -> Solved:
+        """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
+        rest, above = self.rest, self._above
+        world, turn = posed.world(above), _turn(posed, above)
+        root = transform_points(self._own(self.limb.chain[0]).translation, world)
+        lengths = tuple(length(transform_directions(line, world)) for line in rest.lines)
+        root, target, place, first, second = _level(root, target, place, *lengths)
+        return two_bone(
+            root,
+            (first, second),
+            target,
+            place,
+            chord=rotate(turn, rest.chord),
+            side=rotate(turn, rest.side),
+            soft=self.limb.soft,
+            stretch=self.limb.stretch,
+        )
+
+    def solved(self, posed: Posed, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
+        """Local parts of the limb's joints, before their FK controls. hand: the turn of the end, (f, 4)."""
+        found = self.solve(posed, target, place)
+        rest, turn = self.rest, _turn(posed, self._above)
+        start, middle, end = self.limb.chain
+        upper = product(product(conjugate(turn), found.upper), conjugate(rest.upper))
+        fold = product(product(conjugate(found.upper), found.lower), conjugate(rest.lower))
+        bent = product(product(conjugate(rest.between), product(rest.upper, fold)), rest.between)
+        below = product(product(found.lower, conjugate(rest.lower)), rest.last)
+        parts = {node: self._own(node) for node in (start, middle, end)}
+        turned = {
+            start: product(upper, parts[start].rotation),
+            middle: product(bent, parts[middle].rotation),
+            end: product(conjugate(below), hand),
+        }
+        result = {node: parts[node]._replace(rotation=turned[node]) for node in turned}
+        if self.limb.stretch:
+            for node in (*self.paths[0], *self.paths[1]):
+                own = result.get(node) or self._own(node)
+                grown = own.translation * found.stretch[:, np.newaxis]
+                result[node] = own._replace(translation=grown)
+        return result
+
+    @cached_property
+    def grip(self) -> Floats:
+        """The end joint's turn seen from the control's, (4,): ``hand = control · grip``."""
+        _, _, end = self.limb.chain
+        joint = product(
+            self.reference.turn(int(self.rig.parents[end])), self._own(end).rotation[0]
+        )
+        return product(conjugate(self.reference.turn(self.limb.control)), joint)
+
+    def run(self, posed: Posed) -> None:
+        """Move the limb's joints to where control and pole want them."""
+        control = self.limb.control
+        hand = product(posed.turn(control), self.grip)
+        found = self.solved(posed, posed.world(control)[:, 3, :3], self.place(posed), hand)
+        for node, parts in found.items():
+            if node in self.fk:
+                parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
+            posed.set(node, parts)
+
+    def place(self, posed: Posed) -> Floats:
+        """Where the pole is, (1 or f, 3)."""
+        if self.rule is not None:
+            held = [posed.world(node) for node in self.rule.drivers]
+            count = max(map(len, held))
+            drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
+            found = pole(self.rule, drivers)
+            if np.isfinite(found).all():
+                return found
+        if self.limb.pole >= 0:
+            return posed.world(self.limb.pole)[:, 3, :3]
+        # Without a pole it bends to where it bends at rest.
+        turn = _turn(posed, self._above)
+        root = transform_points(self._own(self.limb.chain[0]).translation, posed.world(self._above))
+        return root + rotate(turn, self.rest.side)
+
+    def grasp(self, source: Posed) -> Floats:
+        """The turn in the world, (f, 4), of a control whose end joint stands as in ``source``."""
+        _, _, end = self.limb.chain
+        parent = _turn(source, int(self.rig.parents[end]))
+        return product(product(parent, source.part(end).rotation), conjugate(self.grip))
+
+    def side(self, source: Posed) -> Floats:
+        """Where a pole tells the bend that the joints have in ``source``, (f, 3), in the world.
+
+        By the triangle where it bends to the side that it bends to at rest; where it is nearly
+        straight, or bends the other way, by how the upper bone is turned. So a pole never flips.
+        """
+        a, b, c = (source.world(node)[:, 3, :3] for node in self.limb.chain)
+        a, b, c = _level(a, b, c)
+        size = length(b - a) + length(c - b)
+        line = normalise(c - a)
+        bend = (b - a) - dot(b - a, line)[:, np.newaxis] * line
+        start = self.limb.chain[0]
+        turned = product(_turn(source, self._above), source.part(start).rotation)
+        inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
+        own = rotate(turned, inside)
+        own = normalise(own - dot(own, line)[:, np.newaxis] * line)
+        told = normalise(bend)
+        sine = 2.0 * length(bend) / size * np.maximum(dot(told, own), 0.0)
+        share = np.clip((sine - _TOLD) / (_BENDS - _TOLD), 0.0, 1.0)
+        share = np.where(np.isfinite(share), share * share * (3.0 - 2.0 * share), 0.0)[:, np.newaxis]
+        mixed = normalise(np.where(share > 0, share * told, 0.0) + (1.0 - share) * own)
+        return b + mixed * self._distance
+
+    @cached_property
+    def _distance(self) -> float:
+        """How far the pole stands from the middle joint, at rest as always."""
+        place = self.reference.world[self.limb.pole, 3, :3] if self.limb.pole >= 0 else self._pole
+        return float(length(place - self._points[1]))
+
+
+def _turn(posed: Posed, node: int) -> Floats:
+    return posed.turn(node) if node >= 0 else np.array([[0.0, 0.0, 0.0, 1.0]])
+
+
+def _level(*arrays: Floats) -> list[Floats]:
+    """Arrays with as many rows as the longest of them."""
+    count = max(map(len, arrays))
+    return [np.broadcast_to(each, (count, *each.shape[1:])) for each in arrays]

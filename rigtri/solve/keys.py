@@ -1,0 +1,68 @@
+"""Keys that are needed: those without which what lies between the others would be off by more than a bound."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.quaternions import conjugate, slerp, turn_angle
+from rigtri.quaternions import multiply as product
+from rigtri.records import Booleans, Integers
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+
+def needed(times: Floats, values: Floats, bound: float) -> Integers:
+    """The keys, (k,), between which straight lines come as near as ``bound`` to all values.
+
+    times: (f,), rising. values: (f, c); with four columns they are turns, xyzw, the bound is in
+    radians and the lines are great arcs; else it is in the values' unit. The first key is always
+    there; it is the only one where nothing moves.
+    """
+    last = len(times) - 1
+    if last < 1 or bool((_apart(values, values[:1]) <= bound).all()):
+        return np.array([0])
+    kept = np.ones(last + 1, dtype=bool)
+    # A key that its neighbours do not tell stays; only between such keys there is something to be thinned.
+    kept[1:-1] = _off(times, values, np.arange(0, last - 1), np.arange(2, last + 1), np.arange(1, last)) > bound
+    gaps = _gaps(kept)
+    while len(gaps):
+        inner = np.concatenate([np.arange(a + 1, b) for a, b in gaps.tolist()])
+        which = np.repeat(np.arange(len(gaps)), gaps[:, 1] - gaps[:, 0] - 1)
+        off = _off(times, values, gaps[which, 0], gaps[which, 1], inner)
+        starts = np.flatnonzero(np.diff(which, prepend=-1))
+        worst = np.maximum.reduceat(off, starts)
+        bad = np.flatnonzero(worst > bound)
+        if not len(bad):
+            break
+        ends = np.append(starts[1:], len(inner))
+        split = np.array([inner[starts[g] + int(np.argmax(off[starts[g] : ends[g]]))] for g in bad.tolist()])
+        kept[split] = True
+        halves = np.concatenate(
+            [np.stack([gaps[bad, 0], split], axis=1), np.stack([split, gaps[bad, 1]], axis=1)]
+        )
+        gaps = halves[halves[:, 1] - halves[:, 0] > 1]
+        gaps = gaps[np.argsort(gaps[:, 0], kind="stable")]
+    return np.flatnonzero(kept)
+
+
+def _gaps(kept: Booleans) -> Integers:
+    """Neighbouring kept keys with others between them, (g, 2); those others are given up."""
+    keys = np.flatnonzero(kept)
+    wide = np.diff(keys) > 1
+    return np.stack([keys[:-1][wide], keys[1:][wide]], axis=1)
+
+
+def _off(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
+    """How far values are from the line between two others, (m,)."""
+    share = (times[at] - times[left]) / (times[right] - times[left])
+    if values.shape[1] == 4:
+        return _apart(slerp(values[left], values[right], share), values[at])
+    line = values[left] + (values[right] - values[left]) * share[:, np.newaxis]
+    return _apart(line, values[at])
+
+
+def _apart(a: Floats, b: Floats) -> Floats:
+    """How far values are apart, (m,): turns in radians."""
+    if a.shape[1] == 4:
+        return turn_angle(product(conjugate(a), b))
+    return np.asarray(length(a - b)) if a.shape[1] == 3 else np.abs(a - b).max(axis=1)

@@ -1,0 +1,104 @@
+"""Controls that give a motion that joints have: the inverse of evaluating them.
+
+Every control gets values that a file can hold, and those after it are found from what these make of
+the rig, so that rounding and reduced keys do not add up along chains. What an IK limb cannot hold
+(twist, a nearly straight bend in float32) goes to the FK controls of its joints, below the solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+from rigtri.following import Parts, factored
+from rigtri.matrices import from_frame, inverse, multiply, transform_points
+from rigtri.quaternions import multiply as product
+from rigtri.quaternions import to_axes, turn_angle
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.fk import Fk
+from rigtri.solve.ik import Ik
+from rigtri.solve.posed import Posed
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+# Takes a node and its wanted parts, and gives those that will be read from the file again.
+Keep = Callable[[int, Parts], Parts]
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """What the FK controls of a limb hold beside IK, at most. turn: radians. move: file units."""
+
+    limb: Ik
+    turn: float
+    move: float
+
+
+@dataclass(eq=False)
+class Matched:
+    """Parts of each control, and of the offsets that follow a limb. poses: the rig as they make it."""
+
+    posed: Posed
+    controls: dict[int, Parts] = field(default_factory=dict)
+    residuals: list[Residual] = field(default_factory=list)
+
+
+def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep) -> Matched:
+    """The controls' parts for a motion, node → (f, ·) each, by the joints that they move.
+
+    keep: rounds and thins out what is to be stored of a control, and says what is read from it.
+    """
+    source = Posed(solver.rig, parts)
+    found = Matched(Posed(solver.rig, parts))
+    for step in solver.steps:
+        if isinstance(step, Fk):
+            _store(found, step.own.control, step.channels(found.posed, source.part(step.joint)), keep)
+            step.run(found.posed)
+        elif isinstance(step, Ik):
+            _limb(found, step, source, solver.rules, keep)
+        else:
+            step.run(found.posed)
+    return found
+
+
+def _store(found: Matched, node: int, parts: Parts, keep: Keep) -> None:
+    kept = keep(node, parts)
+    found.controls[node] = kept
+    found.posed.set(node, kept)
+
+
+def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
+    built, limb = found.posed, ik.limb
+    end = limb.chain[2]
+    if limb.control not in ruled:
+        axes, place = to_axes(ik.grasp(source)), source.world(end)[:, 3, :3]
+        _store(found, limb.control, _seen(built, limb.control, from_frame(axes, place)), keep)
+    if limb.pole >= 0 and limb.pole not in ruled:
+        above = inverse(built.world(int(ik.rig.parents[limb.pole])))
+        place = transform_points(ik.side(source), above)
+        _store(found, limb.pole, built.part(limb.pole)._replace(translation=place), keep)
+    solved = ik.solved(
+        built,
+        built.world(limb.control)[:, 3, :3],
+        ik.place(built),
+        product(built.turn(limb.control), ik.grip),
+    )
+    turn = move = 0.0
+    for node, parts in solved.items():
+        if node in ik.fk:
+            fk = ik.fk[node]
+            channels = fk.needed(parts, source.part(node))
+            turn = max(turn, float(turn_angle(channels.rotation).max()))
+            move = max(move, float(length(channels.translation).max()))
+            kept = keep(fk.own.control, channels)
+            found.controls[fk.own.control] = kept
+            built.set(fk.own.control, kept)
+            parts = fk.moved(parts, kept)
+        built.set(node, parts)
+    found.residuals.append(Residual(ik, turn, move))
+
+
+def _seen(built: Posed, node: int, world: Floats) -> Parts:
+    """World matrices, (f, 4, 4), as local parts of a node."""
+    parent = int(built.rig.parents[node])
+    return factored(multiply(world, inverse(built.world(parent))))

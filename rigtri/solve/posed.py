@@ -1,0 +1,92 @@
+"""A rig in many poses at once, of which only what is asked for is worked out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from rigtri.following import Parts
+from rigtri.matrices import compose, multiply, orthonormal_axes
+from rigtri.pose import sample
+from rigtri.quaternions import from_axes, unit
+from rigtri.records import Clip
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+
+class Posed:
+    """Local parts and world matrices of a rig's nodes, one row a frame; a single row where nothing moves.
+
+    A node's place in the world is worked out when it is first asked for, so what moves it must be
+    set before.
+    """
+
+    def __init__(self, rig: Rig, parts: Mapping[int, Parts] | None = None) -> None:
+        self.rig = rig
+        self.parts = dict(parts or {})
+        self._worlds: dict[int, Floats] = {}
+
+    def local(self, node: int) -> Floats:
+        """The local matrices of a node, (1 or f, 4, 4)."""
+        if node in self.parts:
+            return compose(*self.parts[node])
+        return self.rig.local[node][np.newaxis]
+
+    def part(self, node: int) -> Parts:
+        """Translation, rotation and scale of a node, one row or f."""
+        if node in self.parts:
+            return self.parts[node]
+        rig = self.rig
+        if rig.has_matrix[node]:
+            from rigtri.following import factored
+
+            return factored(rig.local[node][np.newaxis])
+        rows = slice(node, node + 1)
+        return Parts(rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
+
+    def set(self, node: int, parts: Parts) -> None:
+        """Give a node its local parts; ValueError where its place was already used."""
+        if node in self._worlds:
+            raise ValueError(f"'{self.rig.title(node)}' is moved after its place was used")
+        self.parts[node] = parts
+
+    def world(self, node: int) -> Floats:
+        """The world matrices of a node, (1 or f, 4, 4); of −1 the world's own."""
+        if node < 0:
+            return np.eye(4)[np.newaxis]
+        line = []
+        above = node
+        while above >= 0 and above not in self._worlds:
+            line.append(above)
+            above = int(self.rig.parents[above])
+        world = self._worlds[above] if above >= 0 else None
+        for each in reversed(line):
+            local = self.local(each)
+            world = local if world is None else multiply(local, world)
+            self._worlds[each] = world
+        return self._worlds[node]
+
+    def turn(self, node: int) -> Floats:
+        """How a node is turned in the world, (1 or f, 4), without scale."""
+        return from_axes(orthonormal_axes(self.world(node)))
+
+
+def sampled(rig: Rig, clip: Clip, times: Floats) -> dict[int, Parts]:
+    """The local parts of all nodes that a clip moves, at ``times``, (f,)."""
+    found: dict[int, dict[str, Floats]] = {}
+    for track in clip.tracks:
+        if track.path == "weights":
+            continue
+        same = track.times is times or (
+            len(track.times) == len(times) and bool((track.times == times).all())
+        )
+        plain = same and track.interpolation != "CUBICSPLINE"
+        values = track.values if plain else sample(track, times)
+        if len(track.times) == 1:
+            values = values[:1]
+        found.setdefault(track.node, {})[track.path] = unit(values) if track.path == "rotation" else values
+    still = Posed(rig)
+    return {
+        node: still.part(node)._replace(**own) if own else still.part(node) for node, own in found.items()
+    }
