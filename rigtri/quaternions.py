@@ -17,6 +17,8 @@ from rigtri.trigonometry import Floats, arc_tangent, sin_cos
 from rigtri.vectors import as_vectors, cross, dot, length, normalise
 
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
+# Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
+NEARLY_UNIT = 1e-6
 # Each step squares what is left for turns about one axis, and divides it by 10 or so at 60° apart.
 _MEAN_STEPS = 16
 
@@ -64,6 +66,14 @@ def unit(q: ArrayLike) -> Floats:
     q = as_quaternions(q)
     with np.errstate(divide="ignore", invalid="ignore"):
         return q / norm(q)[..., np.newaxis]
+
+
+def meant_unit(q: ArrayLike) -> Floats:
+    """Rotations, (..., 4), normalised where they were meant to be unit, within [−1, 1] there."""
+    q = as_quaternions(q)
+    size = norm(q)[..., np.newaxis]
+    meant = np.abs(size - 1.0) <= NEARLY_UNIT
+    return np.where(meant, np.clip(q / np.where(meant, size, 1.0), -1.0, 1.0), q)
 
 
 def rotate(q: ArrayLike, v: ArrayLike) -> Floats:

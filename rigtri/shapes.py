@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from rigtri.trigonometry import Floats, sin_cos
+from rigtri.vectors import cross
 
 Kind = Literal[
     "circle", "square", "diamond", "cube", "sphere", "pyramid", "arrow", "cross", "locator", "axes"
@@ -42,14 +43,26 @@ class Shape:
         return np.stack([np.concatenate(starts), np.concatenate(ends)], axis=1)
 
 
-def drawn(kind: Kind, *, size: float, normal: Floats, color: tuple[float, float, float]) -> Shape:
+def drawn(
+    kind: Kind,
+    *,
+    size: float,
+    normal: Floats,
+    color: tuple[float, float, float],
+    ahead: Floats | None = None,
+) -> Shape:
     """A shape of a radius ``size`` in file units of its node, its plane's normal along ``normal`` (3,).
 
-    normal is one of the six axes. Raises ValueError for a kind that is none.
+    normal is one of the six axes, and so is ahead, (3,), across it: where the tip of an arrow
+    points. Raises ValueError for a kind that is none.
     """
     if kind not in _STRIPS:
         raise ValueError(f"there is no shape {kind!r}")
     strips, closed = _STRIPS[kind]()
+    if ahead is not None:
+        aside = cross(ahead, normal)
+        placed = (strip[:, :1] * normal + strip[:, 1:2] * aside + strip[:, 2:] * ahead for strip in strips)
+        return Shape(kind, tuple(strip * size for strip in placed), closed, color)
     axis = int(np.argmax(np.abs(normal)))
     # Cyclic permutations are rotations: x goes to the axis, and the shape keeps its handedness.
     turned = (np.roll(strip, axis, axis=1) for strip in strips)
@@ -79,7 +92,9 @@ def _square() -> tuple[list[Floats], bool]:
 
 
 def _diamond() -> tuple[list[Floats], bool]:
-    return [np.array([[0.0, -1, 0], [0, 0, -1], [0, 1, 0], [0, 0, 1]])], True
+    """An octahedron: a flat one would be a mere stroke from the side."""
+    flat = np.array([[0.0, -1, 0], [0, 0, -1], [0, 1, 0], [0, 0, 1]])
+    return [np.roll(flat, axis, axis=1) for axis in range(3)], True
 
 
 def _cube() -> tuple[list[Floats], bool]:

@@ -36,6 +36,7 @@ reframe report reach
 lengths
 naming
 limbs
+stature
 skeleton bend
 matching
 playing

@@ -24,7 +24,7 @@ from rigtri.ops.controls import Options, add_controls
 from rigtri.ops.select import Selection
 from rigtri.pipeline import edit
 from rigtri.pose import worlds
-from rigtri.quaternions import from_axis_angle
+from rigtri.quaternions import from_axis_angle, multiply
 from rigtri.report import Report
 from rigtri.rig import Rig
 
@@ -93,6 +93,41 @@ def test_sides_have_their_colours(samples: Path) -> None:
     assert np.argmax(blue[0]) == 2
     assert np.argmax(red[0]) == 0
     assert len(blue) == len(red) > 5
+
+
+def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    around = np.array([[-1.0, 0, 0], [0, 1, 0], [0, 0, -1]])
+    faces_back = replace(
+        rig,
+        translation=np.where(rig.parents[:, np.newaxis] < 0, rig.translation @ around, rig.translation),
+        rotation=np.array(
+            [
+                multiply(from_axis_angle([0, 1, 0], np.pi), turn) if parent < 0 else turn
+                for parent, turn in zip(rig.parents, rig.rotation, strict=True)
+            ]
+        ),
+    )
+    for character, tip in ((rig, [0, 0, 1]), (faces_back, [0, 0, -1]), (FINGER, [0, 0, 1])):
+        out = add_controls(character, options=Options(root_control=True))
+        (root,) = controls(out, "root").values()
+        points = np.concatenate(out.shapes[root].strips)
+        assert_allclose(points[np.argmax(np.abs(points[:, 2]) - np.abs(points[:, 0]))][[0, 1]], 0, atol=1e-9)
+        assert_allclose((points @ tip).max(), np.abs(points).max())
+        assert np.count_nonzero(points @ tip > 0.99 * np.abs(points).max()) == 1
+
+
+def test_shapes_of_the_trunk_reach_around_it(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    out = add_controls(rig, options=WHOLE)
+    world = worlds(rig)
+    shoulders = [world[rig.find(f"upper_arm_{side}"), 3, :3] for side in "LR"]
+    half = np.linalg.norm(shoulders[0] - shoulders[1]) / 2
+    for joint in ("hips", "spine"):
+        shape = out.shapes[controls(out)[joint]]
+        assert np.linalg.norm(shape.strips[0], axis=1).min() > half
+    # Below one limb, or none, the bone alone counts.
+    assert np.linalg.norm(out.shapes[controls(out)["toe_L"]].strips[0], axis=1).max() < half
 
 
 def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> None:
@@ -202,3 +237,29 @@ def test_the_command_reports_every_control(
     validator("report").validate(document)
     assert {entry["kind"] for entry in document["added"]} == {"fk", "ik", "root"}
     assert len(document["limbs"]) == 4
+
+
+def test_controls_made_before_those_above_them_stay_where_they_are_and_say_so(
+    samples: Path, tmp_path: Path
+) -> None:
+    def hand(rig: Rig, report: Report) -> Rig:
+        return add_controls(rig, options=Options(selection=Selection(joints=("hand_L",))), report=report)
+
+    def all_of_it(rig: Rig, report: Report) -> Rig:
+        return add_controls(rig, options=WHOLE, report=report)
+
+    for suffix in ("glb", "usda"):
+        first, whole, again = (tmp_path / f"{name}.{suffix}" for name in ("first", "whole", "again"))
+        edit(samples / f"biped.{suffix}", first, hand)
+        report = edit(first, whole, all_of_it).report
+        (kept,) = [notice.text for notice in report.warnings if notice.code == "control-kept-in-place"]
+        assert kept.startswith("'hand_L_ctl' was made before the controls above it")
+        rig = read(whole).rig
+        fk = [
+            note["joint"]
+            for note in rig.notes.values()
+            if (note["type"], note.get("kind")) == ("control", "fk")
+        ]
+        assert len(fk) == len(set(fk)) > 10  # one for each joint
+        edit(whole, again, all_of_it)
+        assert again.read_bytes() == whole.read_bytes()

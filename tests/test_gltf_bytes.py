@@ -14,10 +14,10 @@ from rigtri.errors import FileError, UsageError
 from rigtri.formats import Options
 from rigtri.formats.gltf.container import Piece, open_container
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.formats.gltf.rounding import Singles, round_spline, round_tracks, unit_rotations
+from rigtri.formats.gltf.rounding import Singles, round_spline, round_tracks
 from rigtri.formats.gltf.spelling import Spelling, parse
 from rigtri.formats.gltf.uris import escape, file_of, is_own
-from rigtri.quaternions import unit
+from rigtri.quaternions import meant_unit, unit
 from rigtri.records import Track
 from rigtri.reframe import reframe
 
@@ -147,7 +147,7 @@ def test_only_our_own_buffer_files_are_ours() -> None:
 
 def test_stored_rotations_are_unit_and_within_the_range_of_the_format() -> None:
     q = np.array([[0, 0, 0, 1.0000003], [0, 0, 0, 1.1], [0.5, 0.5, 0.5, 0.5]])
-    assert unit_rotations(q).tolist() == [[0, 0, 0, 1], [0, 0, 0, 1.1], [0.5, 0.5, 0.5, 0.5]]
+    assert meant_unit(q).tolist() == [[0, 0, 0, 1], [0, 0, 0, 1.1], [0.5, 0.5, 0.5, 0.5]]
 
 
 def test_half_turns_keep_their_way_round_when_rounded() -> None:

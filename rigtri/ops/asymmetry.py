@@ -58,12 +58,13 @@ class Asymmetry:
 def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
     """Compare each joint and node of ours on one side with the mirror image of its twin.
 
-    In the pose of the options (the bind pose by default) for joints, at rest for other nodes.
+    In the pose of the options (the bind pose by default) for joints, at rest for other nodes. Ends
+    that carry nothing are left out: they have no axes to speak of, and glTF does not call them joints.
     """
     options = options or Options()
     tree = skeleton(rig, options.root)
     ref = reference(tree, options.pose)
-    joints = chosen(tree, options.selection)
+    joints = [k for k in chosen(tree, options.selection) if tree.carries[k] or tree.below[k]]
     found, alone = pairs(rig, joints, options.from_side)
     other_side: Side = "left" if options.from_side == "right" else "right"
     alone += pairs(rig, joints, other_side)[1]

@@ -29,6 +29,7 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.shapes import COLORS, KINDS, Kind, drawn
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.stature import forward, girths
 from rigtri.trigonometry import Floats
 from rigtri.twist import is_twist
 from rigtri.vectors import dot
@@ -41,6 +42,8 @@ _SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole
 # The radius of a shape as a share of the bone; bones shorter than this share of the median count as that.
 RADIUS = 0.5
 SHORTEST = 0.5
+# Around the trunk a shape is as wide as the shoulders, as a share of half the way between the limbs.
+GIRTH = 1.25
 
 
 @dataclass(frozen=True)
@@ -111,6 +114,7 @@ class _Builder:
         self.aims = {joint: aim_of(self.tree, self.ref, joint, rules) for joint in self.tree.joints}
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
+        self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)
         self.controls: dict[int, int] = {}
 
     @property
@@ -150,7 +154,8 @@ class _Builder:
         control = self._find("root", note)
         if control is None:
             self.rig, parent = group(self.rig)
-            control = self._new("root", top, parent, note, self.ref.extent * 0.25, up)
+            front = forward(self.rig, self.limbs or recognise(self.rig), self.ref.world)
+            control = self._new("root", top, parent, note, self.ref.extent * 0.25, up, front)
         self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
         self._record(control, "root", top, int(self.rig.parents[self.rig.parents[control]]))
 
@@ -204,7 +209,14 @@ class _Builder:
         )
 
     def _new(
-        self, kind: str, joint: int, parent: int, note: Mapping[str, Any], size: float, normal: Floats
+        self,
+        kind: str,
+        joint: int,
+        parent: int,
+        note: Mapping[str, Any],
+        size: float,
+        normal: Floats,
+        front: Floats | None = None,
     ) -> int:
         which, name = self._side(joint), self._name(joint, kind)
         shape: Kind = self.options.shapes.get(kind, _SHAPES[kind])
@@ -212,12 +224,14 @@ class _Builder:
         offset_note = {"v": 1, "type": "offset", "kind": kind, "joint": note["joint"]}
         self.rig, offset = add(self.rig, f"{name}_offset", parent, offset_note)
         self.rig, control = add(self.rig, name, offset, about)
-        self._draw(control, shape, size, normal, which)
+        self._draw(control, shape, size, normal, which, front)
         return control
 
-    def _draw(self, node: int, shape: Kind, size: float, normal: Floats, which: Side) -> None:
+    def _draw(
+        self, node: int, shape: Kind, size: float, normal: Floats, which: Side, front: Floats | None = None
+    ) -> None:
         color = self.options.colors.get(which, COLORS[which])
-        lines = drawn(shape, size=size * self.options.size, normal=normal, color=color)
+        lines = drawn(shape, size=size * self.options.size, normal=normal, color=color, ahead=front)
         self.rig = replace(self.rig, shapes={**self.rig.shapes, node: lines})
 
     def _parent(self, joint: int, kind: str) -> int:
@@ -242,7 +256,8 @@ class _Builder:
         if direction is not None:
             axis = int(np.argmax(np.abs(direction)))
             normal = np.where(np.arange(3) == axis, np.sign(direction[axis]), 0.0)
-        return RADIUS * max(bone, SHORTEST * self.typical), normal
+        least = GIRTH * self.girths.get(joint, 0.0)
+        return max(RADIUS * max(bone, SHORTEST * self.typical), least), normal
 
     def _side(self, joint: int) -> Side:
         """The side that a VRM bone or a name says, of the joint or the nearest above that says one."""

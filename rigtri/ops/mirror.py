@@ -9,7 +9,7 @@ Source: `rigtri.ops.twins` (what each way of mirroring means).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -26,6 +26,7 @@ from rigtri.ops.orient import orient_joints
 from rigtri.ops.scale import Policy
 from rigtri.ops.select import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
 from rigtri.ops.twins import Mirror, Plane, mirrored_axes, reflection, side_of, twin_of
+from rigtri.quaternions import meant_unit
 from rigtri.reach import TOLERANCE
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -67,15 +68,14 @@ def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = 
     report = report if report is not None else Report()
     if not options.what:
         raise UsageError("say what to mirror: joints, controls or polevectors")
-    before = rig
+    if not any(side_of(rig, joint) for joint in skeleton(rig, options.root).joints):
+        raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
     if "joints" in options.what:
         rig = _joints(rig, options, report)
     if "controls" in options.what:
         rig = _controls(rig, options, report)
     if "polevectors" in options.what:
         rig = _poles(rig, options, report)
-    if rig is before and not any(side_of(rig, node) for node in range(len(rig))):
-        raise GeometryError("nothing in this file says left or right: by its name or a VRM bone")
     return rig
 
 
@@ -96,7 +96,16 @@ def _joints(rig: Rig, options: Options, report: Report) -> Rig:
         root=options.root,
         tolerance=options.tolerance,
     )
-    return orient_joints(rig, options=oriented, report=report)
+    return _as_written(orient_joints(rig, options=oriented, report=report), rig)
+
+
+def _as_written(rig: Rig, before: Rig) -> Rig:
+    """Turned rotations made unit, as they are when they are written: what is derived next is from those.
+
+    A second run reads the written ones, and must find everything where it is.
+    """
+    turned = (rig.rotation != before.rotation).any(axis=1, keepdims=True)
+    return replace(rig, rotation=np.where(turned, meant_unit(rig.rotation), rig.rotation))
 
 
 def _both_sides(rig: Rig, options: Options) -> Selection:

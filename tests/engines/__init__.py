@@ -33,6 +33,25 @@ def blender(*paths: Path, folder: Path) -> list[Shown]:
     return [dict(np.load(target)) for target in targets]
 
 
+def blender_scene(*paths: Path, folder: Path) -> list[dict[str, Any]]:
+    """The bones of each file in Blender, and what rigtri added (`blender_scene.py`). Skips as `blender`."""
+    return _told_by_blender("blender_scene.py", paths, folder)
+
+
+def blender_ik(*paths: Path, folder: Path) -> list[dict[str, Any]]:
+    """What Blender's IK makes of the pole vectors of each file (`blender_ik.py`). Skips as `blender`."""
+    return _told_by_blender("blender_ik.py", paths, folder)
+
+
+def _told_by_blender(script: str, paths: tuple[Path, ...], folder: Path) -> list[dict[str, Any]]:
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    targets = [folder / f"{script}-{number}.json" for number in range(len(paths))]
+    _run([python, str(_HERE / script)], paths, targets, folder)
+    return [json.loads(target.read_text("utf-8")) for target in targets]
+
+
 def three(*paths: Path, folder: Path) -> list[Shown]:
     """What three.js shows of each file. Skips where npm has not installed it."""
     place, node = os.environ.get("RIGTRI_THREE"), shutil.which("node")
@@ -41,6 +60,16 @@ def three(*paths: Path, folder: Path) -> list[Shown]:
     targets = [folder / f"three-{number}.json" for number in range(len(paths))]
     _run([node, str(_HERE / "three_points.mjs"), place], paths, targets, folder)
     return [_decoded(json.loads(target.read_text("utf-8"))) for target in targets]
+
+
+def three_rig(*paths: Path, folder: Path) -> list[dict[str, Any]]:
+    """The nodes and lines of each glTF file in three.js (`three_rig.mjs`). Skips as `three`."""
+    place, node = os.environ.get("RIGTRI_THREE"), shutil.which("node")
+    if not place or not node:
+        pytest.skip(NO_THREE)
+    targets = [folder / f"three-rig-{number}.json" for number in range(len(paths))]
+    _run([node, str(_HERE / "three_rig.mjs"), place], paths, targets, folder)
+    return [json.loads(target.read_text("utf-8")) for target in targets]
 
 
 def three_vrm(*paths: Path, folder: Path) -> list[dict[str, Any]]:

@@ -14,13 +14,13 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.rounding import unit_rotations
 from rigtri.formats.gltf.validate import SHOWN_EXTENSIONS
 from rigtri.formats.node_constraints import CONSTRAINT, stored, stored_axis
 from rigtri.formats.vrm import mesh_references
 from rigtri.formats.vrm0 import stored_vector
 from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.pose import worlds
+from rigtri.quaternions import meant_unit
 from rigtri.records import Constraint, Integers
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -102,7 +102,7 @@ class NodeWriter:
     def _write_part(self, node: int, key: str, value: Floats) -> None:
         holder = self._node(node)
         holder.pop("matrix", None)
-        holder[key] = _numbers(unit_rotations(value) if key == "rotation" else value)
+        holder[key] = _numbers(meant_unit(value) if key == "rotation" else value)
 
     def _write_matrix(self, node: int, matrix: Floats) -> None:
         holder = self._node(node)

@@ -12,25 +12,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rigtri.quaternions import norm
+from rigtri.quaternions import meant_unit
 from rigtri.records import Track
 from rigtri.trigonometry import Floats
 
 Singles = NDArray[np.float32]
 
-# Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
-NEARLY_UNIT = 1e-6
 # Quaternions whose dot product is nearer to 0 than this are half a turn apart up to rounding.
 HALF_TURN = 2.5e-7
 # No key is moved further than this to keep its way round.
 FAR = 1e-5
-
-
-def unit_rotations(q: Floats) -> Floats:
-    """Rotations, (..., 4), normalised where they were meant to be unit, within [−1, 1] there."""
-    size = norm(q)[..., np.newaxis]
-    meant = np.abs(size - 1.0) <= NEARLY_UNIT
-    return np.where(meant, np.clip(q / np.where(meant, size, 1.0), -1.0, 1.0), q)
 
 
 def to_singles(numbers: Floats) -> Singles:
@@ -57,7 +48,7 @@ def round_tracks(tracks: Sequence[Track], before: Sequence[Track]) -> list[Singl
         # One array for all: thousands of tracks of a few keys are common.
         width = [tracks[k].values.shape[1] for k in mine]
         rows = np.concatenate([tracks[k].values.ravel() for k in mine])
-        rows = to_singles(unit_rotations(rows.reshape(-1, 4)).ravel() if turns else rows)
+        rows = to_singles(meant_unit(rows.reshape(-1, 4)).ravel() if turns else rows)
         start = 0
         for k, columns in zip(mine, width, strict=True):
             count = len(tracks[k].values) * columns
@@ -79,7 +70,7 @@ def round_spline(track: Track) -> Singles:
     by +4e/dt in the in-tangent before it.
     """
     exact = track.values
-    values = unit_rotations(exact[:, 1]) if track.path == "rotation" else exact[:, 1]
+    values = meant_unit(exact[:, 1]) if track.path == "rotation" else exact[:, 1]
     stored = exact.copy()
     stored[:, 1] = to_singles(values)
     error = stored[:, 1] - exact[:, 1]
