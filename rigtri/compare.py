@@ -77,7 +77,9 @@ class Worst:
     time: float
 
     def __str__(self) -> str:
-        return f"{self.what}, {f'{self.clip} at {self.time:.6g}' if self.clip else 'at rest'}"
+        # The defaults of a USD animation have no time; they are looked at beside one.
+        where = self.clip if self.clip.endswith("@default") else f"{self.clip} at {self.time:.6g}"
+        return f"{self.what}, {where if self.clip else 'at rest'}"
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.advice import why_near
 from rigtri.ahead import Ahead
 from rigtri.compare import TOLERANCE, Comparison, self_check
 from rigtri.compare import verify as compare
@@ -30,7 +31,6 @@ from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
 from rigtri.outputs import Written, as_file_error, spare
-from rigtri.pose import worlds
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
 from rigtri.stilled import check_split
@@ -165,24 +165,9 @@ def _deliver(
     if not result.passes(tolerance):
         raise DeviationError(
             f"The result would look different: {result.summary()}, over the tolerance of "
-            f"{tolerance:g}. Nothing was written.{_why_near(document.rig, result, tolerance)}"
+            f"{tolerance:g}. Nothing was written.{why_near(document.rig, rig, result, tolerance)}"
         )
     return result
-
-
-def _why_near(rig: Rig, result: Comparison, tolerance: float) -> str:
-    """What a user can do where nothing but the rounding of stored numbers can be what differs."""
-    near = result.shown < 10 * tolerance
-    if result.lost or result.different or not near:
-        return ""
-    depth = max(rig.depth) + 1
-    far = float(np.abs(worlds(rig)[:, 3, :3]).max(initial=0.0)) / (result.diagonal or 1.0)
-    floor = depth * max(far, 1.0) * float(np.finfo(np.float32).eps) / 2
-    return (
-        f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
-        f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
-        f"named with --exclude, or allow more with --tolerance {_rounded_up(result.shown):g}"
-    )
 
 
 def _without(after: Document, document: Document, rig: Rig) -> Comparison:
@@ -191,11 +176,6 @@ def _without(after: Document, document: Document, rig: Rig) -> Comparison:
     stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
     lost = (Counter(stay) - Counter(after.rig.names)).elements()
     return replace(result, different=(*result.different, *(f"node {name} went too" for name in lost)))
-
-
-def _rounded_up(value: float) -> float:
-    """A little more, with one digit."""
-    return float(f"{value * 1.5:.0e}")
 
 
 def _checked(

@@ -10,6 +10,7 @@ Source: glTF 2.0 §3.5.3, §3.7.3, §3.11 and appendix C; UsdSkel (joint-local S
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -179,6 +180,8 @@ def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
     weights = shares(mesh)
     if mesh.dual_quaternion:
         return _dual_quaternion(points, matrices, mesh.joints, weights)
+    if points.strides[0] == 0:  # no morph: the same points at all times
+        return _blended(mesh.points, matrices, mesh.joints, weights)
     moved = np.zeros(points.shape)
     for column in range(mesh.joints.shape[1]):
         live = np.flatnonzero(weights[:, column])
@@ -187,6 +190,30 @@ def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
             part = np.einsum("fvi,fvij->fvj", points[:, live], of[..., :3, :3]) + of[..., 3, :3]
             moved[:, live] += weights[live, column, np.newaxis] * part
     return moved
+
+
+def _blended(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
+    """Points, (v, 3), blended linearly at all times, (f, v, 3): joint by joint, all of its points at once.
+
+    A point takes nothing from a joint without weight, also where that is not a number.
+    """
+    times = len(matrices)
+    # Row i of a joint's matrices at all times side by side: what coordinate i is multiplied by.
+    beside = matrices[..., :3].transpose(1, 2, 0, 3).reshape(matrices.shape[1], 4, times * 3)
+    moved = np.zeros((len(points), times * 3))
+    for column in range(joints.shape[1]):
+        order = np.argsort(joints[:, column], kind="stable")
+        order = order[weights[order, column] != 0]
+        of = joints[order, column]
+        edges = [*np.flatnonzero(np.diff(of, prepend=-1)).tolist(), len(of)]
+        for start, end in pairwise(edges):
+            rows, matrix = order[start:end], beside[of[start]]
+            part = matrix[3] + points[rows, 0, np.newaxis] * matrix[0]
+            part += points[rows, 1, np.newaxis] * matrix[1]
+            part += points[rows, 2, np.newaxis] * matrix[2]
+            part *= weights[rows, column, np.newaxis]
+            moved[rows] += part
+    return moved.reshape(len(points), times, 3).transpose(1, 0, 2)
 
 
 def _through(points: Floats, matrix: Floats) -> Floats:

@@ -53,10 +53,11 @@ def fits(mesh: Mesh, rig: Rig) -> bool:
 
 
 def reaches(rig: Rig) -> Floats:
-    """How far from each node the farthest point or joint that hangs at it can get, (n,).
+    """How far from each node the farthest point, joint or frame that hangs at it can get, (n,).
 
     As a share of the size of what is seen; bones below it as if they were all in one line.
-    Meshes that cannot be read count for nothing.
+    What is no mesh (cameras, lights) counts as its frame, of axes as long as that size, as it
+    is judged. Meshes that cannot be read count for nothing more.
     """
     try:
         meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
@@ -65,11 +66,31 @@ def reaches(rig: Rig) -> Floats:
     reach, world = np.zeros(len(rig)), worlds(rig, rest(rig))
     for mesh in meshes:
         _own(rig, world, mesh, reach)
+    size = size_of(rig, meshes)
+    framed = frames_shown(rig, meshes)
+    reach[framed] = np.maximum(reach[framed], _corner(world[framed, :3, :3]) * size)
     for level in reversed(rig.levels[1:]):
         parents = rig.parents[level]
         bones = length(world[level, 3, :3] - world[parents, 3, :3])
         np.maximum.at(reach, parents, np.where(np.isfinite(bones), bones, 0.0) + reach[level])
-    return reach / size_of(rig, meshes)
+    return reach / size
+
+
+def frames_shown(rig: Rig, meshes: Sequence[Mesh]) -> list[int]:
+    """The nodes that show something of which only the frame is known: cameras, lights, not ours."""
+    drawn = {mesh.node for mesh in meshes} | rig.own
+    return [node for node in np.flatnonzero(rig.payload >= 0).tolist() if node not in drawn]
+
+
+def _corner(axes: Floats) -> Floats:
+    """How far the corners of a box are from its middle, (k,), whose half edges are unit along ``axes``,
+    (k, 3, 3)."""
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        edges = axes / length(axes)[..., np.newaxis]
+    edges = np.where(np.isfinite(edges), edges, 0.0)
+    x, y, z = edges[:, 0], edges[:, 1], edges[:, 2]
+    far = np.stack([length(x + a * y + b * z) for a in (1.0, -1.0) for b in (1.0, -1.0)])
+    return np.asarray(far.max(axis=0))
 
 
 def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:

@@ -97,7 +97,7 @@ def split(rig: Rig, turns: Mapping[int, Floats]) -> Rig:
         whole = rig.matrix[node] if rig.has_matrix[node] else compose(translation, rotation, scale)
         back = conjugate(multiply(rotation, turn))
         matrices[old] = turn_after(from_frame(whole[:3, :3], np.zeros(3)), back)
-        notes[holder] = {"v": 1, "type": "frame", "joint": rig.title(node)}
+        notes[holder] = {"v": 1, "type": "frame", "joint": rig.address(node)}
         lifted[old] = turn
     clips = tuple(
         replace(clip, tracks=tuple(_lifted(t, lifted) for t in clip.tracks)) for clip in above.clips

@@ -17,6 +17,7 @@ from rigtri import pose
 from rigtri.matching import Matching
 from rigtri.matrices import inverse
 from rigtri.moving import same_array
+from rigtri.reach import frames_shown
 from rigtri.records import Booleans, Clip, Integers, Mesh, Skin
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -344,9 +345,7 @@ def frames(
     before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
 ) -> Iterator[Rows]:
     """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such not ours."""
-    drawn = {mesh.node for mesh in meshes} | before.own
-    showing = np.flatnonzero(before.payload >= 0).tolist()
-    nodes = [node for node in showing if node not in drawn and _to_watch(node, m, moving)]
+    nodes = [node for node in frames_shown(before, meshes) if _to_watch(node, m, moving)]
     if nodes:
         axes = length(pose.worlds(before)[nodes, :3, :3])
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -89,6 +89,15 @@ def _variant() -> str:
     return f"{head}{{\n{inner}\n{animation()}\n{MESH}\n}}\n"
 
 
+def _unselected(folder: Path) -> Path:
+    """A variant that nobody selects gives an animation of another file other values."""
+    save(folder, clean(), "hero.usda")
+    over = 'over "Anim"\n{\nquatf[] rotations = [(0, 1, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)]\n}'
+    inner = f'variantSet "pace" = {{\n"slow" {{\n{over}\n}}\n}}'
+    arc = 'references = @./hero.usda@</Root>\nprepend variantSets = "pace"'
+    return save(folder, f'#usda 1.0\ndef "Root" (\n{arc}\n)\n{{\n{inner}\n}}\n', "shot.usda")
+
+
 def _source_in_variant() -> str:
     over = 'over "Skel"\n{\nrel skel:animationSource = </Root/Other>\n}'
     inner = f'variantSet "clip" = {{\n"a" {{\n}}\n"b" {{\n{over}\n}}\n}}'
@@ -106,6 +115,8 @@ SHEAR = "((1, 0.5, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
 WIDE = "((1, 0, 0, 0), (0, 2, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
 MIRROR = "((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
 LOST = "((nan, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
+HUGE = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (1e300, 2, 0, 1))"
+PLACES = "[(0, 2, 0), (0, 0, 0), (0, 2, 1)]"
 TILTED = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 2))"
 
 
@@ -198,7 +209,7 @@ USD: dict[str, list[Make]] = {
     "usd.skel.time-samples": [
         bones(rest=f"uniform matrix4d[] restTransforms.timeSamples = {{ 1: [{ONE}, {ONE}, {ONE}] }}"),
     ],
-    "usd.skel.matrix-nan": [bind(LOST), rest(LOST)],
+    "usd.skel.matrix-nan": [bind(LOST), rest(LOST), bind(HUGE), rest(HUGE)],
     "usd.skel.matrix-last-column": [bind(TILTED), rest(TILTED)],
     "usd.skel.bind-singular": [bind(FLAT)],
     "usd.skel.rest-singular": [rest(FLAT)],
@@ -209,6 +220,7 @@ USD: dict[str, list[Make]] = {
     ],
     "usd.skel.mirrored": [rest(MIRROR)],
     "usd.skel.variants": [stage(_variant()), stage(_source_in_variant())],
+    "usd.skel.variants-unselected": [_unselected],
     "usd.type": [
         bones(joints="uniform int[] joints = [1, 2, 3]"),
         bones(bind="uniform float[] bindTransforms = [1, 2, 3]"),
@@ -239,6 +251,11 @@ USD: dict[str, list[Make]] = {
     "usd.anim.value-nan": [
         moving(translations="float3[] translations = [(nan, 0, 0), (0, 0, 0), (0, 2, 1)]")
     ],
+    "usd.anim.time": [
+        moving(translations=f"float3[] translations.timeSamples = {{ 1: {PLACES}, {time}: {PLACES} }}")
+        for time in ("inf", "-inf")
+    ]
+    + [replaced("blendShapeWeights = [0.5]", "blendShapeWeights.timeSamples = { 1: [0.5], inf: [1] }")],
     "usd.anim.rotation-zero": [keys("(0, 0, 0, 0)")],
     "usd.anim.rotation-not-unit": [keys("(1.01, 0, 0, 0)")],
     "usd.anim.blend-length": [replaced("blendShapeWeights = [0.5]", "blendShapeWeights = [0.5, 1]")],
@@ -272,6 +289,8 @@ USD: dict[str, list[Make]] = {
     "usd.binding.element-size": [
         replaced("elementSize = 2", "elementSize = 1"),
         replaced("elementSize = 2", "elementSize = 4"),
+        replaced("elementSize = 2", "elementSize = 0"),
+        replaced("elementSize = 2", "elementSize = -2"),
     ],
     "usd.binding.count": [
         _shares("1, 0, 0.5, 0.5"),

@@ -43,7 +43,7 @@ playing
 moving scenery attached
 watched
 compare describe description changes
-stilled
+advice stilled
 delivery
 ahead ops formats
 inputs outputs

@@ -16,6 +16,7 @@ from rigtri.compare import (
     TOLERANCE,
     Comparison,
     Source,
+    Worst,
     between_keys,
     denormalisation,
     self_check,
@@ -358,3 +359,8 @@ def test_another_up_axis_is_named(compare: Compare) -> None:
     held = character()
     after = replace(held, rig=replace(held.rig, up=(0.0, 0.0, 1.0)))
     assert compare(held, after).changed == ("up is Z, was Y",)
+
+
+def test_the_default_of_a_usd_animation_has_no_time() -> None:
+    assert str(Worst("joint elbow", "Bend@default", -0.001)) == "joint elbow, Bend@default"
+    assert str(Worst("joint elbow", "Bend", 2.5)) == "joint elbow, Bend at 2.5"

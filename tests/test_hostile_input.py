@@ -138,7 +138,7 @@ def test_links_in_a_circle_and_pipes_are_no_buffers(tmp_path: Path) -> None:
     (tmp_path / "two.bin").symlink_to("one.bin")
     assert "buffers[0]" in fault(path)
     os.mkfifo(tmp_path / "pipe.bin")
-    assert "is missing" in fault(changed(path, uri="pipe.bin"))
+    assert "is no plain file" in fault(changed(path, uri="pipe.bin"))
 
 
 # --- limits
@@ -529,3 +529,46 @@ def test_a_finding_of_openusd_that_quotes_bytes_is_told_all_the_same() -> None:
     from rigtri.checks.usd.openusd import _message
 
     assert "no text" in _message(_Spoilt())
+
+
+DEEP = {
+    "tuples": 'def "A" { custom double3 x = ' + "(" * 60_000 + "1" + ")" * 60_000 + "}",
+    "arrays": 'def "A" { custom double[] x = ' + "[" * 60_000 + "1" + "]" * 60_000 + "}",
+    "prims": 'def "A" {\n' * 60_000 + "}" * 60_000,
+    "open": 'def "A" { custom double3 x = ' + "(" * 60_000,
+    # Closing brackets in words and comments close nothing.
+    "words": 'def "A" { custom double3 x = ' + ("(" * 600 + "# " + ")" * 600 + "\n") * 100,
+}
+
+
+@pytest.mark.parametrize("how", ["alone", "reference", "clip", "package"])
+@pytest.mark.parametrize("what", DEEP)
+def test_usd_nested_sixty_thousand_times_is_an_error_of_the_file(what: str, how: str, tmp_path: Path) -> None:
+    deep = tmp_path / "deep.usda"
+    deep.write_text("#usda 1.0\n" + DEEP[what])
+    path = tmp_path / "a.usda"
+    if how == "alone":
+        path = deep
+    elif how == "reference":
+        path.write_text('#usda 1.0\ndef "Root" (payload = @./deep.usda@</A>)\n{\n}\n')
+    elif how == "clip":
+        path.write_text(
+            '#usda 1.0\ndef "Root" (clips = { dictionary default = { asset[] assetPaths = [@./deep.usda@]\n'
+            '    string primPath = "/A"\n    double2[] active = [(0, 0)] } })\n{\n}\n'
+        )
+    else:
+        path = tmp_path / "a.usdz"
+        root = tmp_path / "root.usda"
+        root.write_text('#usda 1.0\ndef "Root" (references = @./deep.usda@</A>)\n{\n}\n')
+        with Sdf.ZipFileWriter.CreateNew(str(path)) as archive:
+            archive.AddFile(str(root), "root.usda")
+            archive.AddFile(str(deep), "deep.usda")
+    with pytest.raises(FileError, match=r"deep\.usda.*: more than \d+ (brackets|braces) stand in each other"):
+        read(path)
+
+
+def test_brackets_in_words_and_comments_are_not_nested(tmp_path: Path) -> None:
+    odd = "# " + "(" * 6000 + '\nstring s = "' + "[({" * 6000 + '" /* ' + "{" * 6000 + " */\n"
+    path = tmp_path / "a.usda"
+    path.write_text(scene(skeleton(), animation(), MESH, odd))
+    assert read(path).rig.skins

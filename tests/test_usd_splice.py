@@ -238,3 +238,22 @@ def test_a_text_that_cannot_be_spliced_is_written_by_usd_with_a_notice(
     (notice,) = [notice for notice in result.report.warnings if notice.code == "text-respelled"]
     assert "a thing in line 3" in notice.text
     assert b"# remark" not in path.with_stem("out").read_bytes()
+
+
+def test_comments_in_an_array_that_got_another_size_are_lost_with_a_notice(tmp_path: Path) -> None:
+    text = '#usda 1.0\ndef "A"\n{\n    int[] a = [1, # one "x"\n 2]\n    string[] b = ["#", "//"]\n}\n'
+
+    def respelled(wanted: str) -> tuple[bytes, list[str]]:
+        lost: list[str] = []
+        sides = [Sdf.Layer.CreateAnonymous(".usda") for _ in range(2)]
+        for side, said in zip(sides, (text, wanted), strict=True):
+            assert side.ImportFromString(said)
+        return splice.spliced(text.encode(), sides[0], sides[1], lost), lost
+
+    told, lost = respelled(text.replace("2]", "2, 3]").replace('"//"]', '"//", "/*"]'))
+    assert lost == ["a"]
+    assert b"# one" not in told
+    # Where the size stays, the comment does.
+    told, lost = respelled(text.replace("2]", "3]"))
+    assert b'# one "x"' in told
+    assert not lost

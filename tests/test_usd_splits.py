@@ -14,6 +14,7 @@ from scaled_limbs import STRETCH, TOKENS, Limb, usd, usda
 from second_opinions import usd_errors
 from usd_files import deviation, save
 
+from rigtri.checks import check
 from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import Options, read
@@ -391,3 +392,19 @@ def test_a_pose_may_mix_the_scale_of_a_clip_with_the_rotation_of_a_mirrored_rest
     assert deviation(source, out) < 2e-6
     split(out, again)
     assert again.read_bytes() == out.read_bytes()
+
+
+def test_the_note_of_a_split_joint_names_it_also_where_two_skeletons_have_it(tmp_path: Path) -> None:
+    hero = usd(tmp_path / "hero.usda", LIMB)
+    arc = 'def "{}" (references = @./{}@</Root>)\n{{\n}}\n'
+    both = tmp_path / "both.usda"
+    both.write_text(
+        f'#usda 1.0\ndef Xform "World"\n{{\n{arc.format("A", hero.name)}{arc.format("B", hero.name)}}}\n'
+    )
+    out = tmp_path / "out.usda"
+    split(both, out)
+    rig = read(out).rig
+    assert len(rig.frame_of) > 1
+    for joint, holder in rig.frame_of.items():
+        assert rig.find(str(rig.notes[holder]["joint"])) == joint
+    assert "usd.note.broken" not in {finding.id for finding in check(out)}

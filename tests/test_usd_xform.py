@@ -196,3 +196,17 @@ def test_a_prim_that_resets_the_stack_below_the_root_is_told(tmp_path: Path) -> 
     again = read(document._source.path, root=loose)
     assert not any(notice.code == "reset-stack" for notice in again.warnings)
     assert len(again.rig.skins[0].joints) == 1
+
+
+def test_a_root_that_is_not_there_is_told_with_prims_and_no_joints(tmp_path: Path) -> None:
+    source = save(
+        tmp_path, scene(skeleton(), animation(), MESH).replace('Root"', 'Rooot"').replace("/Root/", "/Rooot/")
+    )
+    with pytest.raises(NameNotFoundError, match=r"No prim is named '/Root'\. Did you mean '/Rooot'"):
+        read(source, root="/Root")
+
+
+def test_no_root_is_proposed_where_there_is_no_prim(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="there is no skeleton in it, nor any prim that has a place") as error:
+        read(save(tmp_path, "#usda 1.0\n"))
+    assert "--root" not in str(error.value)

@@ -8,6 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rigtri.records import Booleans
+from rigtri.trigonometry import Floats
+
 Kind = Literal["added", "removed", "changed", "moved"]
 # What stands in front of a line.
 SIGNS: dict[Kind, str] = {"added": "+", "removed": "-", "changed": "~", "moved": ">"}
@@ -80,6 +83,18 @@ def same_numbers(before: Any, after: Any, tolerance: float) -> bool:
             one.dtype.kind != "f" or np.array_equal(np.signbit(one), np.signbit(other)) or np.isnan(one).any()
         )
     return bool(np.allclose(one, other, rtol=0.0, atol=tolerance, equal_nan=True))
+
+
+def same_rows(before: Floats, after: Floats, tolerance: float) -> Booleans:
+    """`same_numbers` for each row of two arrays of one shape, (k, ...) → (k,)."""
+    one, other = before.reshape(len(before), -1), after.reshape(len(after), -1)
+    if tolerance:
+        near = np.asarray(np.isclose(one, other, rtol=0.0, atol=tolerance, equal_nan=True))
+        return np.asarray(near.all(axis=1))
+    lost = np.isnan(one)
+    same = np.all((one == other) | (lost & np.isnan(other)), axis=1)
+    signs = np.all(np.signbit(one) == np.signbit(other), axis=1)
+    return np.asarray(same & (signs | lost.any(axis=1)))
 
 
 def furthest(before: Any, after: Any) -> str:

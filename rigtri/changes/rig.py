@@ -12,17 +12,21 @@ from typing import Any
 import numpy as np
 
 from rigtri import pose
-from rigtri.changes.change import Change, number, order_of, row, rows, same_numbers
+from rigtri.changes.change import Change, number, order_of, row, rows, same_numbers, same_rows
 from rigtri.changes.clips import clip_changes
 from rigtri.changes.meshes import mesh_changes
 from rigtri.changes.renaming import renamed
-from rigtri.changes.turns import DERIVED, moved, turn
+from rigtri.changes.turns import DERIVED, all_moved, axis_words, moved, turns
 from rigtri.matching import Matching, match, played_together
 from rigtri.matrices import inverse, nearest_rotation
-from rigtri.records import Mesh, Skin
+from rigtri.records import Booleans, Integers, Mesh, Skin
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery
+from rigtri.trigonometry import Floats
 from rigtri.vectors import length
+
+# What a rest transform is stored as.
+_STORED = ("matrix", "translation", "rotation", "scale")
 
 
 def rig_changes(
@@ -102,8 +106,15 @@ def _orders(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
         yield Change("hierarchy", "moved", "roots", f"order: {text}")
 
 
-def _pairs(m: Matching) -> list[tuple[int, int]]:
-    return [(k, now) for k, now in enumerate(m.node.tolist()) if now >= 0]
+def _pairs(m: Matching) -> tuple[Integers, Integers]:
+    """The nodes that both have, as the first and as the second numbers them."""
+    mine = np.flatnonzero(m.node >= 0)
+    return mine, m.node[mine]
+
+
+def _equal(one: Floats, other: Floats) -> Booleans:
+    """Which rows hold the same numbers, NaN being one, whatever the sign of zero."""
+    return np.asarray(((one == other) | (np.isnan(one) & np.isnan(other))).reshape(len(one), -1).all(axis=1))
 
 
 def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
@@ -114,38 +125,46 @@ def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Ch
     places = worlds[0][:, 3, :3]
     whole = places[np.isfinite(places).all(axis=1)]
     size = float(length(np.ptp(whole, axis=0))) if len(whole) else 1.0
-    for k, now in _pairs(m):
-        if np.array_equal(axes[0][k], axes[1][now], equal_nan=True):
-            continue
-        degrees, axis = turn(axes[0][k], axes[1][now])
-        if not degrees <= np.degrees(max(DERIVED, tolerance)):
-            text = f"turned {degrees:.4g}° about its own {axis}" if np.isfinite(degrees) else "is no frame"
-            yield Change("axes", "changed", before.title(k), text)
-    for k, now in _pairs(m):
-        if np.array_equal(worlds[1][now, 3, :3], places[k], equal_nan=True):
-            continue
-        off = float(length(worlds[1][now, 3, :3] - places[k]))
-        if not off <= max(DERIVED * size, tolerance):
-            yield Change("places", "changed", before.title(k), f"stands {number(off)} away: "
-                         f"{rows(places[k], worlds[1][now, 3, :3])}")  # fmt: skip
+    mine, theirs = _pairs(m)
+    degrees, lines = turns(axes[0][mine], axes[1][theirs])
+    far = ~(degrees <= np.degrees(max(DERIVED, tolerance)))
+    for j in np.flatnonzero(far & ~_equal(axes[0][mine], axes[1][theirs])).tolist():
+        text = f"turned {degrees[j]:.4g}° about its own {axis_words(lines[j])}"
+        told = text if np.isfinite(degrees[j]) else "is no frame"
+        yield Change("axes", "changed", before.title(int(mine[j])), told)
+    there = worlds[1][theirs, 3, :3]
+    with np.errstate(invalid="ignore", over="ignore"):
+        off = length(there - places[mine])
+    far = ~(off <= max(DERIVED * size, tolerance)) & ~_equal(there, places[mine])
+    for j in np.flatnonzero(far).tolist():
+        k = int(mine[j])
+        yield Change("places", "changed", before.title(k), f"stands {number(float(off[j]))} away: "
+                     f"{rows(places[k], there[j])}")  # fmt: skip
 
 
 def _rest(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
     """Local rest transforms as stored."""
-    for k, now in _pairs(m):
+    mine, theirs = _pairs(m)
+    pairs = {name: (getattr(before, name)[mine], getattr(after, name)[theirs]) for name in _STORED}
+    same = {name: same_rows(*values, tolerance) for name, values in pairs.items()}
+    alike = before.has_matrix[mine] == after.has_matrix[theirs]
+    for name in _STORED:
+        alike = alike & same[name]
+    for j in np.flatnonzero(~alike).tolist():
+        k, now = int(mine[j]), int(theirs[j])
         if before.has_matrix[k] != after.has_matrix[now]:
             words = ("translation, rotation, scale", "a matrix")
             text = f"is stored as {words[int(after.has_matrix[now])]}"
             yield Change("rest pose", "changed", before.title(k), text)
         if before.has_matrix[k] and after.has_matrix[now]:
-            if not same_numbers(before.matrix[k], after.matrix[now], tolerance):
+            if not same["matrix"][j]:
                 yield Change(
                     "rest pose", "changed", before.title(k), moved(before.matrix[k], after.matrix[now])
                 )
             continue
-        for name in ("translation", "rotation", "scale"):
-            was, is_now = getattr(before, name)[k], getattr(after, name)[now]
-            if not same_numbers(was, is_now, tolerance):
+        for name in _STORED[1:]:
+            if not same[name][j]:
+                was, is_now = (values[j] for values in pairs[name])
                 yield Change("rest pose", "changed", before.title(k), f"{name} {rows(was, is_now)}")
 
 
@@ -171,27 +190,27 @@ def _skin_joints(
     before: Rig, after: Rig, m: Matching, skins: tuple[Skin, Skin], title: str
 ) -> Iterator[Change]:
     mine, theirs = m.node[skins[0].joints].tolist(), skins[1].joints.tolist()
+    both = set(mine).intersection(theirs)
     for joint, partner in zip(skins[0].joints.tolist(), mine, strict=True):
-        if partner not in theirs:
+        if partner not in both:
             yield Change("skins", "removed", f"joint {before.title(joint)} of skin {title}")
     for joint in theirs:
-        if joint not in mine:
+        if joint not in both:
             yield Change("skins", "added", f"joint {after.title(joint)} of skin {title}")
-    common = [j for j in mine if j in theirs]
-    if text := order_of([after.title(j) for j in common], [after.title(j) for j in theirs if j in common]):
+    orders = ([after.title(j) for j in side if j in both] for side in (mine, theirs))
+    if text := order_of(*orders):
         yield Change("skins", "moved", f"joints of skin {title}", f"order: {text}")
 
 
 def _binds(before: Rig, m: Matching, skins: tuple[Skin, Skin], tolerance: float) -> Iterator[Change]:
     there = {joint: k for k, joint in enumerate(skins[1].joints.tolist())}
-    for k, joint in enumerate(skins[0].joints.tolist()):
-        row_there = there.get(int(m.node[joint]))
-        if row_there is None:
-            continue
-        was, now = skins[0].inverse_bind[k], skins[1].inverse_bind[row_there]
-        if not same_numbers(was, now, tolerance):
-            text = moved(inverse(was), inverse(now))
-            yield Change("bind pose", "changed", before.title(joint), text)
+    places = np.array([there.get(now, -1) for now in m.node[skins[0].joints].tolist()], dtype=np.int64)
+    mine = np.flatnonzero(places >= 0)
+    was, now = skins[0].inverse_bind[mine], skins[1].inverse_bind[places[mine]]
+    differ = ~same_rows(was, now, tolerance)
+    texts = all_moved(inverse(was[differ]), inverse(now[differ]))
+    for joint, text in zip(skins[0].joints[mine[differ]].tolist(), texts, strict=True):
+        yield Change("bind pose", "changed", before.title(joint), text)
 
 
 def _carried(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:

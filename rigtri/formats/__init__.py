@@ -148,18 +148,21 @@ def output_suffixes(path: Path, options: Options) -> tuple[str, ...]:
     own = path.suffix.lower()
     try:
         with path.open("rb") as file:
-            start = file.read(8)
+            start = file.read(12)
     except OSError:
         return ()  # told when it is read
     if own in GLTF_SUFFIXES:
-        return (".glb", ".vrm", ".vrma") if start.startswith(b"glTF") else (".gltf",)
+        if start.startswith(b"glTF") and len(start) == 12:
+            return (".glb", ".vrm", ".vrma")
+        # What is neither is told when it is read.
+        return (".gltf",) if start.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") else ()
     if own not in USD_SUFFIXES:
         return ()
     if options.override:
         return (".usda", ".usd", ".usdc")
     if own == ".usdz":
         return (own,)
-    fits = (".usdc", ".usd") if start == b"PXR-USDC" else (".usda", ".usd")
+    fits = (".usdc", ".usd") if start.startswith(b"PXR-USDC") else (".usda", ".usd")
     return fits if own in fits else (own, *fits)
 
 

@@ -76,13 +76,6 @@ def bonds(rig: Rig, ties: Sequence[Constraint] = ()) -> list[Bond]:
     return list(found.values())
 
 
-def unsplittable(plan: Plan) -> set[int]:
-    """Nodes whose own rotation a constraint reads or writes, or which is not unit: it must stay with them."""
-    constraints = plan.tree.rig.constraints
-    read = {k for c in constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
-    return read | {tie.node for tie in plan.ties}
-
-
 def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> Floats:
     """Turns, (n, 4), under which every constraint keeps its meaning; what gave way is reported.
 

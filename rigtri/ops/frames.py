@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -24,8 +24,9 @@ from rigtri.quaternions import (
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.triangle import axis_of, frame
 from rigtri.trigonometry import Floats
-from rigtri.vectors import cross, length, normalise
+from rigtri.vectors import length
 
 # A common rotation smaller than this (radians) is what float32 positions leave over.
 NO_ROTATION = 2e-6
@@ -33,15 +34,18 @@ NO_ROTATION = 2e-6
 SAME_REST = 1e-5
 
 
-def turn_onto(world_axes: Floats, ref: Reference, joint: int) -> Floats:
-    """The turn, (4,), that gives a joint these world axes (rows, any handedness fits its own).
+def turn_onto(
+    world_axes: Floats, ref: Reference, joint: int, aim_axis: str = "x", up_axis: str = "y"
+) -> Floats:
+    """The turn, (4,), that gives a joint these world axes (rows, any handedness).
 
-    Carried into the joint's own space and made orthonormal there, X first.
+    Carried into the joint's own space and made orthonormal there, first the aim axis, then
+    the up axis; the third gives way where the handedness is not the joint's own.
     """
     rows = transform_directions(world_axes, ref.inverse[joint])
-    x = normalise(rows[0])
-    z = normalise(cross(x, rows[1]))
-    return from_axes(np.stack([x, cross(z, x), z]))
+    aim, up = aim_axis[-1], up_axis[-1]
+    axes = frame(rows[axis_of(aim)[0]], rows[axis_of(up)[0]], aim_axis=aim, up_axis=up)
+    return from_axes(axes)
 
 
 def like_turns(
@@ -164,6 +168,7 @@ def mirrored_turns(
     tree: Skeleton,
     ref: Reference,
     turns: Mapping[int, Floats],
+    onto: Callable[[int, Floats], Floats],
     *,
     mirror: Mirror,
     from_side: Literal["left", "right"],
@@ -173,6 +178,7 @@ def mirrored_turns(
     """The turns of one side's joints from the new frames of the other side's.
 
     `rigtri.ops.twins` says what each way of mirroring means; with ``behavior`` the side aims backwards.
+    onto: the turn of a joint that gives it axes of the world, see `turn_onto`.
     """
     rig = tree.rig
     reflect = reflection(plane)
@@ -185,7 +191,7 @@ def mirrored_turns(
             report.warn("no-twin", f"'{rig.title(joint)}' has no twin on the {from_side} side.")
             continue
         axes = transform_directions(to_axes(turns[source]), ref.world[source])
-        result[joint] = turn_onto(mirrored_axes(axes, mirror, reflect), ref, joint)
+        result[joint] = onto(joint, mirrored_axes(axes, mirror, reflect))
     if not any(side_of(rig, joint) for joint in turns):
         raise GeometryError("no joint that turns says left or right in its name")
     return result

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.ops.constrained import settle, unsplittable
+from rigtri.ops.constrained import settle
 from rigtri.ops.frames import stored_splits
 from rigtri.ops.plan import Options, Plan
 from rigtri.ops.scale import allowed_turns, splits
@@ -53,7 +53,7 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     parted = splits(rig, _at_frames(rig, turns), both, plan.scales) if policy == "split" else {}
     if options.frames is not None and not options.inverse:
         parted |= stored_splits(rig, wanted, options.frames)
-    for joint in unsplittable(plan).intersection(parted):
+    for joint in plan.unsplittable.intersection(parted):
         del parted[joint]
     if parted and rig.whole:
         raise GeometryError(_refusal(rig, list(parted)))

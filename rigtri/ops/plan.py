@@ -16,7 +16,7 @@ from rigtri.matrices import transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of, limb_children
 from rigtri.ops.frames import like_turns, mirrored_turns, stored_turns, turn_onto
 from rigtri.ops.presets import Style
-from rigtri.ops.scale import Policy, nearest_cardinal, nearest_exact
+from rigtri.ops.scale import Policy, axes_taken, nearest_cardinal
 from rigtri.ops.select import Selection, select
 from rigtri.ops.twins import Mirror, Plane
 from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
@@ -149,6 +149,7 @@ class Plan:
                 self.tree,
                 self.ref,
                 turns,
+                self._onto,
                 mirror=options.mirror,
                 from_side=options.from_side,
                 plane=options.plane,
@@ -201,9 +202,18 @@ class Plan:
         return ties(self.tree.rig, *self._faults)
 
     @cached_property
+    def unsplittable(self) -> frozenset[int]:
+        """Nodes whose own rotation a constraint reads or writes, or is not unit: it must stay with them."""
+        constraints = self.tree.rig.constraints
+        read = {k for c in constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
+        return frozenset(read | {tie.node for tie in self.ties})
+
+    @cached_property
     def scale_noise(self) -> Floats:
-        """How far from uniform the scales of each node and those above it are, (n,), where taken as such."""
-        noise = np.where(self.scales.uneven, 0.0, self.scales.spread)
+        """How far apart components that count as equal are in each node and those above it, (n,)."""
+        scales = self.scales
+        alike = np.where(scales.apart <= scales.same[:, np.newaxis], scales.apart, 0.0).max(axis=1)
+        noise = np.where(scales.uneven, alike, scales.spread)
         for level in self.tree.rig.levels[1:]:
             noise[level] = np.maximum(noise[level], noise[self.tree.rig.parents[level]])
         return noise
@@ -263,20 +273,25 @@ class Plan:
         for joint in joints:
             aim = self.aims[joint]
             if self.style(joint).world or aim.how == "world":
-                found[joint] = turn_onto(np.eye(3), self.ref, joint)
+                found[joint] = self._onto(joint, np.eye(3))
             elif aim.how == "keep":
                 found[joint] = IDENTITY
             elif aim.how == "parent":
                 above = self.tree.above[joint]
                 if above in self.noise:
                     self.noise[joint] = self.noise[above]
-                found[joint] = turn_onto(self._axes(above, turns), self.ref, joint)
+                found[joint] = self._onto(joint, self._axes(above, turns))
             else:
                 self.ups[joint] = self._up(joint, self.bones[joint], hinges, turns)
                 aimed.append(joint)
         for style in dict.fromkeys(self.style(joint) for joint in aimed):
             found |= self._framed([joint for joint in aimed if self.style(joint) == style], style)
         return found
+
+    def _onto(self, joint: int, world_axes: Floats) -> Floats:
+        """The turn of a joint onto axes of the world (rows), of which it keeps its aim and up."""
+        style = self.style(joint)
+        return turn_onto(world_axes, self.ref, joint, style.aim, style.up)
 
     def _framed(self, joints: list[int], style: Style) -> dict[int, Floats]:
         """The turns onto aim and up direction, and what noise of them is to be expected."""
@@ -297,11 +312,14 @@ class Plan:
 
     def _axes(self, joint: int, turns: dict[int, Floats]) -> Floats:
         """The world axes (rows) that a joint will have."""
-        turn = self.quiet(joint, turns.get(joint, IDENTITY))
+        axes = to_axes(self.quiet(joint, turns.get(joint, IDENTITY)))
         uneven = self.scales.uneven[joint] and joint not in self.tree.rig.frame_of
-        if uneven and joint in turns and self.options.on_nonuniform_scale == "snap":
-            turn = nearest_exact(turn, self.scales, joint, axis_of(self.style(joint).aim)[0])
-        axes = to_axes(turn)
+        if uneven and joint in turns:
+            style, policy = self.style(joint), self.options.on_nonuniform_scale
+            if policy == "split" and joint in self.unsplittable:
+                policy = "skip"
+            kept = axis_of(style.aim)[0], axis_of(style.up)[0]
+            axes = axes_taken(axes, policy, kept, self.scales, joint)
         return normalise(transform_directions(axes, self.ref.world[joint]))
 
     def _up(self, joint: int, bone: Floats, hinges: Hinges, turns: dict[int, Floats]) -> Up:

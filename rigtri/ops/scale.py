@@ -79,6 +79,22 @@ def _unmirrored(turn: Floats, sign: Floats, axes: tuple[int, int]) -> Floats:
     return from_axes(rows)
 
 
+def axes_taken(axes: Floats, policy: Policy, kept: tuple[int, int], scales: Scales, node: int) -> Floats:
+    """The axes, (3, 3) rows in its own frame, that a node of uneven scale gets of those wanted.
+
+    kept: the indices of its aim and up axes, for the third may give way.
+    """
+    wanted = from_axes(axes)
+    exact = nearest_exact(wanted, scales, node, kept[0])
+    if policy == "snap" or _apart(exact, wanted) <= EXACT:
+        return to_axes(exact)
+    if policy == "skip":
+        return np.eye(3)
+    axes = axes.copy()
+    axes[3 - sum(kept)] *= scales.sign[node].prod()  # the node of a split does not mirror
+    return axes
+
+
 def allowed_turns(
     rig: Rig, turn: Floats, policy: Policy, aim_axis: Mapping[int, int], scales: Scales, report: Report
 ) -> Floats:

@@ -7,6 +7,7 @@ The rules about single values, bytes and bounds are the readers' own (`Value`,
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 from rigtri.checks.findings import Findings
@@ -226,7 +227,8 @@ class View:
         except (OSError, ValueError):
             there = False
         if not there:
-            self.add("gltf.buffer.missing", place, f"{pointer}/uri", f"the file '{uri[:60]}' is not there")
+            what = "is no plain file" if _exists(path) else "is not there"
+            self.add("gltf.buffer.missing", place, f"{pointer}/uri", f"the file '{uri[:60]}' {what}")
             self._broken.add(index)
 
     def _check_content(self, index: int) -> None:
@@ -257,6 +259,13 @@ class View:
 def told(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # names that no disk can hold
+        return False
 
 
 def _words(error: FileError, place: str) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.checks.findings import listed
 from rigtri.checks.usd.scene import Scene, at_time
 from rigtri.formats.usd.animations import NON_UNIT, PROPERTIES
+from rigtri.formats.usd.stage import DEFAULT
 from rigtri.quaternions import norm
 from rigtri.reframe import SAME_SCALE
 
@@ -53,6 +54,7 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...], users: list[
 
 def _check_property(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...], known: set[str]) -> None:
     said: set[str] = set()
+    _check_times(scene, prim, name)
     for time, value in scene.keys(prim, name):
         array = scene.array(prim, name, value)
         if array is None:
@@ -64,6 +66,16 @@ def _check_property(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...],
                 said.add("length")
             continue
         _check_values(scene, prim, name, time, array.astype(np.float64), tokens, known, said)
+
+
+def _check_times(scene: Scene, prim: Any, name: str) -> None:
+    # UsdAttribute leaves such times out; the layers tell them.
+    specs = prim.GetAttribute(name).GetPropertyStack(DEFAULT) if prim.HasAttribute(name) else ()
+    times = [time for spec in specs for time in spec.layer.ListTimeSamplesForPath(spec.path)]
+    lost = [time for time in times if not np.isfinite(time)]
+    if lost:
+        text = f"{len(lost)} of {len(times)} time samples of {name} {'is' if len(lost) == 1 else 'are'} "
+        scene.add("usd.anim.time", prim, name, f"{text}{at_time(lost[0])}")
 
 
 def _check_values(
@@ -102,6 +114,7 @@ def _check_values(
 
 
 def _check_blend(scene: Scene, prim: Any) -> None:
+    _check_times(scene, prim, "blendShapeWeights")
     names = scene.words(prim, "blendShapes")
     if scene.has_other(prim, "blendShapes"):
         return

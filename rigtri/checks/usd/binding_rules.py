@@ -79,7 +79,7 @@ RULES = (
     Rule(
         "usd.binding.element-size",
         "error",
-        "The elementSize of joint indices and weights differ, or do not divide their number.",
+        "The elementSize of joint indices and weights differ, are below 1, or do not divide their number.",
         "Write the number of influences of a point as the elementSize of both.",
     ),
     Rule(

@@ -11,8 +11,9 @@ from rigtri.checks.findings import Findings
 from rigtri.checks.usd import animations, bindings, blend_shapes, packages, skeletons
 from rigtri.checks.usd.scene import Scene
 from rigtri.formats.usd.document import opened
-from rigtri.formats.usd.notes import JOINT_NOTES, read_prim
+from rigtri.formats.usd.notes import JOINT_NOTES, read_joints, read_prim
 from rigtri.formats.usd.stage import quiet
+from rigtri.formats.usd.tokens import unsplit
 
 
 def check_usd(
@@ -49,12 +50,14 @@ def check_usd(
 
 def _check_notes(scene: Scene, prim: Any) -> None:
     """What rigtri stored on a prim and, of joints, on their skeleton."""
-    known = {token for tokens in scene.tokens.values() for token in tokens}
+    tokens = {path: _with_unsplit(scene, path) for path in scene.tokens}
+    known = {token for path in tokens for token in tokens[path]}
     leaves = {token.rpartition("/")[2] for token in known}
-    names = {str(prim.GetName()) for prim in scene.skeletons} | leaves | known
+    paths = {f"{path}/{token}" for path in tokens for token in tokens[path]}
+    names = {str(prim.GetName()) for prim in scene.skeletons} | leaves | known | paths
 
     def is_joint(name: str) -> bool:
-        # Joints are stored by their tokens, behind the skeleton's path where two have the same.
+        # Joints are stored by name or by path; by token behind the skeleton's path where that is no address.
         return name in names or name.rpartition(":")[2] in known or bool(_prim(scene, name))
 
     try:
@@ -66,6 +69,14 @@ def _check_notes(scene: Scene, prim: Any) -> None:
         scene.add("usd.note.broken", prim, "rigtri:type", why)
     if prim.GetTypeName() == "Skeleton":
         _check_joint_notes(scene, prim, is_joint)
+
+
+def _with_unsplit(scene: Scene, path: str) -> set[str]:
+    """The tokens of a skeleton, also as they were before joints of it were split: notes may be older."""
+    own = scene.tokens[path]
+    said = read_joints(scene.stage.GetPrimAtPath(path))
+    holders = {token for token, note in said.items() if note.get("type") == "frame"}
+    return {*own, *unsplit(own, holders)}
 
 
 def _prim(scene: Scene, name: str) -> Any:

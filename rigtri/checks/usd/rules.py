@@ -85,7 +85,7 @@ RULES = (
     Rule(
         "usd.skel.matrix-nan",
         "error",
-        "A bind or rest matrix has a value that is not a number, or is infinite.",
+        "A bind or rest matrix has a value that is not a number, infinite, or too large for float32.",
         _AGAIN,
     ),
     Rule(
@@ -132,6 +132,13 @@ RULES = (
         "file for each.",
     ),
     Rule(
+        "usd.skel.variants-unselected",
+        "warning",
+        "Variants decide what a skeleton is or does, and none is selected: orient-joints cannot edit what "
+        "shows then, for what it writes would win over every variant.",
+        "Select a variant in a layer above, or remove the variant set.",
+    ),
+    Rule(
         "usd.type",
         "error",
         "A property of a skeleton, animation, binding or blend shape has a type that UsdSkel does not read.",
@@ -172,6 +179,12 @@ RULES = (
         "error",
         "A key is not a number, or is infinite.",
         _AGAIN,
+    ),
+    Rule(
+        "usd.anim.time",
+        "warning",
+        "A time sample is at a time that is infinite, which no player reaches.",
+        "Remove the sample, or give it a time.",
     ),
     Rule(
         "usd.anim.rotation-zero",

@@ -13,9 +13,9 @@ from pxr import Sdf, UsdSkel
 
 from rigtri.checks.findings import listed
 from rigtri.checks.usd.scene import Scene
-from rigtri.formats.usd.skeletons import PERSPECTIVE, Skeleton, nearest_listed, singular
+from rigtri.formats.usd.skeletons import PERSPECTIVE, Skeleton, nearest_listed, singular, unbounded
 from rigtri.formats.usd.stage import DEFAULT
-from rigtri.formats.usd.variants import why_split
+from rigtri.formats.usd.variants import Trial, split_by, unselected
 from rigtri.matrices import SKEW, determinant, identity, skew
 from rigtri.reframe import SAME_SCALE
 from rigtri.trigonometry import Floats
@@ -92,10 +92,10 @@ def _matrices(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...]) -> Fl
         text = f"it has {len(matrices)} matrices for {len(tokens)} joints"
         scene.add("usd.skel.matrix-count", prim, name, text)
         return None
-    lost = ~np.isfinite(matrices).all(axis=(1, 2))
+    lost = unbounded(matrices)
     column = np.where(lost[:, np.newaxis], (0.0, 0.0, 0.0, 1.0), matrices[:, :, 3])
     last = (np.abs(column - (0.0, 0.0, 0.0, 1.0)) > PERSPECTIVE).any(axis=1)
-    _note(scene, prim, "usd.skel.matrix-nan", name, tokens, lost, "is not finite")
+    _note(scene, prim, "usd.skel.matrix-nan", name, tokens, lost, "is not finite, or too large for float32")
     _note(
         scene,
         prim,
@@ -160,6 +160,8 @@ def _check_variants(scene: Scene, prim: Any, tokens: tuple[str, ...], animation:
     none = identity(0)
     path = "" if animation is None else str(animation.GetPath())
     watched = Skeleton(str(prim.GetPath()), tokens, np.zeros(0, np.int64), none, none, False, "", path)
-    other = why_split(scene.stage, watched)
-    if other:
-        scene.add("usd.skel.variants", prim, "", other)
+    trial = Trial(scene.stage, watched)
+    if why := unselected(trial):
+        scene.add("usd.skel.variants-unselected", prim, "", why)
+    elif why := split_by(trial):
+        scene.add("usd.skel.variants", prim, "", why)

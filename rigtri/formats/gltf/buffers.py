@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from rigtri.formats.gltf.container import Container
 from rigtri.formats.gltf.mapped import Mapped, load
-from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own, is_there
+from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own, is_there, why_absent
 from rigtri.formats.gltf.values import Value
 
 # Where a buffer lies: in the GLB, in its URI, in a file of ours, in a file of the user's, nowhere.
@@ -37,7 +37,7 @@ class Buffers:
                 if not is_there(path) and _is_fallback(item):
                     self._undeployed.add(index)
                 elif not is_there(path):
-                    item.fail(f"the file '{path.name}' is missing; put it beside {container.path.name}")
+                    item.fail(why_absent(self.uri(index), path, container.path))
 
     def __len__(self) -> int:
         return len(self._items)

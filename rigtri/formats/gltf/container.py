@@ -108,6 +108,8 @@ def open_container(path: Path, *, lenient: bool = False) -> Container:
     """
     source = load(path)
     notices: list[Notice] = []
+    if not len(source):
+        raise FileError(f"{path}: the file is empty; copy or export it again")
     if bytes(source[:4]) != MAGIC:
         text, gltf = _json(path, source, notices, lenient=lenient)
         return Container(path, source, gltf, Spelling.of(text), (), notices)

@@ -16,7 +16,8 @@ from rigtri.errors import FileError
 from rigtri.formats import Companion
 from rigtri.formats.bindings import Pointer
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.uris import escape, file_of, is_file, is_there
+from rigtri.formats.gltf.uris import escape, file_of, is_file, is_there, lies_outside
+from rigtri.report import Notice
 
 
 def uris(gltf: dict[str, Any]) -> Iterator[tuple[Pointer, str]]:
@@ -61,11 +62,34 @@ def accompany(gltf: dict[str, Any], source: Path, target: Path) -> list[Companio
         file = file_of(uri, source.parent, where, allow_external=True)
         if not is_there(file) or Path(unquote(uri)).is_absolute():
             continue
-        file_of(uri, source.parent, f"{where} cannot be copied along (--resources relink can)")
+        if lies_outside(uri, source.parent, where):
+            raise FileError(
+                f"{where}: '{uri}' lies outside the folder of the file, so its copy would lie outside the "
+                "folder of the output. Refer to it where it is with --resources relink"
+            )
         name = Path(os.path.normpath(unquote(uri))).as_posix()
         if (target.parent / name).resolve() != file.resolve():
             found.setdefault(name, Companion(name, file))
     return list(found.values())
+
+
+def missing(gltf: dict[str, Any], source: Path) -> list[Notice]:
+    """What a glTF refers to and does not have, except buffers: those are read, or need not be there."""
+    return [
+        Notice(
+            "file-missing",
+            f"{_spelled(path)}: there is no file '{uri}' beside {source.name}; the output lacks it too",
+        )
+        for path, uri in uris(gltf)
+        if path[0] != "buffers" and uri and is_file(uri) and not _has(uri, source, _spelled(path))
+    ]
+
+
+def _has(uri: str, source: Path, where: str) -> bool:
+    try:
+        return is_there(file_of(uri, source.parent, where, allow_external=True))
+    except FileError:  # a name of no file
+        return False
 
 
 def relink(draft: Draft, source: Path, target: Path) -> None:

@@ -66,17 +66,35 @@ def file_of(uri: str, folder: Path, where: str, *, allow_external: bool = False)
     name = unquote(uri)
     if "\0" in name or _SURROGATE.search(name):
         raise FileError(f"{where}: '{_short(uri)}' is no file name")
-    path = folder / name
-    try:
-        leaves = not allow_external and _leaves(name, path, folder)
-    except (OSError, RuntimeError) as error:  # links in a circle, names that no disk can hold
-        raise FileError(f"{where}: '{_short(uri)}' leads nowhere: {error}") from None
-    if leaves:
+    if not allow_external and lies_outside(uri, folder, where):
         raise FileError(
             f"{where}: '{_short(uri)}' lies outside the folder of the file. "
             "If you trust it, allow this with --allow-external-paths"
         )
-    return path
+    return folder / name
+
+
+def lies_outside(uri: str, folder: Path, where: str) -> bool:
+    """Whether the name of a file leads out of ``folder``. FileError for one that leads nowhere."""
+    name = unquote(uri)
+    try:
+        return _leaves(name, folder / name, folder)
+    except (OSError, RuntimeError) as error:  # links in a circle, names that no disk can hold
+        raise FileError(f"{where}: '{_short(uri)}' leads nowhere: {error}") from None
+
+
+def why_absent(uri: str, path: Path, source: Path) -> str:
+    """Why there is no plain file where a URI leads, and what to do; ``source`` names it."""
+    name = _short(unquote(uri))
+    try:
+        other = path.exists()
+    except OSError:
+        other = False
+    if other:
+        return f"'{name}' is no plain file but a folder, a device or a pipe; name a file instead"
+    if "/" in name:
+        return f"the file '{name}', as seen from the folder of {source.name}, is missing; put it there"
+    return f"the file '{name}' is missing; put it beside {source.name}"
 
 
 def is_there(path: Path) -> bool:

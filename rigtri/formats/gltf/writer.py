@@ -16,7 +16,7 @@ from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.mapped import pour
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
-from rigtri.formats.gltf.resources import accompany, relink
+from rigtri.formats.gltf.resources import accompany, missing, relink
 from rigtri.formats.gltf.shape_writer import write_shapes
 from rigtri.formats.gltf.storage import Storage
 from rigtri.formats.gltf.weight_writer import WeightWriter
@@ -58,6 +58,8 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
         _write(part, [container.source])
     else:
         _write(part, container.pieces(draft.gltf, binary))
+    if moves:
+        document.notices += [n for n in missing(container.gltf, container.path) if n not in document.notices]
     if moves and not document.options.relink:
         new = {companion.name for companion in companions}
         copies = accompany(draft.gltf, container.path, target)

@@ -32,6 +32,7 @@ from rigtri.formats.usd import (
     writer,
 )
 from rigtri.formats.usd.confirm import Expected
+from rigtri.formats.usd.expressions import variables_of
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
@@ -137,7 +138,7 @@ class UsdDocument:
         if self._streamed and part.suffix.lower() != ".usdz":
             # What a stream got stands where the source stood; a twin with absolute paths does, too.
             layer = layers.copy_of(layer)
-            layers.rename_assets(layer, layers.anchored(self._source.path.parent))
+            layers.rename_assets(layer, layers.anchored(self._source.path.parent, self._source.layer))
         if self._bare:
             return layers.over(layer, self._source.layer), layer
         if (below := _source_of(layer, part)) is not None:
@@ -168,7 +169,7 @@ class UsdDocument:
         """How relative asset paths of the source read in the output; None where they stay."""
         if self._streamed:
             return None
-        return layers.from_folder(self._source.path.parent, target.parent)
+        return layers.from_folder(self._source.path.parent, target.parent, self._source.layer)
 
     def _seen_from(self, target: Path) -> str:
         """The source as a relative asset path of the output."""
@@ -208,11 +209,18 @@ class UsdDocument:
     def _encoded(self, layer: Any, encoding: str, content: bytes, notices: list[Notice]) -> bytes:
         """An edited copy of the layer as a file; a text stays as it is in all that was not edited."""
         if encoding == "usda":
+            lost: list[str] = []
             try:
-                return splice.spliced(content, self._layer, layer)
+                told = splice.spliced(content, self._layer, layer, lost)
             except UnknownTextError as why:
                 text = f"the text was written anew by USD, which sorts properties and drops comments: {why}"
                 notices.append(Notice("text-respelled", text))
+            else:
+                if lost:
+                    what = ", ".join(dict.fromkeys(lost))
+                    text = f"comments inside these values went, for the values got another size: {what}"
+                    notices.append(Notice("comments-dropped", text))
+                return told
         return layers.to_bytes(layer, encoding)
 
     def _opinions(self, target: Path) -> Any:
@@ -311,7 +319,12 @@ def _over(layer: Any, below: Path, path: Path, allow_external: bool) -> tuple[An
     external.check_file(below, path, allow_external=allow_external)
     stage, warnings = open_stage(below, allow_external=allow_external)
     with quiet(f"{below}: USD cannot read it"):
-        return layers.over(layer, stage.GetRootLayer()), warnings
+        # What their expressions name is known only with the variables of that file.
+        variables = variables_of(stage.GetRootLayer())
+        held = external.check(path, allow_external=allow_external, variables=variables)
+        both = layers.over(layer, stage.GetRootLayer())
+        del held  # they had to stay open until the stage has them
+    return both, warnings
 
 
 def _apply(stage: Any, edits: list[Edit], layer: Any, notices: list[Notice]) -> None:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from pxr import Sdf, Usd, UsdUtils
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.expressions import evaluated, is_one, prefixed, variables_of
 
 Rename = Callable[[str], str]
 
@@ -73,39 +77,64 @@ def to_bytes(layer: Any, encoding: str) -> bytes:
         return path.read_bytes()
 
 
-def from_folder(source: Path, target: Path) -> Rename | None:
+def from_folder(source: Path, target: Path, layer: Any) -> Rename | None:
     """How asset paths of a layer in ``source`` read from ``target``; None where they are the same.
 
-    Absolute paths, URLs, expressions and names on a search path stay as they are.
+    Absolute paths, URLs and names on a search path stay as they are. Expressions are put behind the
+    way to ``source``; `rename_assets` refuses those that cannot be. One that says nothing with the
+    variables of ``layer`` may say something below a layer that sets others, so it is treated alike.
     """
     source, target = source.resolve(), target.resolve()
     if source == target:
         return None
-    return _renaming(source, lambda path: _dotted(os.path.relpath(source / path, target)))
+    way = _dotted(os.path.relpath(source, target))
+
+    def expressed(path: str) -> str:
+        if found := prefixed(path, f"{way}/"):
+            return found
+        raise _FixedError(path)
+
+    return _renaming(source, lambda path: _dotted(os.path.relpath(source / path, target)), expressed, layer)
 
 
-def anchored(folder: Path) -> Rename:
+def anchored(folder: Path, layer: Any) -> Rename:
     """How asset paths of a layer in ``folder`` read from anywhere: as absolute paths."""
-    folder = folder.resolve()
-    return _renaming(folder, lambda path: os.path.normpath(folder / path).replace(os.sep, "/"))
+    folder, variables = folder.resolve(), variables_of(layer)
+
+    def absolute(path: str) -> str:
+        return os.path.normpath(folder / path).replace(os.sep, "/")
+
+    def expressed(path: str) -> str:
+        found = evaluated(path, variables)
+        return absolute(found) if found else path
+
+    return _renaming(folder, absolute, expressed, layer)
+
+
+class _FixedError(Exception):
+    """An expression that means another file in another folder."""
 
 
 def _dotted(path: str) -> str:
     path = path.replace(os.sep, "/")
-    return path if path.startswith("../") else f"./{path}"
+    return path if path == ".." or path.startswith("../") else f"./{path}"
 
 
-def _renaming(source: Path, moved: Rename) -> Rename:
-    """Rename what is relative to ``source``."""
+def _renaming(source: Path, moved: Rename, expressed: Rename, layer: Any) -> Rename:
+    """Rename what is relative to ``source``: paths, and expressions by what they say in ``layer``."""
+    variables = variables_of(layer)
 
     def rename(path: str) -> str:
-        outer, bracket, inner = path.partition("[")
-        if not outer or outer.startswith(("/", "`", "\\")) or ":" in outer.split("/")[0]:
+        outer, bracket, inner = evaluated(path, variables).partition("[")
+        # USD leaves a variable that is not set where it stands.
+        if is_one(path) and (not outer or "${" in outer):
+            return expressed(path)
+        if not outer or outer.startswith(("/", "\\")) or ":" in outer.split("/")[0]:
             return path
         # Without a dot in front it is relative only if it is there; else the resolver searches.
         if not outer.startswith(("./", "../")) and not _there(source, outer):
             return path
-        return moved(outer) + bracket + inner
+        return expressed(path) if is_one(path) else moved(outer) + bracket + inner
 
     return rename
 
@@ -124,18 +153,34 @@ def _there(folder: Path, name: str) -> bool:
 def rename_assets(layer: Any, rename: Rename) -> bool:
     """Rename every asset path in a layer, in place; says whether any changed.
 
+    FileError, with the place, for an expression that `from_folder` cannot move.
+
     UsdUtils.ModifyAssetPaths would do, but it loses the offsets of sublayers
     and the empty elements of asset arrays (26.11).
     """
-    changed = [_rename_sublayers(layer, rename)]
+    with _placed("The layer"):
+        changed = [_rename_sublayers(layer, rename)]
 
     def visit(path: Any) -> None:
         spec = layer.GetObjectAtPath(path)
         if spec is not None:
-            changed.append(_rename_fields(layer, spec, rename))
+            with _placed(f"<{path}>"):
+                changed.append(_rename_fields(layer, spec, rename))
 
     layer.Traverse(Sdf.Path.absoluteRootPath, visit)
     return any(changed)
+
+
+@contextmanager
+def _placed(where: str) -> Iterator[None]:
+    """Say where an expression stands that cannot be moved."""
+    try:
+        yield
+    except _FixedError as error:
+        raise FileError(
+            f"{where} asks for {error}, an expression that would name another file in the folder of the "
+            "output. Write the output into the folder of the source, or use --override"
+        ) from None
 
 
 def _rename_sublayers(layer: Any, rename: Rename) -> bool:
@@ -197,6 +242,8 @@ def _renamed(value: Any, rename: Rename, template: bool = False) -> Any:
 
 def _renamed_item(key: str, item: Any, rename: Rename, template: bool) -> Any:
     if template and key == "templateAssetPath" and isinstance(item, str):
+        if is_one(item):
+            return rename(item)
         folder, slash, name = item.rpartition("/")
         # '#' stands for digits, so the name itself cannot be looked for.
         return rename(f"{folder}/_").removesuffix("_") + name if slash else item

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.formats.usd import external, layers
+from rigtri.formats.usd.expressions import evaluated, variables_of
 
 
 def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:
     """Every file that the layers of a file read or name, in all variants, each with who names it."""
     opened = external.check(path, allow_external=True)
-    # What a variable expression or a clip has opened, no walk through the layers finds.
+    # What a clip has opened, no walk through the layers finds.
     used = [layer for layer in stage.GetUsedLayers(True) if layer not in opened]
     for layer in (*opened, *used):
         if layer.realPath:
@@ -25,14 +26,15 @@ def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:
 def _named(layer: Any) -> list[Path]:
     """The files that one layer names, there or not; a package for all that is in it."""
     found: set[str] = set()
+    variables = variables_of(layer)
 
     def note(asset: str) -> str:
-        if asset and not asset.startswith("`"):
-            found.add(_absolute(layer, asset))
+        if named := evaluated(asset, variables):
+            found.add(_absolute(layer, named))
         return asset
 
     layers.rename_assets(layer, note)
-    found.update(_absolute(layer, asset) for asset, _, _ in external.asked(layer))
+    found.update(_absolute(layer, asset) for asset, _, _ in external.asked(layer, variables))
     return sorted(_outer(name) for name in found if name)
 
 

@@ -86,11 +86,7 @@ class _Reader:
         if not self.skeletons and self.options.root is None:
             self._library(prims)
         if not self.skeletons and self.options.root is None and not self.options.empty:
-            raise FileError(
-                f"{self.path}: there is no skeleton in it{self._excuse()}. If its joints are plain "
-                "Xform prims, name the topmost with --root, e.g. --root "
-                f"{self.labels[0] if self.labels else '/Root'}"
-            )
+            raise FileError(f"{self.path}: there is no skeleton in it{self._excuse()}{self._remedy()}")
         rig = self._rig()
         rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins())))
         if self.options.root is not None:
@@ -130,6 +126,13 @@ class _Reader:
         codes = ("unresolved", "animation-ignored")
         missing = [notice.text for notice in self.warnings if notice.code in codes]
         return f" ({missing[0].rstrip('.')})" if missing else ""
+
+    def _remedy(self) -> str:
+        """What to do where there is no skeleton; nothing where there is nothing that could be one."""
+        if not self.labels:
+            return ", nor any prim that has a place"
+        text = "If its joints are plain Xform prims, name the topmost with --root, e.g. --root"
+        return f". {text} {self.labels[0]}"
 
     def _prims(self) -> list[Any]:
         """Every prim with a place as a node; returns the Skeleton and SkelAnimation prims."""
@@ -268,7 +271,8 @@ class _Reader:
                 Notice(
                     "unbound-animation",
                     f"No skeleton uses {shown} in the selected variants: left as they were, in the old "
-                    "axes, unless a skeleton of another variant uses them.",
+                    "axes, unless a skeleton of another variant uses them. To turn one along, bind "
+                    "a skeleton to it (skel:animationSource) and run again from the source.",
                 )
             )
 

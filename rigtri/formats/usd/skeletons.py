@@ -123,6 +123,12 @@ def nearest_listed(tokens: Sequence[str]) -> Integers:
     return np.array(parents, dtype=np.int64).reshape(-1)
 
 
+def unbounded(matrices: Floats) -> Booleans:
+    """Which matrices have numbers that are none, or none in float32, in which skins are computed, (n,)."""
+    with np.errstate(over="ignore"):
+        return np.asarray(~np.isfinite(matrices.astype(np.float32)).all(axis=(-2, -1)))
+
+
 def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
     attribute, path = prim.GetAttribute(name), prim.GetPath()
     if attribute and attribute.GetNumTimeSamples():
@@ -136,9 +142,12 @@ def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
         raise FileError(
             f"<{path}>.{name} has {len(matrices)} matrices for {len(tokens)} joints. Export it again."
         )
-    odd = ~np.isfinite(matrices).all(axis=(1, 2))
-    if odd.any():
-        raise FileError(f"<{path}>.{name}: the matrix of joint '{tokens[int(odd.argmax())]}' is not finite.")
+    lost = unbounded(matrices)
+    if lost.any():
+        raise FileError(
+            f"<{path}>.{name}: the matrix of joint '{tokens[int(lost.argmax())]}' is not finite, or too "
+            "large for float32. Export it again."
+        )
     odd = (np.abs(matrices[:, :, 3] - (0.0, 0.0, 0.0, 1.0)) > PERSPECTIVE).any(axis=1)
     if odd.any():
         if (flat := odd & singular(matrices)).any():

@@ -17,7 +17,7 @@ from typing import Any
 
 from pxr import Sdf, Tf
 
-from rigtri.formats.usd.text import Item, Span, Text, UnknownTextError
+from rigtri.formats.usd.text import COMMENTS, STRINGS, Item, Span, Text, UnknownTextError
 
 # Blocks up to this depth are compared as a whole before they are taken apart.
 _SHALLOW = 64
@@ -26,12 +26,15 @@ _LINE = 4096
 _STEP = 4
 _TRAIL = re.compile(rb"[ \t;]*(?:#[^\r\n]*|//[^\r\n]*)?(?=\r|\n|\Z)")
 _SEPARATOR, _INDENTED = re.compile(rb"[ \t]*;?"), re.compile(rb"\n([ \t]{1,8})[^\s]")
+# Strings first, so that what looks like a comment in one is none.
+_WORDS = re.compile(STRINGS + rb"|" + COMMENTS)
 _REST = re.compile(rb"[ \t;]*\r?\n")
 
 
-def spliced(content: bytes, before: Any, wanted: Any) -> bytes:
+def spliced(content: bytes, before: Any, wanted: Any, lost: list[str] | None = None) -> bytes:
     """The text of a layer with what differs between ``before``, which it says, and ``wanted``.
 
+    lost: gets the names of the values that were written anew and had comments in them.
     UnknownTextError, with the reason, where that text would not say what ``wanted`` says.
     """
     with tempfile.TemporaryDirectory() as folder:
@@ -40,7 +43,8 @@ def spliced(content: bytes, before: Any, wanted: Any) -> bytes:
         before.Export(str(was))
         wanted.Export(str(now))
         told = now.read_bytes()
-        text = _Splice(Text(content), Text(was.read_bytes()), Text(told)).text()
+        splice = _Splice(Text(content), Text(was.read_bytes()), Text(told))
+        text = splice.text()
         made.write_bytes(text)
         try:
             layer = Sdf.Layer.OpenAsAnonymous(str(made))
@@ -50,6 +54,8 @@ def spliced(content: bytes, before: Any, wanted: Any) -> bytes:
         # The first line has the version of the format, which the source keeps.
         if _behind_first_line(seen.read_bytes()) != _behind_first_line(told):
             raise UnknownTextError("USD reads something else from the changed text")
+        if lost is not None:
+            lost += splice.lost
         return text
 
 
@@ -63,6 +69,7 @@ class _Splice:
     def __init__(self, source: Text, before: Text, wanted: Text) -> None:
         self.source, self.before, self.wanted = source, before, wanted
         self.cuts: list[tuple[int, int, bytes]] = []
+        self.lost: list[str] = []
         self.blocks: list[tuple[int, str, tuple[Item, Item, Item], tuple[Span, Span, Span]]] = []
         head = source.content[:65536]
         unit = _INDENTED.search(head)
@@ -100,6 +107,7 @@ class _Splice:
             self.cuts.append((mine.head_end, mine.value[1] if mine.value else mine.head_end, text))
         elif mine.key.endswith(b".timeSamples") and self.source.of(mine.value)[:1] == b"{":
             if not self._samples(mine, was, now):
+                self._note_lost(mine)
                 self.cuts.append((*mine.value, self._told(now.value, now, mine)))
         else:
             self.cuts.append((*mine.value, self._respelled(mine, was, now)))
@@ -127,6 +135,7 @@ class _Splice:
         ours, olds, news = self.source.atoms(value), self.before.atoms(old), self.wanted.atoms(new)
         # USD sorts dictionaries, so places tell nothing there.
         if not len(ours) == len(olds) == len(news) or text[:1] == b"{":
+            self._note_lost(mine)
             return self._told(new, now, mine)
         parts, at = [], value[0]
         for (start, end), before, after in zip(ours, olds, news, strict=True):
@@ -135,6 +144,11 @@ class _Splice:
                 parts += [self.source.content[at:start], atom]
                 at = end
         return b"".join([*parts, self.source.content[at : value[1]]])
+
+    def _note_lost(self, mine: Item) -> None:
+        """Note a value that is written anew as a whole, if comments stand in it."""
+        if any(word[0][:1] in b"#/" for word in _WORDS.finditer(self.source.of(mine.value))):
+            self.lost.append((mine.name or mine.key).decode(errors="replace"))
 
     def _meta(self, depth: int, mine: Item, was: Item, now: Item) -> None:
         if mine.meta and was.meta and now.meta:

@@ -15,14 +15,15 @@ from dataclasses import dataclass
 
 Span = tuple[int, int]
 
-_STRINGS = (
+# Strings and asset paths, and comments, wherever one starts.
+STRINGS = (
     rb'(?s:"""[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"""|"[^"\\]*(?:\\.[^"\\]*)*"'
     rb"|\'\'\'[^'\\]*(?:(?:\\.|'(?!''))[^'\\]*)*\'\'\'|'[^'\\]*(?:\\.[^'\\]*)*'"
     rb"|@@@(?:\\@@@|(?!@@@).)*@@@@{0,2}|@[^@\r\n]*@)"
 )
-_COMMENTS = rb"\#[^\r\n]*|//[^\r\n]*|(?s:/\*.*?\*/)"
-_STRING = re.compile(_STRINGS)
-_COMMENT = re.compile(_COMMENTS)
+COMMENTS = rb"\#[^\r\n]*|//[^\r\n]*|(?s:/\*.*?\*/)"
+_STRING = re.compile(STRINGS)
+_COMMENT = re.compile(COMMENTS)
 
 
 # Where brackets of a kind may stand, or strings and comments, in which they count for nothing.
@@ -36,7 +37,7 @@ _PATH = re.compile(rb"<[^<>\r\n]*>")
 _TIME = re.compile(rb"([^\s:,]+)\s*:\s*")
 _COMMAS = re.compile(rb"[\s,]*")
 # What a value consists of beside brackets and separators; comments have no group.
-_ATOM = re.compile(rb"(" + _STRINGS + rb"|<[^<>\r\n]*>|[^\s,;:=()\[\]{}\"'@#<>/]+)|" + _COMMENTS)
+_ATOM = re.compile(rb"(" + STRINGS + rb"|<[^<>\r\n]*>|[^\s,;:=()\[\]{}\"'@#<>/]+)|" + COMMENTS)
 
 # Statements of one block; more would take too much memory.
 MOST = 500_000

@@ -22,7 +22,7 @@ from rigtri.formats.usd.confirm import Expected, agree
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.values import Edit, Setting, kind, parts
-from rigtri.formats.usd.variants import VALUES, State, Trial
+from rigtri.formats.usd.variants import VALUES, State, Trial, why_unselected
 from rigtri.lengths import against_parent
 from rigtri.matrices import inverse, multiply, orthonormal_axes
 from rigtri.quaternions import IDENTITY, from_axes
@@ -145,8 +145,8 @@ def _inside(prim: Any, sets: set[Any], state: State, trial: Trial) -> Any:
                 variant = state.selected[above, name]
                 if not variant:
                     raise FileError(
-                        f"<{prim}> has values of its own where no variant of '{name}' on <{above}> is "
-                        "selected. Select one in a layer above, or remove the variant set."
+                        f"{why_unselected(prim, above, name)}. Select one in a layer above, or remove "
+                        "the variant set."
                     )
                 path = path.AppendVariantSelection(name, variant)
                 if held is not None and not above.HasPrefix(held.GetPath()):

@@ -162,15 +162,37 @@ class Trial:
 
 def why_split(stage: Any, skeleton: Skeleton) -> str:
     """Which variant set decides what a skeleton's joints are or do; "" if none does."""
-    depends = Trial(stage, skeleton).depends
-    if not depends:
+    return split_by(Trial(stage, skeleton))
+
+
+def split_by(trial: Trial) -> str:
+    """The same for a skeleton whose variants were tried."""
+    if not trial.depends:
         return ""
-    path = min(depends)
-    prim, name = min(depends[path])
+    path = min(trial.depends)
+    prim, name = min(trial.depends[path])
     return (
         f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in "
         "one would not fit the others. Give each variant a file of its own, or choose snap or skip"
     )
+
+
+def unselected(trial: Trial) -> str:
+    """Which values of a skeleton show where no variant is selected, which no opinion reaches; "" if none.
+
+    They lie below the variant set: what is stronger than they would win over every variant, too.
+    """
+    for state in trial.states:
+        for path in sorted(trial.depends.keys() & state.shown.keys()):
+            for prim, name in sorted(trial.depends[path]):
+                if not state.selected.get((prim, name)):
+                    return why_unselected(path.GetPrimPath(), prim, name)
+    return ""
+
+
+def why_unselected(path: Any, prim: Any, name: str) -> str:
+    """What is wrong with a prim whose values differ where no variant of a set is selected."""
+    return f"<{path}> has values of its own where no variant of '{name}' on <{prim}> is selected"
 
 
 def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]:

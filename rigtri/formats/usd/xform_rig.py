@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from rigtri.errors import UsageError
+from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.formats.usd.meshes import at_start
 from rigtri.formats.usd.stage import why_locked
 from rigtri.formats.usd.values import kind
@@ -78,6 +78,10 @@ def _animated(
 
 def find_root(rig: Rig, root: str) -> int:
     """The prim that ``--root`` names: by path, or by a name that only one has."""
+    if not rig.has(root):
+        prims = [node for node, key in enumerate(rig.keys) if kind(key) == "prim"]
+        known = [way[node] for node in prims for way in (rig.labels, rig.names)]
+        raise NameNotFoundError("prim", root, known)
     node = rig.find(root, "prim")
     if kind(rig.keys[node]) != "prim":
         raise UsageError(f"--root '{root}' is a joint; name a prim, e.g. {rig.labels[0]}")

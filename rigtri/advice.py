@@ -1,0 +1,69 @@
+"""What a user can do where a result looks a little different: the joints whose scale it is, or rounding."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.compare import Comparison
+from rigtri.errors import FileError
+from rigtri.lengths import ROUNDING
+from rigtri.pose import worlds
+from rigtri.reach import reaches
+from rigtri.reframe import Scales
+from rigtri.rig import Rig
+
+# A joint of which less than this share of the tolerance can come is not to blame.
+_BLAME = 0.1
+
+
+def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> str:
+    """What to do about a deviation that is near the tolerance, with a space before it; "" where it is not.
+
+    Turning a joint whose scale is nearly uniform moves what hangs there; else only the rounding
+    of stored numbers can be what differs.
+    """
+    near = result.shown < 10 * tolerance
+    if result.lost or result.different or not near:
+        return ""
+    allow = f"allow more with --tolerance {_rounded_up(result.shown):g}"
+    noisy = nearly_uniform(before, after, tolerance)
+    if noisy:
+        scale = " ".join(f"{x:.8g}" for x in before.scale[noisy[0]])
+        names = ", ".join(f"'{before.title(node)}'" for node in noisy[:4])
+        return (
+            f" The scale of {names} is nearly uniform but not quite ({scale}), and what hangs there "
+            f"reaches far. Leave {'it' if len(noisy) == 1 else 'them'} out with --exclude "
+            f"{before.title(noisy[0])}, or {allow}"
+        )
+    depth = max(before.depth) + 1
+    far = float(np.abs(worlds(before)[:, 3, :3]).max(initial=0.0)) / (result.diagonal or 1.0)
+    floor = depth * max(far, 1.0) * float(np.finfo(np.float32).eps) / 2
+    return (
+        f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
+        f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
+        f"named with --exclude, or {allow}"
+    )
+
+
+def nearly_uniform(before: Rig, after: Rig, tolerance: float) -> list[int]:
+    """The nodes that an edit turned although their scale is not quite uniform, by what that can move."""
+    scales = Scales.of(before)
+    spread = np.where(scales.uneven | (scales.spread <= ROUNDING), 0.0, scales.spread)
+    try:
+        effect = spread * reaches(before)
+    except FileError:
+        return []
+    there = {key: node for node, key in enumerate(after.keys) if key is not None}
+    suspects = np.flatnonzero(effect > _BLAME * tolerance).tolist()
+    moved = [
+        node
+        for node in suspects
+        if before.keys[node] in there
+        and not np.array_equal(before.local[node, :3, :3], after.local[there[before.keys[node]], :3, :3])
+    ]
+    return sorted(moved, key=lambda node: -float(effect[node]))
+
+
+def _rounded_up(value: float) -> float:
+    """A little more, with one digit."""
+    return float(f"{value * 1.5:.0e}")

@@ -1,0 +1,105 @@
+"""Scales that are nearly uniform, and joints that copy the axes above them: one result, however often."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from gltf_files import glb_bytes, glb_parts
+from scaled_limbs import NAMES, Limb, gltf
+
+from rigtri.advice import nearly_uniform, why_near
+from rigtri.compare import verify
+from rigtri.errors import DeviationError
+from rigtri.formats import read
+from rigtri.ops.orient import Options as Orient
+from rigtri.ops.orient import orient_joints
+from rigtri.ops.presets import Style
+from rigtri.pipeline import Outcome, edit
+from rigtri.reach import reaches
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+ONE, MIRROR = (1, 1, 1), (-1, 1, 1)
+AXES = ("x", "-x", "y", "-y", "z", "-z")
+STYLES = [Style(aim, up) for aim in AXES for up in AXES if aim[-1] != up[-1]]
+
+
+def oriented(source: Path, target: Path, policy: Any, style: Style) -> Outcome:
+    options = Orient(on_nonuniform_scale=policy, style=style)
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return orient_joints(rig, options=options, report=report)
+
+    return edit(source, target, step, overwrite=True)
+
+
+@pytest.mark.parametrize("style", STYLES, ids=lambda s: f"{s.aim} {s.up}")
+def test_a_split_end_that_copies_its_parent_stands_so_the_second_time(style: Style, tmp_path: Path) -> None:
+    limb = Limb(rest={"finger": MIRROR}, keys={"finger": [MIRROR, ONE, MIRROR, ONE, ONE]})
+    source, out, again = gltf(tmp_path / "in.glb", limb), tmp_path / "out.glb", tmp_path / "again.glb"
+    oriented(source, out, "split", style)
+    oriented(out, again, "split", style)
+    assert again.read_bytes() == out.read_bytes()
+    assert verify(read(source), read(out)).deviation < 2e-7
+
+
+@pytest.mark.parametrize("style", STYLES, ids=lambda s: f"{s.aim} {s.up}")
+def test_noise_of_a_scale_that_is_snapped_stays_the_second_time(style: Style, tmp_path: Path) -> None:
+    noise = (0.9999758851388976, 1.0000108147211402, 0.9999891980694453)
+    limb = Limb(
+        rest={"shoulder": noise, "elbow": (1.000003, 1, 1.000004)},
+        keys={"wrist": [ONE, ONE, MIRROR, ONE, ONE]},
+    )
+    source, out, again = gltf(tmp_path / "in.glb", limb), tmp_path / "out.glb", tmp_path / "again.glb"
+    oriented(source, out, "snap", style)
+    oriented(out, again, "snap", style)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def with_camera(folder: Path, noise: float) -> Path:
+    """A limb whose elbow has a scale that is off by ``noise``, and a camera below it."""
+    path = gltf(folder / "in.glb", Limb(rest={"elbow": (1 + noise, 1, 1 - 0.2 * noise)}))
+    document, binary = glb_parts(path)
+    nodes = document["nodes"]
+    nodes.append({"name": "eye", "camera": 0, "translation": [0, 0.1, 0.2], "rotation": [0.6, 0, 0, 0.8]})
+    nodes[NAMES.index("elbow")]["children"].append(len(nodes) - 1)
+    document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
+    path.write_bytes(glb_bytes(document, binary))
+    return path
+
+
+@pytest.mark.parametrize("noise", [5e-6, 7e-6, 8e-6, 9e-6, 1e-5, 1.3e-5])
+def test_a_camera_below_a_nearly_uniform_scale_looks_the_same_way(noise: float, tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    outcome = oriented(with_camera(tmp_path, noise), out, "snap", Style())
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-5
+    assert verify(read(tmp_path / "in.glb"), read(out)).deviation < 1e-5
+
+
+def test_a_frame_reaches_at_least_half_its_diagonal(tmp_path: Path) -> None:
+    """A box of half edges 1 has corners √3 from its middle, and the camera is beside the elbow."""
+    rig = read(with_camera(tmp_path, 0.0)).rig
+    eye, elbow = rig.find("eye", "node"), rig.find("elbow")
+    assert reaches(rig)[eye] == pytest.approx(np.sqrt(3.0), rel=1e-6)
+    assert reaches(rig)[elbow] > np.sqrt(3.0)
+
+
+def test_what_is_refused_for_a_nearly_uniform_scale_names_its_joint(tmp_path: Path) -> None:
+    """With a tolerance that the plan did not know, a turn of the elbow shows, and the advice says so."""
+    source = with_camera(tmp_path, 9e-6)
+    loose = Orient(on_nonuniform_scale="snap", tolerance=1e-3)
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return orient_joints(rig, options=loose, report=report)
+
+    with pytest.raises(DeviationError, match=r"The scale of 'elbow' is nearly uniform but not quite \(1\."):
+        edit(source, tmp_path / "out.glb", step)
+    rig = read(source).rig
+    turned = orient_joints(rig, options=loose)
+    assert nearly_uniform(rig, turned, 1e-5) == [rig.find("elbow")]
+    assert nearly_uniform(rig, rig, 1e-5) == []
+    assert why_near(rig, rig, verify(read(source), read(source)), 1e-5).startswith(" Numbers in the file are")
