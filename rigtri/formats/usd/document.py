@@ -99,10 +99,10 @@ class UsdDocument:
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
             source, rig, first = joints.extended(self._source, rig, self._options)
-            source, rig, keyed = joint_tracks.driven(source, rig, self._options)
-            first += keyed
             source, rig, split = splits.widened(source, rig, self._options, notices)
             first += split
+            source, rig, keyed = joint_tracks.driven(source, rig, self._options)
+            first += keyed
             rig, last = joints.shortened(source, rig)
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
             edits += weights.weight_edits(source, rig, notices)

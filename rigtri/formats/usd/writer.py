@@ -17,6 +17,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd import locators, new_keys, notes, xform
 from rigtri.formats.usd.alike import united
 from rigtri.formats.usd.animations import HELD, Animation, Property
+from rigtri.formats.usd.bound_animation import bind
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.rounding import put
 from rigtri.formats.usd.samples import time_samples
@@ -150,7 +151,7 @@ def _write_animation(
         twin, made = _twin(source, animation, number + 1)
         found += [*made, *_array_edits(source, animation, twin, columns)]
         for skeleton in skeletons:
-            found += [_bind(skeleton, twin), apply_schema(skeleton, "SkelBindingAPI")]
+            found += [bind(skeleton, twin), apply_schema(skeleton, "SkelBindingAPI")]
         warnings.append(
             Notice(
                 "animation-split",
@@ -254,17 +255,6 @@ def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[
         for attribute in prim.GetAuthoredAttributes()
     ]
     return str(path), [Edit(path, define), *copies]
-
-
-def _bind(skeleton: str, animation: str) -> Edit:
-    def edit(layer: Any) -> None:
-        prim = Sdf.CreatePrimInLayer(layer, skeleton)
-        name = "skel:animationSource"
-        relation = prim.relationships.get(name) or Sdf.RelationshipSpec(prim, name, custom=False)
-        relation.targetPathList.ClearEditsAndMakeExplicit()
-        relation.targetPathList.explicitItems = [animation]
-
-    return Edit(Sdf.Path(skeleton), edit)
 
 
 def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
