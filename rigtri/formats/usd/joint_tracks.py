@@ -134,9 +134,7 @@ class _Row:
 class _Plan:
     """What one animation is to say."""
 
-    def __init__(
-        self, source: Source, rig: Rig, places: Mapping[int, tuple[str, str]], path: str
-    ) -> None:
+    def __init__(self, source: Source, rig: Rig, places: Mapping[int, tuple[str, str]], path: str) -> None:
         self.source, self.rig = source, rig
         self.skeleton = path if path in source.skeletons and path not in source.animations else ""
         if not self.skeleton and path not in source.animations:
@@ -252,7 +250,7 @@ class _Plan:
         rest = self._rest(name).astype(number)
         rows = np.repeat(rest[np.newaxis], len(times), axis=0)
         single: np.ndarray | None = rest
-        if item is None and any(p.default is None for p in self.animation.properties.values()):
+        if item is None and len(times) and any(p.default is None for p in self.animation.properties.values()):
             single = None
         if item is not None:
             width = len(self.animation.tokens)
