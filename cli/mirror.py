@@ -64,11 +64,29 @@ MOST = 20
     type=click.Choice(["yz", "xz", "xy"]),
     default="yz",
     show_default=True,
-    help="The plane through the origin between the sides.",
+    help="The plane between the sides.",
+)
+@click.option(
+    "--plane-at",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Where the plane is on the axis across it, where not at the origin.",
 )
 @click.option(
     "--what",
-    type=click.Choice(["joints", "controls", "polevectors"]),
+    type=click.Choice(
+        [
+            "limbs",
+            "joints",
+            "controls",
+            "polevectors",
+            "twists",
+            "constraints",
+            "rivets",
+            "posereaders",
+        ]
+    ),
     multiple=True,
     help="Mirror only these; repeatable. [all]",
 )
@@ -96,11 +114,12 @@ MOST = 20
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
-    """Give one side of a character what the other has: joint axes, controls, pole vectors.
+    """Give one side of a character what the other has: joint axes, and what rigtri has built.
 
     Joints stay in place and all that can be seen stays as it is; axes turn as with
-    orient-joints. What rigtri has built on one side is built, or brought up to date, on the
-    other, with what an animator has set.
+    orient-joints. Limbs, controls, pole vectors, twist joints, constraints, rivets and pose
+    readers of one side are built, or brought up to date, on the other, with what an animator has
+    set. What cannot be mirrored is named.
 
     \b
     Examples:
@@ -115,6 +134,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         mode=values["mode"],
         from_side=values["from_side"],
         plane=values["plane"],
+        plane_at=values["plane_at"],
         what=values["what"] or WHAT,
         selection=Selection(joints=values["joints"], below=values["below"], exclude=values["exclude"]),
         pose=values["pose"],
@@ -138,7 +158,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 def _check(values: dict[str, Any], options: Options) -> None:
     from rigtri.formats import read
     from rigtri.inputs import opened
-    from rigtri.ops.asymmetry import asymmetry
+    from rigtri.ops.mirroring.asymmetry import asymmetry
 
     if values["target"] is not None:
         raise UsageError("--check writes nothing; leave -o out")
@@ -151,6 +171,10 @@ def _check(values: dict[str, Any], options: Options) -> None:
             "symmetric": not worse and not found.alone,
             "mode": options.mode,
             "plane": options.plane,
+            "plane_at": options.plane_at,
+            "better_plane": None
+            if found.better is None
+            else {"plane": found.better[0], "plane_at": found.better[1]},
             "asymmetric": [pair.as_json() for pair in worse],
             "without_twin": list(found.alone),
             "pairs": len(found.pairs),
@@ -165,6 +189,9 @@ def _check(values: dict[str, Any], options: Options) -> None:
             click.echo(f"{len(worse) - len(shown)} more; -v shows all")
         for name in found.alone:
             click.echo(plain(f"without twin: {name}", one_line=True))
+        if found.better is not None:
+            plane, at = found.better
+            click.echo(f"most pairs lie about another plane: --plane {plane} --plane-at {at:.6g}", err=True)
         total = f"{len(found.pairs)} pairs, {len(worse)} not symmetric, {len(found.alone)} nodes without twin"
         click.echo(total, err=True)
     if worse or found.alone:
@@ -174,4 +201,5 @@ def _check(values: dict[str, Any], options: Options) -> None:
 def _summary(report: Report) -> str:
     turned = sum(entry["status"] == "turned" for entry in report.joints)
     new = sum(entry["new"] for entry in report.added)
-    return f"{turned} joints turned; {len(report.added)} controls and locators, {new} of them new"
+    made = len(report.added)
+    return f"{turned} joints turned; {made} of what rigtri has built mirrored, {new} of them new"

@@ -23,6 +23,7 @@ _WHERE = {
     "add_controls": "rigtri.ops.controls",
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
+    "bake": "rigtri.ops.bake",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -42,6 +43,7 @@ __all__ = [
     "add_posereader",
     "add_rivet",
     "add_twist",
+    "bake",
     "check",
     "constrain",
     "describe",
@@ -62,6 +64,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.ops.bake import bake
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
     from rigtri.ops.limb import make_limb

@@ -26,13 +26,14 @@ from rigtri.delivery import (
     same_file,
     sync,
 )
-from rigtri.driven import Driven
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
 from rigtri.outputs import Written, as_file_error, spare
+from rigtri.records import Mesh
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
+from rigtri.scenery import Scenery
 from rigtri.stilled import check_split
 
 Step = Callable[[Rig, Report], Rig]
@@ -104,7 +105,7 @@ def edit(
             place = folder / final.name
             written = Written(place, overwrite, needed, ahead)
             try:
-                result = _deliver(document, path, rig, written, verify, tolerance, clock, report.driven)
+                result = _deliver(document, path, rig, written, verify, tolerance, clock, report)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring
                 if to_stdout and not dry_run:
                     _to_stdout(written)
@@ -149,7 +150,7 @@ def _deliver(
     verify: bool,
     tolerance: float,
     clock: _Clock,
-    driven: Driven,
+    report: Report,
 ) -> Comparison | None:
     """Write the part, re-open it, compare it with the source."""
     names = {str(written.part): str(written.final), written.part.name: written.final.name}
@@ -160,7 +161,7 @@ def _deliver(
     if not verify:
         return None
     with _reaching_the_disk(written.part):
-        result = _checked(document, path, rig, written, names, tolerance, driven)
+        result = _checked(document, path, rig, written, names, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
         raise DeviationError(
@@ -185,9 +186,9 @@ def _checked(
     written: Written,
     names: dict[str, str],
     tolerance: float,
-    driven: Driven,
+    report: Report,
 ) -> Comparison:
-    """Compare the part with the source."""
+    """Compare the part with the source, or with what was to become of it where that moves otherwise."""
     small = written.part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, written.part, shallow=False):
         return self_check(document, document)
@@ -197,10 +198,28 @@ def _checked(
             return check_split(document, after)
         if rig.removed:
             return _without(after, document, rig)
-        result = self_check(document, after, driven=driven)
+        source = _Meant(document, rig) if report.reposed else document
+        result = self_check(source, after, driven=report.driven)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
-            return self_check(document, after, closely=True, driven=driven)
+            return self_check(source, after, closely=True, driven=report.driven)
         return result
+
+
+@dataclass(frozen=True)
+class _Meant:
+    """What a document shows, moved as another rig of the same nodes moves it."""
+
+    document: Document
+    rig: Rig
+
+    def meshes(self) -> Sequence[Mesh]:
+        return self.document.meshes()
+
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        return self.document.outlines(closely=closely)
+
+    def scenery(self, *, closely: bool = False) -> Scenery:
+        return self.document.scenery(closely=closely)
 
 
 def _to_stdout(written: Written) -> None:

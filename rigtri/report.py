@@ -26,7 +26,8 @@ class Report:
     """Records of an edit, in the order they were made.
 
     driven: morph targets whose weights are other ones on purpose, by the key of the node
-    that shows them; the self-check compares all but these.
+    that shows them; the self-check compares all but these. reposed: joints move in another way
+    on purpose; the self-check compares with the rig as it was to be written.
     """
 
     joints: list[dict[str, Any]] = field(default_factory=list)
@@ -35,6 +36,7 @@ class Report:
     removed: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
     driven: dict[Hashable, set[int]] = field(default_factory=dict)
+    reposed: bool = False
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:

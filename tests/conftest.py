@@ -18,7 +18,7 @@ settings.register_profile("rigtri", deadline=None, derandomize=True)
 settings.load_profile("rigtri")
 
 # Blender's own Python runs it.
-collect_ignore = ["engines/blender_points.py"]
+collect_ignore_glob = ["engines/blender_*.py"]
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])")
 # Printed numbers have six digits; the last may differ where libraries of the reader's side do.

@@ -31,6 +31,7 @@ rig
 pose constraints rules spread twist
 following timelines fitting triangles
 carried readers driven dependence
+solve
 turned_rules
 reframe report reach
 lengths

@@ -19,10 +19,10 @@ from rigtri.formats import Options as Reading
 from rigtri.formats import read
 from rigtri.limbs import given
 from rigtri.matrices import from_frame, nearest_rotation
-from rigtri.ops.asymmetry import asymmetry
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
 from rigtri.ops.mirror import Options, mirror
+from rigtri.ops.mirroring.asymmetry import asymmetry
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.polevector import add_polevector
 from rigtri.ops.select import Selection

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from functools import cached_property
 from typing import Literal, get_args
 
@@ -16,8 +17,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.twist_keys import keyed
 from rigtri.pose import sample
-from rigtri.quaternions import turn_angle, unit
-from rigtri.quaternions import conjugate
+from rigtri.quaternions import conjugate, turn_angle, unit
 from rigtri.quaternions import multiply as product
 from rigtri.records import Interpolation, Path, Track
 from rigtri.report import Report
@@ -32,12 +32,11 @@ from rigtri.timelines import (
     Timeline,
     jumps,
     just_before,
-    looked_at,
     placed,
     single,
     steps_only,
-    times_within,
     timelines,
+    times_within,
 )
 from rigtri.trigonometry import Floats
 from rigtri.twist import is_twist, twists
@@ -124,6 +123,7 @@ class _Baker:
         for timeline in chosen:
             work(timeline)
         if self.options.to == "joints":
+            self.report.reposed = True
             self._rest(start)
             for twist in twists(self.rig):
                 self.rig, _ = keyed(self.rig, twist)
@@ -137,8 +137,6 @@ class _Baker:
         shown = self.rig.shown_clips
         found: list[Timeline] = []
         for pattern in self.options.clips:
-            from fnmatch import fnmatchcase
-
             names = {clip.name for clip in shown}
             hits = [
                 t
@@ -157,14 +155,16 @@ class _Baker:
     @cached_property
     def size(self) -> float:
         """The diagonal of the box of the joints at rest, in file units."""
-        points = self.rig.world[self.rig.is_joint, 3, :3] if self.rig.is_joint.any() else self.rig.world[:, 3, :3]
+        points = (
+            self.rig.world[self.rig.is_joint, 3, :3] if self.rig.is_joint.any() else self.rig.world[:, 3, :3]
+        )
         points = points[np.isfinite(points).all(axis=1)]
         size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
         return size or 1.0
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
-        """How far thinned keys of each node may be off: moves in its parent's units, turns in radians, (n,)."""
+        """How far thinned keys of each node may be off, (n,): moves in its parent's units, and radians."""
         rig = self.rig
         world = rig.world[:, 3, :3]
         # Errors add up along a chain; each of its joints gets an equal share.
@@ -195,7 +195,7 @@ class _Baker:
     def _times(self, timeline: Timeline) -> Floats:
         """Where joints, or controls, get keys."""
         if any(t.interpolation == "CUBICSPLINE" and len(t.times) > 1 for t in timeline.clip.tracks):
-            fps = self.options.fps or 60.0
+            fps: float | None = self.options.fps or 60.0
         else:
             fps = self.options.fps
         times = times_within(timeline, fps, self.rig.per_second)
@@ -203,6 +203,11 @@ class _Baker:
             before = just_before(jumps(timeline))
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
         return times
+
+    @staticmethod
+    def _jumps(timeline: Timeline, times: Floats) -> Floats:
+        """Those times at which what has changed has jumped: values were held up to them."""
+        return times if steps_only(timeline) else jumps(timeline)
 
     # --- to joints
 
@@ -226,7 +231,9 @@ class _Baker:
         rest = rest or Posed(self.rig).part(node)
         found = []
         for path, values, still in zip(_PATHS, parts, rest, strict=True):
-            bound = {"translation": moves[node], "rotation": turns[node]}.get(path, self.options.tolerance / 2)
+            bound = {"translation": moves[node], "rotation": turns[node]}.get(
+                path, self.options.tolerance / 2
+            )
             values = single(_one_way_round(values) if path == "rotation" else values)
             if path != "rotation" and timeline.track(node, path) is None:
                 noise = _NOTHING * (1.0 if path == "scale" else self.size)
@@ -240,8 +247,8 @@ class _Baker:
     ) -> Track:
         if len(values) == 1:
             return Track(node, path, "STEP", times[:1], values)
-        if steps_only(timeline):
-            fresh = np.flatnonzero(np.append(True, (values[1:] != values[:-1]).any(axis=1)))
+        fresh = np.append(True, (values[1:] != values[:-1]).any(axis=1))
+        if fresh.any() and np.isin(times[fresh][1:], self._jumps(timeline, times)).all():
             return Track(node, path, "STEP", times[fresh], values[fresh])
         keys = needed(times, values, bound)
         way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
@@ -268,14 +275,20 @@ class _Baker:
         if not solver.steps:
             return
         posed = solver.run({})
-        translation, rotation, scale = self.rig.translation.copy(), self.rig.rotation.copy(), self.rig.scale.copy()
+        translation, rotation, scale = (
+            self.rig.translation.copy(),
+            self.rig.rotation.copy(),
+            self.rig.scale.copy(),
+        )
         changed = False
         for node in solver.sets:
             if rig.has_matrix[node] or is_twist(rig.notes.get(node)):
                 continue
             was, now = still.part(node), posed.parts[node]
-            moves, turns = self.bounds
-            if np.abs(now.translation - was.translation).max() > min(float(moves[node]), _NOTHING * self.size):
+            moves, _ = self.bounds
+            if np.abs(now.translation - was.translation).max() > min(
+                float(moves[node]), _NOTHING * self.size
+            ):
                 translation[node], changed = now.translation[0], True
             if float(turn_angle(product(conjugate(was.rotation), now.rotation))[0]) > _NOTHING:
                 rotation[node], changed = now.rotation[0], True
@@ -302,7 +315,10 @@ class _Baker:
             return Parts(read["translation"], unit(read["rotation"]), read["scale"])
 
         joints = replace(
-            timeline, clip=replace(timeline.clip, tracks=tuple(t for t in timeline.clip.tracks if t.node not in self.movers))
+            timeline,
+            clip=replace(
+                timeline.clip, tracks=tuple(t for t in timeline.clip.tracks if t.node not in self.movers)
+            ),
         )
         parts = sampled(self.rig, joints.clip, times)
         found = matched(solver, parts, keep)

@@ -146,13 +146,20 @@ def constrain(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """
     report = report if report is not None else Report()
     options.checked()
-    rule = _asked(rig, options)
+    return follow(rig, _asked(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report)
+
+
+def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Rig:
+    """Store a rule whose offsets are still to be measured; see `constrain`.
+
+    keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint.
+    """
     place = _place(rig, rule, report)
     _refuse_circles(rig, rule, place)
     with np.errstate(all="ignore"):
-        rule = measured(rig, rule, keep=options.maintain_offset)
+        rule = measured(rig, rule, keep=keep)
     _tell(rig, rule, report)
-    return _stored(rig, rule, place, options, report)
+    return _stored(rig, rule, place, vrm, report)
 
 
 def _asked(rig: Rig, options: Options) -> Rule:
@@ -262,7 +269,7 @@ def _tell(rig: Rig, rule: Rule, report: Report) -> None:
             )
 
 
-def _stored(rig: Rig, rule: Rule, place: int | None, options: Options, report: Report) -> Rig:
+def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) -> Rig:
     """The rig with the rule's note, and the record of it."""
     name = f"con_{rig.names[rule.child] or f'node_{rule.child}'}_{rule.kind}"
     note, known = note_of(rig, rule), rig.constraints
@@ -274,7 +281,7 @@ def _stored(rig: Rig, rule: Rule, place: int | None, options: Options, report: R
         if rig.notes[node]["kind"] != rule.kind:
             rig = renamed(rig, node, name)
         rig = unsay(rig, node)
-    if options.vrm:
+    if vrm:
         rig, why, said = say(rig, rule, known)
         note |= {"vrm": said} if said else {}
         if said is None:

@@ -43,13 +43,15 @@ STILL = 1e-9
 class Goal:
     """A target as a user gives it: one of a direction of the world at rest, a pose, or a node.
 
-    pose: ``CLIP@TIME`` or ``rest``; the last @ splits.
+    pose: ``CLIP@TIME`` or ``rest``; the last @ splits. rotation: a pose as xyzw of the driver seen
+    from the frame.
     """
 
     name: str = ""
     direction: tuple[float, float, float] | None = None
     pose: str = ""
     node: str = ""
+    rotation: tuple[float, float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -255,8 +257,8 @@ class _Builder:
         """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
         if goal.node:
             return {"name": name, "node": self.rig.address(self.rig.find(goal.node, "node"))}
-        if goal.pose:
-            rotation = self._posed(goal.pose)
+        if goal.pose or goal.rotation is not None:
+            rotation = self._posed(goal.pose) if goal.rotation is None else np.array(goal.rotation)
             direction = rotate(rotation, self.axis)
         else:
             direction = self._in_frame(goal.direction)

@@ -8,6 +8,7 @@ alike. ``blender``: diag(−1, 1, 1)·R·M, as its X-mirror editing and flipped 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 Mirror = Literal["behavior", "orientation", "blender"]
+MIRRORS: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
 Plane = Literal["yz", "xz", "xy"]
 _BONE = {"left": "right", "right": "left"}
 
@@ -24,6 +26,34 @@ _BONE = {"left": "right", "right": "left"}
 def reflection(plane: Plane) -> Floats:
     """The signs, (3,), that a plane through the origin gives the coordinates of what is reflected in it."""
     return np.where(np.arange(3) == {"yz": 0, "xz": 1, "xy": 2}[plane], -1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Across:
+    """A mirror plane of the world: ``plane`` moved by ``at`` along its normal."""
+
+    plane: Plane = "yz"
+    at: float = 0.0
+
+    @property
+    def reflect(self) -> Floats:
+        """The signs, (3,), of directions."""
+        return reflection(self.plane)
+
+    def points(self, points: Floats) -> Floats:
+        """The mirror images of points, (..., 3)."""
+        return np.asarray(points * self.reflect + (1.0 - self.reflect) * self.at)
+
+    @property
+    def matrix(self) -> Floats:
+        """The same for row vectors with 1 behind them, (4, 4)."""
+        matrix = np.diag([*self.reflect, 1.0])
+        matrix[3, :3] = self.points(np.zeros(3))
+        return matrix
+
+    def turn(self, turn: Floats) -> Floats:
+        """The mirror image of a rotation of the world, (4,): the other way about the mirrored axis."""
+        return np.concatenate([-turn[:3] * self.reflect, turn[3:]])
 
 
 def mirrored_axes(axes: Floats, mirror: Mirror, reflect: Floats) -> Floats:

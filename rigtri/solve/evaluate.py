@@ -200,9 +200,7 @@ class Solver:
             if own.joint not in taken and self._works(own.control):
                 found.append(Root(self.reference, own))
                 taken.add(own.joint)
-        for twist in twists(self.rig):
-            if twist.node not in taken:
-                found.append(Turned(self.rig, twist))
+        found += [Turned(self.rig, twist) for twist in twists(self.rig) if twist.node not in taken]
         return self._ordered(self._with_rules(found))
 
     def _with_rules(self, steps: Sequence[Step]) -> list[Step]:
@@ -238,7 +236,12 @@ class Solver:
         return sorted(found - {own})
 
     def _visit(
-        self, start: int, waits: Sequence[Sequence[int]], state: list[int], done: list[int], steps: Sequence[Step]
+        self,
+        start: int,
+        waits: Sequence[Sequence[int]],
+        state: list[int],
+        done: list[int],
+        steps: Sequence[Step],
     ) -> None:
         """Depth first, without recursion: a step after all that it waits for. state: 1 entered, 2 done."""
         if state[start]:
@@ -277,5 +280,3 @@ class Solver:
 def _turn(rule: Rule) -> int:
     """Translations first, then rotations, scale last."""
     return 0 if any(c[0] == "t" for c in rule.sets) else 1 if any(c[0] == "r" for c in rule.sets) else 2
-
-

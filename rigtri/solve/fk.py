@@ -61,7 +61,7 @@ class Fk:
 
     @property
     def _carrier(self) -> int:
-        """What carries the joint while its channels are zero: the joint of the control above, or that node."""
+        """What carries the joint while its channels are zero: the joint of the control above, else that."""
         return self.reference.control_of.get(self.own.above, self.own.above)
 
     @property
@@ -94,7 +94,7 @@ class Fk:
         return multiply(self.reference.world[self.own.offset], inverse(carrier))
 
     def _carried(self, posed: Posed) -> tuple[Parts, Floats]:
-        """The joint's local parts while its channels are zero, and what takes moves into its parent's space."""
+        """The joint's local parts while its channels are zero; what takes moves into its parent's space."""
         if self._direct:
             return self.rest, self._moves
         world, parent = self.reference.world, int(self.rig.parents[self.joint])

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.following import Parts, factored, pole
-from rigtri.matrices import inverse, multiply, transform_directions, transform_points
-from rigtri.quaternions import conjugate, from_axes, rotate
+from rigtri.matrices import inverse, transform_directions, transform_points
+from rigtri.quaternions import conjugate, rotate
 from rigtri.quaternions import multiply as product
 from rigtri.rig import Rig
 from rigtri.rules import Rule
@@ -201,9 +201,7 @@ class Ik:
     def grip(self) -> Floats:
         """The end joint's turn seen from the control's, (4,): ``hand = control · grip``."""
         _, _, end = self.limb.chain
-        joint = product(
-            self.reference.turn(int(self.rig.parents[end])), self._own(end).rotation[0]
-        )
+        joint = product(self.reference.turn(int(self.rig.parents[end])), self._own(end).rotation[0])
         return product(conjugate(self.reference.turn(self.limb.control)), joint)
 
     def run(self, posed: Posed) -> None:

@@ -1,4 +1,4 @@
-"""Keys that are needed: those without which what lies between the others would be off by more than a bound."""
+"""Keys that are needed: without them what lies between the others would be off by more than a bound."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def needed(times: Floats, values: Floats, bound: float) -> Integers:
         return np.array([0])
     kept = np.ones(last + 1, dtype=bool)
     # A key that its neighbours do not tell stays; only between such keys there is something to be thinned.
-    kept[1:-1] = _off(times, values, np.arange(0, last - 1), np.arange(2, last + 1), np.arange(1, last)) > bound
+    kept[1:-1] = (
+        _off(times, values, np.arange(0, last - 1), np.arange(2, last + 1), np.arange(1, last)) > bound
+    )
     gaps = _gaps(kept)
     while len(gaps):
         inner = np.concatenate([np.arange(a + 1, b) for a, b in gaps.tolist()])

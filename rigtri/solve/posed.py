@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rigtri.following import Parts
+from rigtri.following import Parts, factored
 from rigtri.matrices import compose, multiply, orthonormal_axes
 from rigtri.pose import sample
 from rigtri.quaternions import from_axes, unit
@@ -31,7 +31,8 @@ class Posed:
         """The local matrices of a node, (1 or f, 4, 4)."""
         if node in self.parts:
             return compose(*self.parts[node])
-        return self.rig.local[node][np.newaxis]
+        rest: Floats = self.rig.local[node][np.newaxis]
+        return rest
 
     def part(self, node: int) -> Parts:
         """Translation, rotation and scale of a node, one row or f."""
@@ -39,8 +40,6 @@ class Posed:
             return self.parts[node]
         rig = self.rig
         if rig.has_matrix[node]:
-            from rigtri.following import factored
-
             return factored(rig.local[node][np.newaxis])
         rows = slice(node, node + 1)
         return Parts(rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
@@ -60,11 +59,9 @@ class Posed:
         while above >= 0 and above not in self._worlds:
             line.append(above)
             above = int(self.rig.parents[above])
-        world = self._worlds[above] if above >= 0 else None
         for each in reversed(line):
-            local = self.local(each)
-            world = local if world is None else multiply(local, world)
-            self._worlds[each] = world
+            above, local = int(self.rig.parents[each]), self.local(each)
+            self._worlds[each] = local if above < 0 else multiply(local, self._worlds[above])
         return self._worlds[node]
 
     def turn(self, node: int) -> Floats:
@@ -78,9 +75,7 @@ def sampled(rig: Rig, clip: Clip, times: Floats) -> dict[int, Parts]:
     for track in clip.tracks:
         if track.path == "weights":
             continue
-        same = track.times is times or (
-            len(track.times) == len(times) and bool((track.times == times).all())
-        )
+        same = track.times is times or (len(track.times) == len(times) and bool((track.times == times).all()))
         plain = same and track.interpolation != "CUBICSPLINE"
         values = track.values if plain else sample(track, times)
         if len(track.times) == 1:

@@ -53,7 +53,9 @@ class Reference:
         self.fk: dict[int, FkControl] = {}  # by joint
         self.limbs: list[IkLimb] = []
         self.roots: list[FkControl] = []
-        poles = {_chain(rig, note): node for node, note in rig.notes.items() if note.get("type") == "poleVector"}
+        poles = {
+            _chain(rig, note): node for node, note in rig.notes.items() if note.get("type") == "poleVector"
+        }
         for node, note in sorted(rig.notes.items()):
             if note.get("type") != "control":
                 continue

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.quaternions import from_axes
+from rigtri.records import Booleans
 from rigtri.trigonometry import Floats, exponential
 from rigtri.vectors import cross, dot, length, normalise
 
@@ -28,7 +29,7 @@ class Solved(NamedTuple):
     lower: Floats
     stretch: Floats
     short: Floats
-    lost: Floats
+    lost: Booleans
 
 
 def two_bone(
@@ -88,7 +89,7 @@ def _reach(distance: Floats, total: Floats, soft: float) -> Floats:
     return np.where((distance > first) & (last > 0), np.minimum(slow, total), np.minimum(distance, total))
 
 
-def _sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Floats, Floats]:
+def _sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Floats, Booleans]:
     """Unit directions, (f, 3), square to ``along``, on the pole's side; and where the pole told none."""
     across = pole - dot(pole, along)[..., np.newaxis] * along
     lost = length(across) <= NOWHERE * total
@@ -106,7 +107,10 @@ def _height(first: Floats, second: Floats, reach: Floats) -> Floats:
     products of sums, so that a nearly straight limb keeps its digits.
     """
     around = (
-        (first + second + reach) * (first + second - reach) * (reach + first - second) * (reach - first + second)
+        (first + second + reach)
+        * (first + second - reach)
+        * (reach + first - second)
+        * (reach - first + second)
     )
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.sqrt(np.maximum(around, 0.0)) / (2.0 * reach)

@@ -56,17 +56,23 @@ def _layers(stages: Sequence[Any], paths: tuple[Path, Path], tolerance: float) -
     yield from layer_changes(one, other, "root layer", tolerance)
     mine, theirs = (_others(stage, path) for stage, path in zip(stages, paths, strict=True))
     # One and the same file, though one root reaches it by another way.
-    shared = {layer.identifier for layer in mine.values()} & {layer.identifier for layer in theirs.values()}
+    shared = {_real(layer) for layer in mine.values()} & {_real(layer) for layer in theirs.values()}
     for name, layer in mine.items():
-        if layer.identifier in shared:
+        if _real(layer) in shared:
             continue
         if name not in theirs:
             yield Change("layers", "removed", name)
         else:
             yield from layer_changes(layer, theirs[name], name, tolerance)
     for name, layer in theirs.items():
-        if name not in mine and layer.identifier not in shared:
+        if name not in mine and _real(layer) not in shared:
             yield Change("layers", "added", name)
+
+
+def _real(layer: Any) -> str:
+    """Where a layer lies, whatever links lead there."""
+    outer, bracket, inner = layer.identifier.partition("[")
+    return f"{os.path.realpath(outer)}{bracket}{inner}"
 
 
 def _others(stage: Any, path: Path) -> dict[str, Any]:

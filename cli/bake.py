@@ -1,0 +1,109 @@
+"""rigtri bake"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .options import (
+    edit_options,
+    given_options,
+    output_options,
+    reading_options,
+    run_edit,
+    source_argument,
+    target_option,
+)
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+
+@click.command("bake")
+@source_argument
+@target_option
+@click.option(
+    "--to",
+    type=click.Choice(["joints", "controls"]),
+    default="joints",
+    show_default=True,
+    help="joints: what controls, IK and constraints make of them. controls: the motion that the joints have.",
+)
+@click.option(
+    "--rig",
+    "described",
+    metavar="FILE",
+    type=click.Path(dir_okay=False),
+    help="Read what is a control of what from this file, by name: exporters drop it from IN.",
+)
+@click.option("--clip", "clips", multiple=True, metavar="GLOB", help="Only these clips. Repeatable.")
+@click.option(
+    "--fps",
+    type=click.FloatRange(min=0, min_open=True),
+    help="Also so many samples a second, not only the keys.",
+)
+@click.option(
+    "--soft",
+    type=click.FloatRange(min=0, max=1, max_open=True),
+    metavar="SHARE",
+    help="How far before it is straight an IK limb slows down, as a share of its length. [as stored, or 0]",
+)
+@click.option(
+    "--stretch/--no-stretch",
+    default=None,
+    help="IK limbs grow to reach their target. [as stored, or not]",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Work controls and constraints out into joint keys, or joints' motion into controls.
+
+    A control that has keys in a clip moves its joints there; joints whose controls have none keep
+    their own keys. Keys that tell nothing new are left out, within --tolerance.
+
+    \b
+    Examples:
+        rigtri bake rigged.glb -o game.glb --to joints
+        rigtri bake rigged.glb -o animate.glb --to controls --clip 'walk*'
+        rigtri bake edited.glb -o home.glb --to joints --rig rigged.glb
+    """
+    from rigtri.ops.bake import Options, bake
+
+    options = Options(
+        to=values["to"],
+        clips=values["clips"],
+        fps=values["fps"],
+        tolerance=values["tolerance"],
+        soft=values["soft"],
+        stretch=values["stretch"],
+    )
+    described = values["described"]
+
+    def step(rig: Rig, report: Report) -> Rig:
+        if described is None:
+            return bake(rig, options=options, report=report)
+        from rigtri.formats import read
+        from rigtri.ops.described import as_described
+
+        with_notes = as_described(rig, read(described).rig, report=report)
+        return bake(with_notes, options=options, report=report)
+
+    run_edit("bake", values, step, given_options(ctx), _summary)
+
+
+def _summary(report: Report) -> str:
+    clips = [entry for entry in report.added if entry["type"] == "clip"]
+    if not clips:
+        return "no clip has keys of controls or constraints; nothing was baked"
+    keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
+    line = f"{len(clips)} clips, {frames} frames, {keys} keys for {max(e['nodes'] for e in clips)} nodes"
+    if clips[0]["to"] == "controls":
+        far = max(entry["deviation"] for entry in clips)
+        turn = max(entry["residual_degrees"] for entry in clips)
+        line += f"; the controls give the joints back within {far:.2g} of the size"
+        line += f", with up to {turn:.2g}° below IK" if any(entry["limbs"] for entry in clips) else ""
+    return line

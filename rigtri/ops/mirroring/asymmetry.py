@@ -1,0 +1,160 @@
+"""How far the two sides of a rig are from being mirror images: places, axes, and what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rigtri.matrices import nearest_rotation
+from rigtri.naming import twin
+from rigtri.ops.mirroring.across import Options, other, side
+from rigtri.ops.select import chosen
+from rigtri.ops.twins import Plane, mirrored_axes
+from rigtri.pose import worlds
+from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
+from rigtri.rig import Rig
+from rigtri.skeleton import Skeleton, reference, skeleton
+from rigtri.trigonometry import Floats
+from rigtri.vectors import length
+
+# What tools leave of a symmetric character: a share of its size, and degrees.
+TOLERANCE = 1e-4
+DEGREES = 0.1
+# Nodes of ours that stand somewhere, and those whose axes say something.
+_STANDING = ("control", "poleVector", "rivet")
+_WITH_AXES = ("control", "poleVector")
+# Pairs that are farther apart than this share of the size lie on two sides.
+_APART = 1e-2
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A node and its twin: how far the twin is from the mirror image, as a share of the size, in degrees."""
+
+    node: str
+    twin: str
+    distance: float
+    degrees: float
+
+    def symmetric(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> bool:
+        """Whether both are within what is allowed."""
+        return self.distance <= tolerance and self.degrees <= degrees
+
+    def as_json(self) -> dict[str, Any]:
+        """For machines."""
+        return {"node": self.node, "twin": self.twin, "distance": self.distance, "degrees": self.degrees}
+
+
+@dataclass(frozen=True)
+class Asymmetry:
+    """All pairs of joints and of nodes that rigtri made, and those without a twin.
+
+    better: the plane, and its place on its axis, between most pairs, where it is another one than
+    was asked for.
+    """
+
+    pairs: tuple[Pair, ...]
+    alone: tuple[str, ...]
+    better: tuple[Plane, float] | None = None
+
+    def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
+        """The pairs that are not symmetric, worst place first."""
+        found = [pair for pair in self.pairs if not pair.symmetric(tolerance, degrees)]
+        return sorted(found, key=lambda pair: (-pair.distance, -pair.degrees))
+
+
+def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
+    """Compare each joint and node of ours on one side with the mirror image of its twin.
+
+    In the pose of the options (the bind pose by default) for joints, at rest for other nodes.
+    Ends of others that carry nothing are left out: they have no axes to speak of, and glTF does not
+    call them joints.
+    """
+    options = options or Options()
+    tree = skeleton(rig, options.root)
+    ref = reference(tree, options.pose)
+    joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
+    found, alone = _pairs(rig, joints, options)
+    rest = worlds(rig)
+    kinds = {node: str(note.get("type")) for node, note in rig.notes.items() if node not in set(tree.joints)}
+    standing, unpaired = _pairs(rig, (n for n, kind in kinds.items() if kind in _STANDING), options)
+    rules = (n for n, kind in kinds.items() if kind in ("constraint", "poseReader"))
+    alone += unpaired + _pairs(rig, rules, options)[1]
+    turned = {node: there for node, there in standing.items() if kinds[node] in _WITH_AXES}
+    placed = {node: there for node, there in standing.items() if node not in turned}
+    compared = [
+        *_compared(rig, found, ref.world, ref.extent, options),
+        *_compared(rig, turned, rest, ref.extent, options),
+        *_compared(rig, placed, rest, ref.extent, options, axes=False),
+    ]
+    titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
+    return Asymmetry(tuple(compared), titles, _better(found, ref.world, ref.extent, options))
+
+
+def _is_bone(tree: Skeleton, joint: int) -> bool:
+    return bool(tree.carries[joint] or tree.below[joint])
+
+
+def _pairs(rig: Rig, nodes: Iterable[int], options: Options) -> tuple[dict[int, int], list[int]]:
+    """Those on the side that is copied with their twins, and those of either that have none."""
+    found: dict[int, int] = {}
+    alone = []
+    for node in nodes:
+        mine = side(rig, node)
+        there = _twin(rig, node) if mine else None
+        if mine and there is None:
+            alone.append(node)
+        elif mine == options.from_side and there is not None:
+            found[node] = there
+    return found, alone
+
+
+def _twin(rig: Rig, node: int) -> int | None:
+    """The twin of a node; of rivets and readers, which have names of their own, the one called so."""
+    note = rig.notes.get(node, {})
+    if note.get("type") in ("rivet", "poseReader"):
+        names = {str(n.get("name")): k for k, n in rig.notes.items() if n.get("type") == note["type"]}
+        return names.get(twin(str(note["name"])))
+    return other(rig, node)
+
+
+def _compared(
+    rig: Rig, found: dict[int, int], world: Floats, size: float, options: Options, *, axes: bool = True
+) -> list[Pair]:
+    if not found:
+        return []
+    here, there = list(found), list(found.values())
+    apart = length(options.across.points(world[here, 3, :3]) - world[there, 3, :3]) / (size or 1.0)
+    angles = np.zeros(len(here))
+    if axes:
+        mine, now = nearest_rotation(world[here]), from_axes(nearest_rotation(world[there]))
+        wanted = from_axes(mirrored_axes(mine, options.mode, options.across.reflect))
+        angles = np.degrees(turn_angle(multiply(conjugate(wanted), now)))
+    return [
+        Pair(rig.title(a), rig.title(b), float(d), float(angle))
+        for a, b, d, angle in zip(here, there, apart, angles, strict=True)
+    ]
+
+
+def _better(
+    found: dict[int, int], world: Floats, size: float, options: Options
+) -> tuple[Plane, float] | None:
+    """The plane halfway between most pairs, where they are symmetric about that and not about the asked."""
+    if not found:
+        return None
+    here, there = world[list(found), 3, :3], world[list(found.values()), 3, :3]
+    axis = int(np.argmax(np.median(np.abs(there - here), axis=0)))
+    planes: tuple[Plane, ...] = ("yz", "xz", "xy")
+    middle = float(np.median((here + there)[:, axis])) / 2.0
+    if not np.median(np.abs(there - here)[:, axis]) > _APART * size:
+        return None
+    least = TOLERANCE * (size or 1.0)
+    if planes[axis] == options.plane and abs(middle - options.plane_at) <= least:
+        return None
+    other_plane = Options(plane=planes[axis], plane_at=middle).across
+    off = np.median(length(other_plane.points(here) - there))
+    asked = np.median(length(options.across.points(here) - there))
+    return (planes[axis], middle) if off < asked else None

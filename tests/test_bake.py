@@ -1,0 +1,294 @@
+"""bake: controls into joint keys, and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from places import SAMPLES, asset_files, leave_out_refused
+
+from rigtri import pose
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.formats import Options as ReadOptions
+from rigtri.formats import read
+from rigtri.ops.bake import Options, bake
+from rigtri.ops.constrain import Options as ConstrainOptions
+from rigtri.ops.constrain import constrain
+from rigtri.ops.controls import Options as ControlOptions
+from rigtri.ops.controls import add_controls
+from rigtri.quaternions import from_axis_angle
+from rigtri.records import Clip, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+WHOLE = ControlOptions(whole_character=True)
+# The issue's bound: of the character's size, at every frame.
+BOUND = 1e-5
+
+
+def stored(rig: Rig) -> Rig:
+    """The rig as a file keeps it."""
+
+    def single(values: Floats) -> Floats:
+        return values.astype(np.float32).astype(np.float64)
+
+    return replace(
+        rig, translation=single(rig.translation), rotation=single(rig.rotation), scale=single(rig.scale)
+    )
+
+
+def rigged(name: str = "biped.glb") -> Rig:
+    return stored(add_controls(read(SAMPLES / name).rig, options=WHOLE))
+
+
+def size(rig: Rig) -> float:
+    points = rig.world[rig.is_joint, 3, :3]
+    return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) or 1.0
+
+
+def apart(a: Rig, b: Rig, clip: str, times: Floats) -> float:
+    """How far joints are apart in a clip, as a share of the size."""
+    joints = np.flatnonzero(a.is_joint)
+    worlds = [
+        pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), times))[:, joints, 3, :3] for rig in (a, b)
+    ]
+    return float(np.linalg.norm(worlds[0] - worlds[1], axis=-1).max()) / size(a)
+
+
+def moved(rig: Rig, node: int, by: Floats) -> Rig:
+    translation = rig.translation.copy()
+    translation[node] += by
+    return replace(rig, translation=translation)
+
+
+def control(rig: Rig, joint: str, kind: str) -> int:
+    return next(
+        node
+        for node, note in rig.notes.items()
+        if note.get("type") == "control" and note["kind"] == kind and note["joint"] == joint
+    )
+
+
+def animated(rig: Rig, node: int, path: Any, values: Any, times: Any = (0.0, 1.0)) -> Rig:
+    track = Track(node, path, "LINEAR", np.array(times), np.array(values, dtype=np.float64))
+    return replace(rig, clips=(*rig.clips, Clip("new", (track,))))
+
+
+@pytest.mark.parametrize("clip", ["walk", "wave"])
+def test_joints_to_controls_to_joints_gives_the_motion_back(clip: str) -> None:
+    rig = rigged()
+    home = bake(bake(rig, options=Options(to="controls")), options=Options())
+    assert apart(rig, home, clip, pose.key_times(rig.clip(clip))) < BOUND
+
+
+def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None:
+    rig = rigged()
+    report = Report()
+    up = bake(rig, options=Options(to="controls"), report=report)
+    assert all(entry["limbs"] == 4 for entry in report.added)
+    # Without the IK ends' keys the limbs would stand otherwise.
+    ends = {control(up, joint, "ik") for joint in ("hand_L", "hand_R", "foot_L", "foot_R")}
+
+    def shifted(track: Track) -> Track:
+        mine = track.node in ends and track.path == "translation"
+        return replace(track, values=track.values + 0.2) if mine else track
+
+    clips = tuple(replace(clip, tracks=tuple(map(shifted, clip.tracks))) for clip in up.clips)
+    home = bake(replace(up, clips=clips), options=Options())
+    assert apart(rig, home, "walk", pose.key_times(rig.clip("walk"))) > 0.01
+
+
+def test_a_rig_that_nobody_moved_bakes_to_itself() -> None:
+    rig = rigged("tpose.glb")
+    assert bake(replace(rig, clips=()), options=Options()) is rig or np.array_equal(
+        bake(rig, options=Options()).local, rig.local
+    )
+
+
+def test_baking_again_changes_nothing() -> None:
+    up = bake(rigged(), options=Options(to="controls"))
+    once = bake(up, options=Options())
+    twice = bake(once, options=Options())
+    for a, b in zip(once.clips, twice.clips, strict=True):
+        for one, two in zip(a.tracks, b.tracks, strict=True):
+            assert one.values is two.values or np.array_equal(one.values, two.values)
+
+
+def test_a_control_that_was_turned_at_rest_turns_its_joint_once_however_often_it_is_baked() -> None:
+    rig = replace(rigged(), clips=())
+    head = control(rig, "head", "fk")
+    rotation = rig.rotation.copy()
+    rotation[head] = from_axis_angle([0.0, 0.0, 1.0], 0.5)
+    posed = replace(rig, rotation=rotation)
+    once = bake(posed, options=Options())
+    turned = np.linalg.norm(once.world[rig.find("head"), :3, :3] - rig.world[rig.find("head"), :3, :3])
+    assert turned == pytest.approx(2.0 * np.sqrt(2.0) * np.sin(0.25), rel=1e-3)
+    np.testing.assert_allclose(bake(stored(once), options=Options()).world, once.world, atol=1e-6)
+
+
+def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
+    rig = rigged()
+    hand = control(rig, "hand_L", "ik")
+    inward = rig.world[rig.find("upper_arm_L"), 3, :3] - rig.world[hand, 3, :3]
+    move = (0.3 * inward + [0.0, 0.05, 0.05]) @ np.linalg.inv(rig.world[hand, :3, :3])
+    rig = animated(rig, hand, "translation", [[0, 0, 0], move])
+    baked = bake(rig, options=Options(clips=("new",)))
+    for k, time in enumerate((0.0, 1.0)):
+        local = pose.locals_at(baked, baked.clip("new"), [time])
+        world = pose.worlds(baked, local)[0]
+        np.testing.assert_allclose(world[rig.find("hand_L"), 3, :3], world[hand, 3, :3], atol=1e-6)
+        assert k == 0 or np.abs(world[rig.find("hand_L")] - rig.world[rig.find("hand_L")]).max() > 0.05
+
+
+def test_a_control_without_keys_leaves_its_joint_alone() -> None:
+    rig = rigged()
+    rig = animated(rig, control(rig, "head", "fk"), "rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
+    baked = bake(rig, options=Options(clips=("new",)))
+    joints = {rig.names[t.node] for t in baked.clip("new").tracks if rig.is_joint[t.node]}
+    assert joints == {"head"}
+
+
+def test_stretch_and_soft_of_the_options_hold_for_all_limbs() -> None:
+    rig = rigged()
+    hand = control(rig, "hand_L", "ik")
+    far = animated(rig, hand, "translation", [[0, 0, 0], [2.0, 0, 0]])
+
+    def end(options: Options) -> Floats:
+        baked = bake(far, options=options)
+        return pose.worlds(baked, pose.locals_at(baked, baked.clip("new"), [1.0]))[0]
+
+    stretched, plain = end(Options(clips=("new",), stretch=True)), end(Options(clips=("new",)))
+    target = stretched[hand, 3, :3]
+    joint = rig.find("hand_L")
+    assert np.linalg.norm(stretched[joint, 3, :3] - target) < 1e-5
+    assert np.linalg.norm(plain[joint, 3, :3] - target) > 0.5
+    soft = end(Options(clips=("new",), soft=0.2))
+    arm = rig.find("upper_arm_L")
+    assert np.linalg.norm(soft[joint, 3, :3] - soft[arm, 3, :3]) <= np.linalg.norm(
+        plain[joint, 3, :3] - plain[arm, 3, :3]
+    )
+
+
+def test_a_constraint_is_worked_out_in_every_clip() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
+    baked = bake(rig, options=Options())
+    times = pose.key_times(rig.clip("walk"))
+    world = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), times))
+    hand, staff = rig.find("hand_L"), rig.find("staff")
+    offset = rig.world[staff] @ np.linalg.inv(rig.world[hand])
+    np.testing.assert_allclose(world[:, staff], offset @ world[:, hand], atol=1e-5)
+
+
+def test_poles_do_not_flip_when_a_limb_passes_straight() -> None:
+    rig = rigged("tpose.glb")
+    limb = next(note["chain"] for note in rig.notes.values() if note.get("type") == "poleVector")
+    pole = next(node for node, note in rig.notes.items() if note.get("type") == "poleVector")
+    middle = rig.find(limb[1])
+    times = np.linspace(0.0, 1.0, 81)
+    hinge = np.array([0.0, 0.0, 1.0])
+    turns = np.stack([from_axis_angle(hinge, angle) for angle in np.linspace(-0.6, 0.6, 81)])
+    from rigtri.quaternions import multiply
+
+    track = Track(middle, "rotation", "LINEAR", times, multiply(rig.rotation[middle], turns))
+    rig = replace(rig, clips=(Clip("bend", (track,)),))
+    up = bake(rig, options=Options(to="controls"))
+    world = pose.worlds(up, pose.locals_at(up, up.clip("bend"), times))
+    step = np.linalg.norm(np.diff(world[:, pole, 3, :3], axis=0), axis=1) / size(rig)
+    assert step.max() < 0.05
+    home = bake(up, options=Options())
+    assert apart(rig, home, "bend", times) < BOUND
+
+
+def test_a_clip_of_one_key_and_a_control_of_uneven_scale_have_a_meaning() -> None:
+    rig = rigged()
+    head = control(rig, "head", "fk")
+    rig = animated(rig, head, "scale", [[1.0, 2.0, 0.5]], times=[0.25])
+    baked = bake(rig, options=Options(clips=("new",)))
+    track = next(t for t in baked.clip("new").tracks if t.path == "scale" and t.node == rig.find("head"))
+    np.testing.assert_allclose(track.values, [[1.0, 2.0, 0.5]], atol=1e-6)
+
+
+def test_thinned_keys_keep_what_was_linear_few() -> None:
+    rig = rigged()
+    head = rig.find("head")
+    two = Track(head, "rotation", "LINEAR", np.array([0.0, 1.0]), np.array([[0, 0, 0, 1], [0, 0, 0.6, 0.8]]))
+    many = Track(
+        rig.find("hips"),
+        "translation",
+        "LINEAR",
+        np.linspace(0, 1, 60),
+        np.random.default_rng(0).normal(size=(60, 3)),
+    )
+    rig = replace(rig, clips=(Clip("mixed", (two, many)),))
+    home = bake(bake(rig, options=Options(to="controls")), options=Options())
+    kept = next(t for t in home.clip("mixed").tracks if t.node == head and t.path == "rotation")
+    assert len(kept.times) == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        (Options(clips=("wlak",)), NameNotFoundError),
+        (Options(fps=0.0), UsageError),
+        (Options(soft=1.0), UsageError),
+        (Options(to="bones"), UsageError),  # type: ignore[arg-type]
+    ],
+)
+def test_options_that_cannot_be_are_told(options: Options, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        bake(rigged(), options=options)
+
+
+def test_a_file_without_controls_has_nothing_to_bake() -> None:
+    with pytest.raises(GeometryError, match="nothing to bake"):
+        bake(read(SAMPLES / "biped.glb").rig, options=Options())
+
+
+def run(*arguments: str | Path) -> click.testing.Result:
+    from rigtri.cli.main import program
+
+    return CliRunner().invoke(program, [str(argument) for argument in arguments])
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf"])
+def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_path: Path) -> None:
+    steps = [tmp_path / f"{k}{Path(name).suffix}" for k in range(4)]
+    run("add-controls", SAMPLES / name, "-o", steps[0], "--whole-character")
+    assert run("bake", steps[0], "-o", steps[1], "--to", "controls").exit_code == 0
+    assert run("bake", steps[1], "-o", steps[2], "--to", "joints").exit_code == 0
+    assert run("bake", steps[2], "-o", steps[3]).exit_code == 0
+    assert steps[2].read_bytes() == steps[3].read_bytes()
+    before, after = read(steps[0]).rig, read(steps[2]).rig
+    assert apart(before, after, "walk", pose.key_times(before.clip("walk"))) < BOUND
+
+
+def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_path: Path) -> None:
+    whole, up, bare, out = (tmp_path / f"{k}.glb" for k in ("whole", "up", "bare", "out"))
+    run("add-controls", SAMPLES / "biped.glb", "-o", whole, "--whole-character")
+    run("bake", whole, "-o", up, "--to", "controls")
+    bare.write_bytes(up.read_bytes().replace(b'"rigtri"', b'"unknwn"'))
+    assert run("bake", bare, "-o", out).exit_code == 5
+    assert run("bake", bare, "-o", out, "--rig", whole).exit_code == 0
+    before, after = read(whole).rig, read(out).rig
+    assert apart(before, after, "walk", pose.key_times(before.clip("walk"))) < BOUND
+
+
+@pytest.mark.parametrize("path", asset_files(".glb", ".gltf", ".vrm"), ids=lambda path: path.name)
+def test_real_motion_comes_home(path: Path) -> None:
+    try:
+        rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))
+    except FileError as error:
+        leave_out_refused(path, error)
+    clips = [clip.name for clip in rig.shown_clips if clip.tracks][:3]
+    home = bake(bake(rig, options=Options(to="controls")), options=Options())
+    for name in clips:
+        clip = rig.clip(name)
+        times = pose.key_times(clip)
+        assert apart(rig, home, name, times[:: max(1, len(times) // 100)]) < BOUND

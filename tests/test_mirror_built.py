@@ -1,0 +1,269 @@
+"""mirror of what rigtri has built: limbs, twist joints, constraints, rivets and pose readers."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from conftest import Golden
+from numpy.testing import assert_allclose
+from second_opinions import khronos_errors, usd_errors, validator
+
+from rigtri.cli.main import program
+from rigtri.describe import describe
+from rigtri.following import evaluate
+from rigtri.formats import read
+from rigtri.matrices import multiply as after
+from rigtri.matrices import nearest_rotation
+from rigtri.ops.constrain import Options as Constraint
+from rigtri.ops.constrain import constrain
+from rigtri.ops.controls import Options as Controls
+from rigtri.ops.controls import add_controls
+from rigtri.ops.limb import Options as Limb
+from rigtri.ops.limb import make_limb
+from rigtri.ops.mirror import Options, mirror
+from rigtri.ops.mirroring.asymmetry import asymmetry
+from rigtri.ops.posereader import Goal, add_posereader
+from rigtri.ops.posereader import Options as Reading
+from rigtri.ops.rivet import Options as Rivet
+from rigtri.ops.rivet import add_rivet
+from rigtri.ops.select import Selection
+from rigtri.ops.twins import MIRRORS, Mirror, mirrored_axes, reflection
+from rigtri.ops.twist import Options as Twist
+from rigtri.ops.twist import add_twist
+from rigtri.pipeline import edit
+from rigtri.pose import rest, worlds
+from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.readers import Reader, weights
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.rules import rules_of
+from rigtri.trigonometry import Floats
+
+FILES = ["biped.glb", "biped.usda"]
+REFLECT = reflection("yz")
+WING = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
+
+
+def left(rig: Rig, report: Report | None = None) -> Rig:
+    """One of everything, on the left."""
+    report = report if report is not None else Report()
+    wing = Limb(points=WING, name="wing", side="left", parent="chest")
+    rig = make_limb(rig, options=wing, report=report)
+    hand = Controls(selection=Selection(joints=("hand_L",)))
+    rig = add_controls(rig, options=hand, report=report)
+    rig = add_twist(rig, options=Twist(bones=(("forearm_L", "hand_L"),), count=2), report=report)
+    aim = Constraint("aim", "foot_L", (("hand_L", 1.0), ("chest", 2.0)))
+    parent = Constraint("parent", "thigh_L", (("hips", 1.0), ("hand_L", 2.0)))
+    for rule in (aim, parent):
+        rig = constrain(rig, options=rule, report=report)
+    rig = add_rivet(rig, options=Rivet("body", triangles=(310,), names=("badge_L",)), report=report)
+    x, y, z = worlds(rig)[rig.find("forearm_L"), 0, :3].tolist()
+    reader = Reading(
+        driver="forearm_L",
+        frame="upper_arm_L",
+        axis=(1, 0, 0),
+        targets=(Goal("up", direction=(x, y, z)),),
+        attributes=(("up", "hand_L_ctl", "fist"),),
+        name="bent_L",
+    )
+    return add_posereader(rig, options=reader, report=report)
+
+
+def both(rig: Rig, report: Report) -> Rig:
+    return mirror(rig, report=report)
+
+
+def turned(rig: Rig, **turns: Floats) -> Rig:
+    """The rig with joints of both sides turned alike in their own frames."""
+    rotation = rig.rotation.copy()
+    for name, turn in turns.items():
+        for side in "LR":
+            node = rig.find(f"{name}_{side}")
+            rotation[node] = multiply(rotation[node], turn)
+    return replace(rig, rotation=rotation)
+
+
+def about(x: float, y: float, z: float, angle: float = 0.7) -> Floats:
+    return from_axis_angle(np.array([x, y, z]), angle)
+
+
+def said(rig: Rig, name: str) -> dict[str, Any]:
+    return dict(rig.notes[rig.find(name, "node")])
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Rig:
+    from places import SAMPLES
+
+    return mirror(left(read(SAMPLES / "biped.glb").rig))
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_all_of_one_side_is_built_on_the_other_once_and_nothing_else_moves(
+    name: str, samples: Path, tmp_path: Path, golden: Golden
+) -> None:
+    one, once, twice = (tmp_path / f"{word}_{name}" for word in ("one", "once", "twice"))
+    edit(samples / name, one, left)
+    outcome = edit(one, once, both)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 2e-6
+    assert not outcome.report.warnings
+    kinds = {entry["type"] for entry in outcome.report.added if entry["new"]}
+    assert kinds == {"limb", "control", "poleVector", "twist", "constraint", "rivet", "poseReader"}
+    edit(once, twice, both)
+    assert twice.read_bytes() == once.read_bytes()
+    rig = read(once).rig
+    for note in rig.notes.values():
+        validator("node").validate(note)
+    found = asymmetry(rig)
+    assert not found.worse()
+    assert not found.alone
+    golden.check(f"mirror_{name}.txt", describe(rig) + "\n")
+
+
+def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
+    paths = [tmp_path / name for name in FILES]
+    for path in paths:
+        edit(samples / path.name, path, lambda rig, report: mirror(left(rig, report), report=report))
+    assert usd_errors(paths[1]) == usd_errors(samples / "biped.usda")
+    before, after_ = khronos_errors(samples / "biped.glb", paths[0])
+    assert after_ == before
+
+
+@pytest.mark.parametrize("mode", MIRRORS)
+def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, samples: Path) -> None:
+    out = mirror(left(read(samples / "biped.glb").rig), options=Options(mode=mode))
+    world = worlds(out)
+    for part in (1, 2, 3):
+        here, there = (world[out.find(f"wing_{part}_{side}")] for side in "LR")
+        assert_allclose(there[3, :3], np.array(WING[part - 1]) * [-1, 1, 1], atol=1e-7)
+        wanted = mirrored_axes(nearest_rotation(here), mode, REFLECT)
+        assert_allclose(nearest_rotation(there), wanted, atol=1e-6)
+    assert said(out, "wing_1_R")["chain"] == ["wing_1_R", "wing_2_R", "wing_3_R"]
+    assert ("aim" in said(out, "wing_1_R")) == (mode != "orientation")
+
+
+def test_equal_turns_of_a_made_limb_and_its_mirror_image_give_a_mirrored_skin(built: Rig) -> None:
+    posed = worlds(turned(built, wing_1=about(1, 2, -1), wing_2=about(-2, 1, 0.5)))
+    points = np.array([[0.1, 0.02, 0.03, 1.0], [0.0, -0.2, 0.1, 1.0]])
+    for part in (1, 2, 3):
+        nodes = [built.find(f"wing_{part}_{side}") for side in "LR"]
+        # A point that stands mirrored at rest and hangs on the joint stays mirrored.
+        bind = [np.linalg.inv(built.world[node]) for node in nodes]
+        here = points @ bind[0] @ posed[nodes[0]]
+        there = (points * [-1, 1, 1, 1]) @ bind[1] @ posed[nodes[1]]
+        assert_allclose(here[:, :3] * REFLECT, there[:, :3], atol=1e-6)
+
+
+def test_twist_joints_lie_mirrored_and_carry_the_same_share(built: Rig) -> None:
+    for number in (1, 2):
+        here, there = (said(built, f"forearm_{side}_twist_{number}") for side in "LR")
+        assert there["weight"] == here["weight"] == pytest.approx(number / 3)
+        assert (there["joint"], there["to"], there["driver"]) == ("forearm_R", "hand_R", "hand_R")
+        left_at, right_at = (
+            built.world[built.find(f"forearm_{side}_twist_{number}"), 3, :3] for side in "LR"
+        )
+        assert_allclose(left_at * REFLECT, right_at, atol=1e-6)
+
+
+@pytest.mark.parametrize("child", ["foot", "thigh"])
+def test_mirrored_drivers_give_mirrored_children_by_the_mirrored_constraint(built: Rig, child: str) -> None:
+    posed = turned(built, hand=about(1, 1, 0), forearm=about(0, 1, 1), upper_arm=about(1, 0, 2))
+    world, local = worlds(posed), rest(posed)
+    found = []
+    for side in "LR":
+        node = built.find(f"{child}_{side}")
+        (rule,) = (rule for rule in rules_of(built).values() if rule.child == node)
+        above = world[int(built.parents[node])]
+        at = evaluate(rule, world[list(rule.drivers)][np.newaxis], above[np.newaxis], local[node][np.newaxis])
+        found.append(after(at[0], above))
+    here, there = found
+    assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
+    wanted = mirrored_axes(nearest_rotation(here), "behavior", REFLECT)
+    assert_allclose(nearest_rotation(there), wanted, atol=1e-5)  # the biped's sides differ by 1e-7
+    moved = here - worlds(built)[built.find(f"{child}_L")]
+    assert np.abs(moved).max() > 1e-2
+
+
+def test_a_mirrored_reader_reads_the_same_of_the_mirrored_pose(built: Rig) -> None:
+    assert said(built, "bent_R")["outputs"] == [
+        {"target": "up", "control": "hand_R_ctl", "attribute": "fist"}
+    ]
+    read_out = []
+    for turn in (about(0, 0, 1, 0.0), about(0, 1, 0), about(1, 0, -1, 1.2)):
+        world = worlds(turned(built, forearm=turn))
+        both_sides = []
+        for side in "LR":
+            note = said(built, f"bent_{side}")
+            driver, frame = (world[built.find(note[key])][np.newaxis] for key in ("driver", "frame"))
+            both_sides.append(float(weights(Reader.of_note(note), driver, frame, {})[0, 0]))
+        assert both_sides[0] == pytest.approx(both_sides[1], abs=1e-6)
+        read_out.append(both_sides[0])
+    assert read_out[0] == pytest.approx(1.0)
+    assert read_out[1] == pytest.approx(np.cos(0.7))
+
+
+def test_a_rivet_sits_at_the_mirrored_place(built: Rig) -> None:
+    here, there = (worlds(built)[built.find(f"badge_{side}", "node"), 3, :3] for side in "LR")
+    assert here[0] > 0.05
+    assert_allclose(here * REFLECT, there, atol=1e-5)
+
+
+def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: Rig) -> None:
+    changed = add_twist(built, options=Twist(bones=(("forearm_L", "hand_L"),), count=2, weights=(0.25, 0.5)))
+    changed = constrain(changed, options=Constraint("parent", "thigh_L", (("chest", 1.0),)))
+    report = Report()
+    out = mirror(changed, report=report)
+    assert len(out) == len(built)
+    assert [said(out, f"forearm_R_twist_{k}")["weight"] for k in (1, 2)] == [0.25, 0.5]
+    assert said(out, "con_thigh_R_parent")["drivers"] == ["chest"]
+    assert out.names == built.names
+    assert {"twist", "constraint"} <= {entry["type"] for entry in report.added}
+
+
+@pytest.mark.parametrize(
+    ("what", "kind"),
+    [("limbs", "limb"), ("twists", "twist"), ("constraints", "constraint"), ("rivets", "rivet")],
+)
+def test_only_what_is_asked_for_is_mirrored(what: Any, kind: str, samples: Path) -> None:
+    report = Report()
+    mirror(left(read(samples / "biped.glb").rig), options=Options(what=(what,)), report=report)
+    assert {entry["type"] for entry in report.added} == {kind}
+    assert not report.joints
+
+
+def test_what_has_no_place_on_the_other_side_is_named(samples: Path) -> None:
+    rig = left(read(samples / "biped.glb").rig)
+    names = tuple("arm_alone" if name == "forearm_R" else name for name in rig.names)
+    report = Report()
+    mirror(replace(rig, names=names), report=report)
+    told = [notice.text for notice in report.warnings if notice.code == "not-mirrored"]
+    assert any("twist joint 'forearm_L_twist_1'" in text for text in told)
+    assert any("pose reader 'bent_L'" in text for text in told)
+
+
+def test_check_names_what_only_one_side_has_and_its_json_is_as_the_schema_says(
+    samples: Path, tmp_path: Path
+) -> None:
+    one, two = tmp_path / "one.glb", tmp_path / "two.glb"
+    edit(samples / "biped.glb", one, left)
+    edit(one, two, both)
+    documents = []
+    for path, code in ((one, 1), (two, 0)):
+        result = CliRunner().invoke(program, ["mirror", str(path), "--check", "--json"])
+        assert result.exit_code == code
+        documents.append(json.loads(result.stdout))
+        validator("mirror").validate(documents[-1])
+    alone = " ".join(documents[0]["without_twin"])
+    for name in (
+        "wing_1_L", "hand_L_ctl", "forearm_L_twist_1", "con_foot_L_aim", "badge_L", "bent_L",
+    ):  # fmt: skip
+        assert name in alone
+    assert documents[1]["symmetric"]
+    assert not validator("mirror").is_valid(documents[1] | {"symmetric": "yes"})

@@ -1,0 +1,103 @@
+"""Two bones that reach for a target: laws first, then triangles that can be checked by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rigtri.quaternions import rotate
+from rigtri.solve.two_bone import two_bone
+
+X = np.array([1.0, 0.0, 0.0])
+
+
+def solved(target, pole, *, lengths=(1.0, 1.0), count=1, **more):
+    target, pole = np.atleast_2d(target).astype(float), np.atleast_2d(pole).astype(float)
+    count = max(len(target), len(pole))
+    wide = [np.broadcast_to(v, (count, 3)) for v in (np.zeros(3), target, pole)]
+    sizes = tuple(np.full(count, size) for size in lengths)
+    given = {
+        "chord": np.broadcast_to([0.0, -1.0, 0.0], (count, 3)),
+        "side": np.broadcast_to([0.0, 0.0, 1.0], (count, 3)),
+    }
+    found = two_bone(wide[0], sizes, wide[1], wide[2], **given, **more)
+    grown = [size * found.stretch for size in sizes]
+    middle = rotate(found.upper, X) * grown[0][:, np.newaxis]
+    end = middle + rotate(found.lower, X) * grown[1][:, np.newaxis]
+    return found, middle, end
+
+
+def test_the_end_reaches_every_target_within_reach_and_bends_to_the_pole():
+    rng = np.random.default_rng(5)
+    lengths = (1.3, 0.8)
+    directions = rng.normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    target = directions * rng.uniform(0.55, 2.05, size=(500, 1))
+    pole = rng.normal(size=(500, 3)) * 3
+    _, middle, end = solved(target, pole, lengths=lengths)
+    assert np.abs(end - target).max() < 1e-12
+    across = pole - (pole * directions).sum(axis=1, keepdims=True) * directions
+    bend = middle - (middle * directions).sum(axis=1, keepdims=True) * directions
+    assert ((across * bend).sum(axis=1) > 0).all()
+    assert np.abs(np.cross(across, bend)).max() < 1e-12 * 100
+
+
+def test_a_right_angle_by_hand():
+    _, middle, end = solved([np.sqrt(2.0), 0, 0], [0, 5, 0])
+    np.testing.assert_allclose(middle[0], [np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
+    np.testing.assert_allclose(end[0], [np.sqrt(2.0), 0, 0], atol=1e-12)
+
+
+def test_a_target_out_of_reach_is_pointed_at_and_told():
+    found, _, end = solved([3.0, 0, 0], [0, 1, 0])
+    np.testing.assert_allclose(end[0], [2.0, 0, 0], atol=1e-12)
+    assert found.short[0] == pytest.approx(1.0)
+
+
+def test_stretch_reaches_it_and_keeps_the_ratio_of_the_bones():
+    found, middle, end = solved([4.0, 0, 0], [0, 1, 0], lengths=(1.0, 0.5), stretch=True)
+    np.testing.assert_allclose(end[0], [4.0, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(middle[0], [4.0 / 1.5, 0, 0], atol=1e-7)
+    assert found.short[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_soft_never_becomes_straight_and_meets_the_hard_one_where_it_begins():
+    distances = np.linspace(0.5, 6.0, 200)
+    target = distances[:, np.newaxis] * X
+    _, _, end = solved(target, [0.0, 9.0, 0.0], soft=0.1)
+    reach = np.linalg.norm(end, axis=1)
+    assert (np.diff(reach) > -1e-12).all()
+    assert reach.max() < 2.0
+    hard = distances <= 1.8
+    np.testing.assert_allclose(reach[hard], distances[hard], atol=1e-12)
+
+
+@pytest.mark.parametrize("target", [[0, 0, 0], [1e-12, 0, 0]])
+def test_a_target_at_the_root_folds_the_limb_and_says_so(target):
+    found, middle, end = solved(target, [0, 1, 0], lengths=(1.0, 0.6))
+    assert found.lost[0]
+    assert np.isfinite([*middle[0], *end[0]]).all()
+    assert np.linalg.norm(end[0]) == pytest.approx(0.4)
+
+
+def test_a_pole_on_the_line_keeps_the_side_of_the_rest_pose():
+    found, middle, _ = solved([1.5, 0, 0], [7.0, 0, 0])
+    assert found.lost[0]
+    assert middle[0, 2] > 0.6
+    assert abs(middle[0, 1]) < 1e-12
+
+
+def test_bones_of_no_length_and_numbers_that_are_none_never_raise():
+    found, middle, _ = solved([1.0, 0, 0], [0, 1, 0], lengths=(0.0, 0.0))
+    assert np.isfinite(found.upper).all()
+    assert np.isfinite(middle).all()
+
+
+def test_one_is_the_same_as_many():
+    rng = np.random.default_rng(1)
+    targets, poles = rng.normal(size=(20, 3)), rng.normal(size=(20, 3)) * 4
+    many, _, _ = solved(targets, poles, soft=0.05, stretch=True)
+    for k in range(20):
+        one, _, _ = solved(targets[k], poles[k], soft=0.05, stretch=True)
+        assert np.array_equal(one.upper[0], many.upper[k])
+        assert np.array_equal(one.lower[0], many.lower[k])
