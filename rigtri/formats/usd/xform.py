@@ -29,7 +29,7 @@ from rigtri.matrices import (
     orthonormal_axes,
     skew,
 )
-from rigtri.quaternions import IDENTITY, conjugate, from_axes
+from rigtri.quaternions import IDENTITY, conjugate, from_axes, unit
 from rigtri.quaternions import multiply as product
 from rigtri.records import Track
 from rigtri.report import Notice
@@ -161,7 +161,9 @@ def _samples(track: Track | None) -> dict[float, Any]:
     """The keys of a track as values of its op; none without a track."""
     if track is None:
         return {}
-    rows = zip(track.times.tolist(), track.values, strict=True)
+    # USD takes the angle from w alone: in a short turn, what float32 has rounded off a unit w is much.
+    values = unit(track.values) if track.path == "rotation" else track.values
+    rows = zip(track.times.tolist(), values, strict=True)
     return {
         time: quaternion(row) if track.path == "rotation" else Gf.Vec3d(*row.tolist()) for time, row in rows
     }
