@@ -311,3 +311,131 @@ def test_a_track_without_steps_says_the_same_with_a_key_before_each_jump() -> No
     assert len(plain.times) == 4
     times = np.array([0.0, 0.5, 1.5, 1.9999998, 2.0, 3.0])
     assert (sample(plain, times) == sample(held, times)).all()
+
+
+# --- prims
+
+
+SWORD = """def Xform "Sword"
+{{
+{ops}
+    def Cube "Blade"
+    {{
+    }}
+}}"""
+PLAIN = """    float3 xformOp:translate = (1, 2, 3)
+    uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]"""
+EULER = """    float3 xformOp:rotateXYZ = (0, 90, 0)
+    double3 xformOp:translate = (1, 2, 3)
+    uniform token[] xformOpOrder = ["xformOp:rotateXYZ", "xformOp:translate"]"""
+MOVING = EULER.replace(
+    "rotateXYZ = (0, 90, 0)", "rotateXYZ.timeSamples = {\n1: (0, 0, 0),\n5: (0, 90, 0),\n}"
+)
+
+
+def sword(folder: Path, ops: str) -> Path:
+    return save(folder, scene(skeleton(), animation(), MESH, SWORD.format(ops=ops)))
+
+
+def _follow(path: Path, target: Path, *ways: Way) -> Rig:
+    document = read(path)
+    node = document.rig.find("/Root/Sword", "node")
+    values: dict[Way, Floats] = {
+        "rotation": TURN[:2],
+        "translation": np.array([[1.0, 2, 3], [4, 4, 4]]),
+        "scale": np.array([[1.0, 1, 1], [2, 2, 2]]),
+    }
+    tracks = [Track(node, way, "LINEAR", np.array([1.0, 4.0]), values[way]) for way in ways]
+    write(document, played(document.rig, *tracks), target)
+    return document.rig
+
+
+def test_a_plain_stack_takes_keys_in_its_own_types_and_new_ops_in_order(tmp_path: Path) -> None:
+    out = tmp_path / "out.usda"
+    _follow(sword(tmp_path, PLAIN), out, "rotation", "translation")
+    layer = Sdf.Layer.FindOrOpen(str(out))
+    order = layer.GetAttributeAtPath("/Root/Sword.xformOpOrder").default
+    assert list(order) == ["!resetXformStack!", "xformOp:translate", "xformOp:orient"]
+    place = layer.GetAttributeAtPath("/Root/Sword.xformOp:translate")
+    assert str(place.typeName) == "float3"
+    assert tuple(place.default) == (1, 2, 3)
+    assert layer.ListTimeSamplesForPath(place.path) == [1, 4]
+    again = read(out).rig
+    node = again.find("/Root/Sword", "node")
+    found = {t.path: t for t in again.clips[-1].tracks if t.node == node}
+    assert_allclose(found["translation"].values, [[1, 2, 3], [4, 4, 4]])
+    assert_allclose(found["rotation"].values, TURN[:2], atol=1e-12)
+
+
+def test_a_stack_that_stands_still_is_replaced_and_stands_where_it_stood(tmp_path: Path) -> None:
+    path, out = sword(tmp_path, EULER), tmp_path / "out.usda"
+    before = _follow(path, out, "rotation")
+    after = read(out).rig
+    node = after.find("/Root/Sword", "node")
+    found = {t.path: t for t in after.clips[-1].tracks if t.node == node}
+    assert_allclose(found["rotation"].values, TURN[:2], atol=1e-12)
+    assert_allclose(found["translation"].values, [before.local[node][3, :3]] * 2, atol=1e-12)
+
+
+def test_a_stack_that_moves_otherwise_is_refused_by_name_unless_all_of_it_is_given(tmp_path: Path) -> None:
+    path, out = sword(tmp_path, MOVING), tmp_path / "out.usda"
+    with pytest.raises(FileError, match=r"</Root/Sword> stands by xformOp:rotateXYZ, xformOp:translate"):
+        _follow(path, out, "rotation")
+    _follow(path, out, "rotation", "translation", "scale")
+    after = read(out).rig
+    node = after.find("/Root/Sword", "node")
+    found = {t.path: t for t in after.clips[-1].tracks if t.node == node}
+    assert_allclose(found["scale"].values, [[1, 1, 1], [2, 2, 2]], atol=1e-12)
+
+
+# --- blend shapes
+
+SHAPES = (
+    MESH.removesuffix("}")
+    + """    uniform token[] skel:blendShapes = ["smile", "blink"]
+    rel skel:blendShapeTargets = [</Root/Skin/smile>, </Root/Skin/blink>]
+    def BlendShape "smile"
+    {
+        uniform vector3f[] offsets = [(1, 0, 0)]
+        uniform int[] pointIndices = [0]
+    }
+    def BlendShape "blink"
+    {
+        uniform vector3f[] offsets = [(0, 1, 0)]
+        uniform int[] pointIndices = [1]
+    }
+}"""
+)
+WEIGHTS = """uniform token[] blendShapes = ["smile", "blink"]
+    float[] blendShapeWeights.timeSamples = {
+        1: [0, 0],
+        2: [1, 0.5],
+        3: [0, 0],
+    }"""
+
+
+def test_weights_get_their_own_times_and_held_ones_jump(tmp_path: Path) -> None:
+    path = save(tmp_path, scene(skeleton(), animation(shapes=WEIGHTS), SHAPES))
+    document = read(path)
+    rig = document.rig
+    node = rig.find("/Root/Skin", "node")
+    held = np.array([[0.0, 1.0], [1.0, 0.25], [0.5, 0.0]])
+    new = Track(node, "weights", "STEP", np.array([1.0, 2.5, 6.0]), held)
+    out = write(document, played(rig, new), tmp_path / "out.usda")
+    times = samples_of(out, "blendShapeWeights")
+    assert {1.0, 2.5, 6.0} < set(times)
+    assert not {2.0, 3.0} & set(times)
+    stage = Usd.Stage.Open(str(out))
+    shown = stage.GetPrimAtPath("/Root/Anim").GetAttribute("blendShapeWeights")
+    for time, row in ((1, 0), (2.4999, 0), (2.5, 1), (5.9999, 1), (6, 2)):
+        assert_allclose(shown.Get(time), held[row], atol=1e-6)
+    again = read(out)
+    assert write(again, played(again.rig, new), tmp_path / "twice.usda").read_bytes() == out.read_bytes()
+
+
+def test_weights_with_fewer_keys_lose_what_lay_between(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(skeleton(), animation(shapes=WEIGHTS), SHAPES)))
+    node = document.rig.find("/Root/Skin", "node")
+    new = Track(node, "weights", "LINEAR", np.array([1.0, 3.0]), np.zeros((2, 2)))
+    out = write(document, played(document.rig, new), tmp_path / "out.usda")
+    assert samples_of(out, "blendShapeWeights") == [1, 3]

@@ -183,7 +183,7 @@ class _Plan:
         wanted = [n for n in wanted if new or n in self.animation.properties]
         if not wanted:
             return
-        self._check(wanted)
+        self._check([name for name in wanted if self._differs(name, times[name])])
         if self.skeleton:
             yield define(path, "SkelAnimation")
         if more:
@@ -215,7 +215,7 @@ class _Plan:
         return not np.array_equal(times, np.zeros(0) if item is None else item.times)
 
     def _check(self, names: Sequence[str]) -> None:
-        """FileError where the animation cannot get other keys."""
+        """FileError where the animation cannot be edited; names: the properties that get other times."""
         path = self.animation.path
         prim = self.source.stage.GetPrimAtPath(self.skeleton or path)
         if why := why_instanced(prim):
@@ -257,8 +257,9 @@ class _Plan:
             rows[:, :width] = _resampled(item, times)
             single = None if item.default is None else np.concatenate([item.default, rest[width:]])
         samples = {float(time): _value(array, row) for time, row in zip(times, rows, strict=True)}
+        samples.update(dict.fromkeys(() if item is None else item.blocked))
         default = None if single is None else _value(array, single)
-        return set_value(path, name, type_name, default, samples=samples, alone=True)
+        return set_value(path, name, type_name, default, samples=dict(sorted(samples.items())), alone=True)
 
     def _rest(self, name: str) -> Floats:
         """What the joints are at rest, (j, c); tokens that no skeleton has do nothing."""

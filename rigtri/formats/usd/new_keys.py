@@ -25,17 +25,19 @@ from rigtri.formats.usd.values import Edit, set_value
 from rigtri.pose import sample
 from rigtri.records import Clip, Interpolation, Track
 from rigtri.rig import Rig
+from rigtri.timelines import without_steps
 from rigtri.trigonometry import Floats
 
 
 def divided(
-    before: Rig, rig: Rig, ours: Callable[[int], bool]
+    before: Rig, rig: Rig, prim: Callable[[int], bool]
 ) -> tuple[tuple[Clip, ...], list[Track], list[tuple[Track | None, Track]]]:
-    """The clips without keys of ours; tracks of prims of ours; morph weights, each with what it was.
+    """The clips without new keys of prims; their tracks; morph weights, each with what it was.
 
-    ours: whether a node is a prim of ours, whose keys are.
+    prim: whether a node is one whose keys may be new, and no joint.
     """
     clips, prims, weights = [], [], []
+    every = {(track.node, track.path): track for old in before.clips for track in old.tracks}
     for old, new in zip(before.clips, rig.clips, strict=False):
         if new is old:
             clips.append(new)
@@ -44,11 +46,11 @@ def divided(
         kept: list[Track] = []
         for now in new.tracks:
             was = known.get((now.node, now.path))
-            if now is was or not (now.path == "weights" or ours(now.node)):
+            if now is was or not (now.path == "weights" or prim(now.node)):
                 kept.append(now)
                 continue
             if now.path == "weights":
-                weights.append((was, now))
+                weights.append((every.get((now.node, now.path)), now))
             else:
                 prims.append(now)
             kept += [was] if was is not None else []
@@ -63,10 +65,12 @@ def weight_edits(source: Source, changed: Sequence[tuple[Track | None, Track]]) 
         path, animation, names = _bound(source, now)
         columns = driven.setdefault(animation, {})
         resting = default_weights(source.stage.GetPrimAtPath(animation))
+        now = _linear(path, now)
+        times = now.times if was is None else np.union1d(was.times, now.times)
+        shown = sample(now, times)
+        before = np.array([resting.get(n, 0.0) for n in names]) if was is None else sample(was, times)
         for number, name in enumerate(names):
-            if was is not None and np.array_equal(sample(was, now.times)[:, number], now.values[:, number]):
-                continue
-            if was is None and (now.values[:, number] == resting.get(name, 0.0)).all():
+            if (shown[:, number] == before[..., number]).all():
                 continue
             column = _Column(path, now.times, now.values[:, number])
             if name in columns and not columns[name].same(column):
@@ -93,6 +97,13 @@ class _Column:
 
     def same(self, other: _Column) -> bool:
         return np.array_equal(self.times, other.times) and np.array_equal(self.values, other.values)
+
+
+def _linear(path: str, track: Track) -> Track:
+    """A track as samples say it. FileError for splines."""
+    if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
+        raise FileError(f"The blend shapes of <{path}> move by splines, which USD has none of.")
+    return without_steps(track)
 
 
 def _bound(source: Source, track: Track) -> tuple[str, str, list[str]]:
@@ -141,7 +152,9 @@ def _written(source: Source, animation: Animation, columns: dict[str, _Column]) 
     fits = default is not None and len(default) == len(names)
     single = np.array(default, dtype=np.float64) if fits else None
     every = [*names, *(name for name in columns if name not in names)]
-    times = np.unique(np.concatenate([old[0], *(column.times for column in columns.values())]))
+    # Where all are driven anew, the samples that nobody has as a key any more go.
+    stays = old[0] if any(name not in columns for name in names) else old[0][:0]
+    times = np.unique(np.concatenate([stays, *(column.times for column in columns.values())]))
     way = _interpolation(source)
     rows = np.zeros((len(times), len(every)))
     if len(old[0]):

@@ -31,7 +31,7 @@ from rigtri.matrices import (
 )
 from rigtri.quaternions import IDENTITY, conjugate, from_axes, unit
 from rigtri.quaternions import multiply as product
-from rigtri.records import Track
+from rigtri.records import Path, Track
 from rigtri.report import Notice
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -154,7 +154,11 @@ def stand_order(local: Floats) -> list[str]:
 
 
 # The ops that hold what tracks of prims of ours drive.
-_OPS = {"translation": "xformOp:translate", "rotation": "xformOp:orient", "scale": "xformOp:scale"}
+OPS: dict[Path, str] = {
+    "translation": "xformOp:translate",
+    "rotation": "xformOp:orient",
+    "scale": "xformOp:scale",
+}
 
 
 def _samples(track: Track | None) -> dict[float, Any]:
@@ -178,7 +182,7 @@ def stand(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Edit]:
         "xformOp:orient": (types.Quatd, quaternion(rotation)),
         "xformOp:scale": (types.Double3, Gf.Vec3d(*scale.tolist())),
     }
-    moved = {_OPS[track.path]: track for track in tracks}
+    moved = {OPS[track.path]: track for track in tracks}
     order = [name for name in values if name in moved or name in stand_order(local)]
     edits = [
         set_value(path, name, *values[name], samples=_samples(moved.get(name)), alone=True) for name in order
