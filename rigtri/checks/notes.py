@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-_TYPES = ("poleVector", "frame", "group")
+from rigtri.rig import KNOWN, VERSION
 
 
 def broken(note: Any, is_joint: Callable[[str], bool]) -> str:
     """Why a note cannot be read, or which joint of it is not there; "" where all is well."""
     if not isinstance(note, dict):
         return "what rigtri stored here is no object"
-    if note.get("v") != 1:
-        return f"its version v is {note.get('v')!r}, not 1"
-    if note.get("type") not in _TYPES:
-        return f"its type is {note.get('type')!r}, none of {', '.join(_TYPES)}"
+    if note.get("v") != VERSION:
+        return f"its version v is {note.get('v')!r}, not {VERSION}"
+    if note.get("type") not in KNOWN:
+        return f"its type is {note.get('type')!r}, none of {', '.join(KNOWN)}"
     chain = note.get("chain", [])
     if not isinstance(chain, list | tuple) or not all(isinstance(name, str) for name in chain):
         return "its chain is no list of joint names"
