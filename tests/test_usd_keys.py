@@ -16,6 +16,7 @@ from rigtri.compare import verify
 from rigtri.errors import FileError
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read as open_file
+from rigtri.formats.usd.layer_changes import layer_changes
 from rigtri.pose import sample
 from rigtri.quaternions import from_axis_angle
 from rigtri.records import Interpolation, Track
@@ -430,3 +431,12 @@ def test_weights_with_fewer_keys_lose_what_lay_between(tmp_path: Path) -> None:
     new = Track(node, "weights", "LINEAR", np.array([1.0, 3.0]), np.zeros((2, 2)))
     out = write(document, played(document.rig, new), tmp_path / "out.usda")
     assert samples_of(out, "blendShapeWeights") == [1, 3]
+
+
+def test_new_keys_of_joints_leave_those_of_prims_and_shapes_alone(tmp_path: Path) -> None:
+    text = scene(skeleton(), animation(shapes=WEIGHTS), SHAPES, SWORD.format(ops=MOVING))
+    document = read(save(tmp_path, text))
+    new = keys(document.rig, "a", "rotation", [1, 2.5, 5], TURN)
+    write(document, played(document.rig, new), tmp_path / "out.usda")
+    layers = [Sdf.Layer.FindOrOpen(str(tmp_path / name)) for name in ("in.usda", "out.usda")]
+    assert {c.where.split(" ")[0] for c in layer_changes(*layers, "root", 0.0)} == {"/Root/Anim.rotations"}

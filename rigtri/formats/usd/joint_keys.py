@@ -313,14 +313,20 @@ def _aligned(source: Source, wide: Source, rig: Rig, said: Mapping[str, Said]) -
     """The clips of a rig with the tracks that the source has that is to be written."""
     known = {clip.key: clip for clip in rig.clips}
     before = {clip.key: clip for clip in source.rig.clips}
+    # What is as it was read is what is read now, too, so that nobody writes it again.
+    read = {(c.key, t.node, t.path, t.key): t for c in wide.rig.clips for t in c.tracks}
+    again = {id(t): read.get((c.key, t.node, t.path, t.key), t) for c in source.rig.clips for t in c.tracks}
     for shown in wide.rig.clips:
         clip = known.get(shown.key, replace(shown, tracks=()))
         path = parts(shown.key)[1]
         fresh = {id(t) for one in said.values() for t in one.values() if t.key is None}
         fresh |= {id(t) for one in said for t in _defaults(rig, one).values() if t.key is None}
-        kept = tuple(t for t in clip.tracks if id(t) not in fresh)
+        if clip is before.get(shown.key) and path not in said:
+            yield shown
+            continue
+        kept = tuple(again.get(id(t), t) for t in clip.tracks if id(t) not in fresh)
         if path not in said:
-            yield clip if len(kept) == len(clip.tracks) else replace(clip, tracks=kept)
+            yield replace(clip, tracks=kept)
             continue
         joints = {(t.node, t.path) for t in shown.tracks if t.path != "weights"}
         others = tuple(t for t in kept if (t.node, t.path) not in joints)

@@ -18,9 +18,8 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.stage import tokens_of, why_locked
 from rigtri.formats.usd.values import Edit, set_value
-from rigtri.formats.usd.xform import OPS, stand, stand_order
+from rigtri.formats.usd.xform import OPS, stand, stand_order, sure_turns
 from rigtri.matrices import SKEW, decompose, skew
-from rigtri.quaternions import unit
 from rigtri.records import Path, Track
 from rigtri.rig import Rig
 from rigtri.timelines import without_steps
@@ -85,7 +84,7 @@ def _into_stack(
         type_name = prim.GetAttribute(name).GetTypeName() if name in ops else _NEW[p]
         track = tracks.get(p)
         rows = np.zeros((0, 4)) if track is None else track.values
-        rows = unit(rows) if p == "rotation" else rows
+        rows = sure_turns(rows) if p == "rotation" else rows
         times = [] if track is None else track.times.tolist()
         values = {time: _value(type_name, row) for time, row in zip(times, rows, strict=True)}
         still = rest.get(p, None if name in ops else _NOTHING[p])

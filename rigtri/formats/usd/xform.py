@@ -29,7 +29,7 @@ from rigtri.matrices import (
     orthonormal_axes,
     skew,
 )
-from rigtri.quaternions import IDENTITY, conjugate, from_axes, unit
+from rigtri.quaternions import IDENTITY, conjugate, from_axes, norm, unit
 from rigtri.quaternions import multiply as product
 from rigtri.records import Path, Track
 from rigtri.report import Notice
@@ -42,6 +42,8 @@ PARENT_INVERSE = "xformOp:orient:rigtriParentInv"
 SAME_TURN = 1e-12
 # What a turn may leave unexplained of a matrix, as a share of its largest number.
 SAME_PLACE = 1e-9
+# What a division in float64 leaves of a length of 1.
+_ROUNDED = 1e-15
 
 
 def turn_edits(
@@ -165,12 +167,20 @@ def _samples(track: Track | None) -> dict[float, Any]:
     """The keys of a track as values of its op; none without a track."""
     if track is None:
         return {}
-    # USD takes the angle from w alone: in a short turn, what float32 has rounded off a unit w is much.
-    values = unit(track.values) if track.path == "rotation" else track.values
+    values = sure_turns(track.values) if track.path == "rotation" else track.values
     rows = zip(track.times.tolist(), values, strict=True)
     return {
         time: quaternion(row) if track.path == "rotation" else Gf.Vec3d(*row.tolist()) for time, row in rows
     }
+
+
+def sure_turns(rotations: Floats) -> Floats:
+    """Rotations, (k, 4), that are unit; those that were keep their bits.
+
+    USD takes the angle from w alone: in a short turn, what float32 has rounded off a unit w is much.
+    """
+    off = np.abs(norm(rotations) - 1.0) > _ROUNDED
+    return np.where(off[:, np.newaxis], unit(rotations), rotations)
 
 
 def stand(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Edit]:
