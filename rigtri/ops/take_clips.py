@@ -68,10 +68,11 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
 def _tell(both: Counterparts, report: Report) -> None:
     """What differs between the two files beside motion."""
     rig, edited = both.rig, both.other
-    if both.unclear:
+    driven = {edited.names[node] for node in both.moving}
+    if unclear := [name for name in both.unclear if name in driven]:
         report.warn(
             "unclear-names",
-            f"Several nodes are called {_some(both.unclear)}, and nothing tells which is which; "
+            f"Several nodes are called {_some(unclear)}, and nothing tells which is which; "
             "they were left out",
         )
     moved = []

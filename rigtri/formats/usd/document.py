@@ -104,6 +104,8 @@ class UsdDocument:
             source, rig, split = splits.widened(source, rig, self._options, notices)
             first += split
             rig, last = joints.shortened(source, rig)
+            rig, idle = joint_tracks.undriven(source, rig)
+            last += idle
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
             edits += weights.weight_edits(source, rig, notices)
             expected = Expected()

@@ -24,7 +24,7 @@ from rigtri.pose import worlds
 from rigtri.quaternions import from_axes, to_axes
 from rigtri.records import Clip, Interpolation, Skin
 from rigtri.report import Notice
-from rigtri.rig import Rig
+from rigtri.rig import Rig, illegible
 
 # The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
 GROUP = "rigtri"
@@ -172,7 +172,7 @@ class _Reader:
         if prim.IsA(UsdGeom.PointBased):
             self.warnings += [Notice("type-ignored", text) for text in ignored(prim)]
         note = notes.read_prim(prim)
-        if note:
+        if note and not self._unread(path, note):
             self.notes[node] = note
             self.own.append(node)
         return node
@@ -254,8 +254,16 @@ class _Reader:
 
     def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
         for token, note in notes.read_joints(prim).items():
-            if token in nodes:
+            if token in nodes and not self._unread(token, note):
                 self.notes[nodes[token]] = note
+
+    def _unread(self, title: str, note: Mapping[str, Any]) -> bool:
+        """Whether another version has stored a note, which is told and left alone then."""
+        why = illegible(note)
+        if why:
+            text = f"What rigtri stored on '{title}' stays as it is: {why}"
+            self.warnings.append(Notice("note-unread", text))
+        return bool(why)
 
     def _animations(self, others: list[Any]) -> None:
         bound = {skeleton.animation for skeleton in self.skeletons.values()} - {""}

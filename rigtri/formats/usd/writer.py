@@ -25,7 +25,7 @@ from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
 from rigtri.matrices import inverse
 from rigtri.records import Clip
 from rigtri.report import Notice
-from rigtri.rig import Rig
+from rigtri.rig import Rig, illegible
 from rigtri.trigonometry import Floats
 
 # For each property of an animation: column → new samples (k, c), or the new default (1, c).
@@ -281,6 +281,10 @@ def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
             if dict(note) != dict(before.notes.get(node, {})):
                 changed.add(path)
             if note:
+                wanted.setdefault(path, {})[token] = note
+    for path in changed:  # an attribute is written as a whole, with what other versions have stored
+        for token, note in notes.read_joints(source.stage.GetPrimAtPath(path)).items():
+            if illegible(note):
                 wanted.setdefault(path, {})[token] = note
     return [edit for path in sorted(changed) for edit in _set_joint_notes(path, wanted.get(path, {}))]
 
