@@ -26,6 +26,9 @@ from rigtri.timelines import placed
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
+# Keys that differ by less are one value; only for notices.
+_MOVED = 1e-4
+
 
 @dataclass(frozen=True)
 class Options:
@@ -68,7 +71,7 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
 def _tell(both: Counterparts, report: Report) -> None:
     """What differs between the two files beside motion."""
     rig, edited = both.rig, both.other
-    driven = {edited.names[node] for node in both.moving}
+    driven = {edited.names[t.node] for clip in edited.clips for t in clip.tracks if _moves(t)}
     if unclear := [name for name in both.unclear if name in driven]:
         report.warn(
             "unclear-names",
@@ -91,6 +94,12 @@ def _tell(both: Counterparts, report: Report) -> None:
             f"The bind poses of the two files differ by {both.proportions:.2g} of the size beside turn, size "
             "and place; joints move as in EDITED, about RIG's own bind pose",
         )
+
+
+def _moves(track: Track) -> bool:
+    """Whether a track says more than one thing."""
+    values = key_values(track)
+    return bool(np.abs(values - values[0]).max(initial=0.0) > _MOVED)
 
 
 def _some(names: Iterable[str]) -> str:
@@ -143,22 +152,22 @@ class _Taking:
     # --- nodes
 
     def _take(self, node: int) -> None:
-        if self.rig.has_matrix[node] and not self._old(node, "rotation"):
+        moved = self.transfer.of(node)
+        fresh = [track for track in map(self.clock.told, moved.tracks) if not self._says_the_same(track)]
+        if fresh and self.rig.has_matrix[node]:
             self.report.warn(
                 "matrix-node",
                 f"'{self.rig.title(node)}' has a matrix, which no clip can move; its motion was left out",
                 joint=self.rig.names[node],
             )
             return
-        moved = self.transfer.of(node)
-        fresh = [track for track in map(self.clock.told, moved.tracks) if not self._says_the_same(track)]
         if fresh and moved.sampled:
             self.sampled.append(self.rig.names[node])
         self.changed += fresh
         said = {track.path for track in moved.tracks}
         for path in PATHS:
             old = self._old(node, path)
-            if old is not None and path not in said and self._moves(old):
+            if old is not None and path not in said and _moves(old):
                 self.kept.append(self.rig.names[node])
 
     def _old(self, node: int, path: str) -> Track | None:
@@ -207,11 +216,6 @@ class _Taking:
             zip(PATHS, (rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows]), strict=True)
         )
         return parts[track.path]
-
-    @staticmethod
-    def _moves(track: Track) -> bool:
-        values = key_values(track)
-        return bool(np.abs(values - values[0]).max(initial=0.0) > 1e-4)
 
     def _rest_of_joints(self) -> None:
         """In a new clip, joints that EDITED leaves at its bind pose, which is not RIG's rest."""
@@ -291,4 +295,4 @@ class _Taking:
         )
 
     def _movers(self) -> Sequence[int]:
-        return sorted({t.node for t in self.taken.clip.tracks if self._moves(t)})
+        return sorted({t.node for t in self.taken.clip.tracks if _moves(t)})

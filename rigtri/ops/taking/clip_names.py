@@ -55,9 +55,9 @@ class ClipNames:
     def __init__(self, rig: Rig, edited: Rig, said: Mapping[str, str], report: Report) -> None:
         self.rig, self.edited, self.said, self.report = rig, edited, said, report
         self.ours, self.theirs = timelines(rig), timelines(edited)
-        self.by_name: dict[str, list[Timeline]] = {}
+        self.known: dict[str, list[Timeline]] = {}
         for timeline in self.ours:
-            self.by_name.setdefault(timeline.name, []).append(timeline)
+            self.known.setdefault(timeline.name, []).append(timeline)
         self.objects = {name for name in (*rig.names, *edited.names) if name}
         for name in said:
             if name not in {t.name for t in self.theirs}:
@@ -65,7 +65,7 @@ class ClipNames:
 
     def taken(self, patterns: Sequence[str]) -> list[Taken]:
         """The clips to be taken, of those that a glob matches by either name."""
-        names = {id(timeline): (timeline.name, self._name(timeline)) for timeline in self.theirs}
+        names = {id(timeline): self._names(timeline) for timeline in self.theirs}
         for pattern in patterns:
             if not any(_matches(pattern, known) for known in names.values()):
                 raise NameNotFoundError("clip", pattern, [name for known in names.values() for name in known])
@@ -73,47 +73,57 @@ class ClipNames:
         for timeline in self.theirs:
             known = names[id(timeline)]
             if not patterns or any(_matches(pattern, known) for pattern in patterns):
-                together.setdefault(known[1], []).append(timeline)
+                together.setdefault(known[-1], []).append(timeline)
         if self._one_timeline:
-            self._check_alone(together)
+            together = self._alone(together)
         return [self._merged(name, parts) for name, parts in together.items()]
 
-    def _check_alone(self, together: Mapping[str, Sequence[Timeline]]) -> None:
-        """UsageError where clips that move one thing are to become the one clip of a USD file."""
-        for parts in together.values():
-            driven = [(t.node, t.path) for part in parts for t in part.clip.tracks]
-            if len(driven) > len(set(driven)):
-                listed = ", ".join(f"'{part.name}'" for part in parts)
-                raise UsageError(f"A USD file has one clip, EDITED has {listed}; choose one with --clip")
+    def _names(self, timeline: Timeline) -> tuple[str, ...]:
+        """What a clip of the edited file is called: there, and in the rig, where names mean something."""
+        known = self._home_of(timeline)
+        return (known,) if self._one_timeline else (timeline.name, known)
+
+    def _alone(self, together: Mapping[str, list[Timeline]]) -> dict[str, list[Timeline]]:
+        """What becomes the one clip of a USD file: all parts of one name.
+
+        Of several clips the one that has its name; UsageError where none has.
+        """
+        ours = self.ours[0].name if self.ours else self.rig.clips[0].name
+        if ours in together or len(together) == 1:
+            name = ours if ours in together else next(iter(together))
+            if left := [f"'{other}'" for other in together if other != name]:
+                listed = ", ".join(left)
+                self.report.warn("one-clip", f"A USD file has one clip; {listed} of EDITED were left out")
+            return {ours: together[name]}
+        listed = ", ".join(f"'{name}'" for name in together)
+        raise UsageError(f"A USD file has one clip, EDITED has {listed}; choose one with --clip")
 
     @property
     def _one_timeline(self) -> bool:
         """Whether all that the rig plays is one, whatever it is called, as in USD."""
         return any(isinstance(clip.key, tuple) for clip in self.rig.clips)
 
-    def _name(self, timeline: Timeline) -> str:
+    def _home_of(self, timeline: Timeline) -> str:
         """The clip of the rig that a clip of the edited file belongs to, or its own name."""
         name = timeline.name
         if name in self.said:
             return self.said[name]
-        if self._one_timeline:
-            return self.ours[0].name if self.ours else self.rig.clips[0].name
-        if name in self.by_name:
+        if name in self.known:
             return name
         if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
             return self.ours[0].name  # a USD file has one clip, whose name tells nothing
         return self._by_pattern(_COPY.sub("", name)) or self._by_times(timeline) or name
 
     def _by_pattern(self, name: str) -> str | None:
-        if name in self.by_name:
+        if name in self.known:
             return name
         for part in name.split("|"):
-            if part in self.by_name:
+            if part in self.known:
                 return part
         for cut in range(len(name) - 1, 0, -1):
             object_ = _COPY.sub("", name[cut + 1 :])
             if name[cut] == "_" and (object_ in self.objects or object_ == _ARMATURE):
-                known = name[:cut] in self.by_name
+                known = name[:cut] in self.known
                 if known or self._is_split(name[:cut]):
                     return name[:cut]
         return None
@@ -146,7 +156,7 @@ class ClipNames:
         return None
 
     def _merged(self, name: str, parts: list[Timeline]) -> Taken:
-        homes = self.by_name.get(name, [])
+        homes = self.known.get(name, [])
         if len(homes) > 1:
             raise AmbiguousNameError("clip", name, [f"#{t.members[0]}" for t in homes])
         parts = sorted(parts, key=lambda part: part.name != name)

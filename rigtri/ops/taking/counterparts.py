@@ -19,7 +19,7 @@ import numpy as np
 
 from rigtri.matrices import determinant, from_frame, inverse, multiply, nearest_rotation, transform_points
 from rigtri.matrices import skew as skewed
-from rigtri.records import Skin
+from rigtri.records import Skin, key_values
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
@@ -223,17 +223,32 @@ class Counterparts:
     def _turn(self, node: int) -> Floats:
         if node in self._bound:
             return self._bound[node]
-        kept = inverse(self.between(node))
-        told = multiply(multiply(self.rig.local[node], kept), inverse(self.other.local[self.of[node]]))
-        inherited = kept.copy()
-        inherited[3, :3] = 0.0
-        posed = self.of[node] in self.moving and not self.other.is_joint[self.of[node]]
+        theirs, between = self.of[node], self.between(node)
+        told = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
+        posed = theirs in self.moving and not self.other.is_joint[theirs]
         if posed or not np.isfinite(told).all():
-            return self.snapped(inherited)
+            return self.snapped(self._inherited(node, between))
         return self.snapped(told)
 
+    def _inherited(self, node: int, between: Floats) -> Floats:
+        """C of the nearest node above that both files have, of a size that makes scales at rest alike."""
+        above = self.line(node)[2]
+        turn = (self.turns[above] if above >= 0 else inverse(self.space)).copy()
+        turn[3, :3] = 0.0
+        seen = multiply(multiply(turn, self.other.local[self.of[node]]), between)
+        sizes = float(length(self.rig.local[node, 0, :3])), float(length(seen[0, :3]))
+        if self.of[node] not in self._grown and min(sizes) > 0 and np.isfinite(sizes).all():
+            turn[:3, :3] *= sizes[0] / sizes[1]
+        return turn
+
+    @cached_property
+    def _grown(self) -> set[int]:
+        """The nodes of the other file that a clip scales."""
+        tracks = [t for clip in self.other.clips for t in clip.tracks if t.path == "scale"]
+        return {t.node for t in tracks if np.ptp(key_values(t), axis=0).max(initial=0.0) > SAME_SIZE}
+
     def line(self, node: int) -> tuple[list[int], list[int], int]:
-        """What is between a node and the nearest above it in both files: theirs, ours; and that one, or −1."""
+        """What is between a node and the nearest above it in both files: theirs, ours, and that one or −1."""
         above = []
         theirs = int(self.other.parents[self.of[node]])
         while theirs >= 0:

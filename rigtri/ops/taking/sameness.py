@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.ops.taking.counterparts import SAME_PLACE, SAME_SIZE, SAME_TURN
+from rigtri.ops.taking.counterparts import SAME_PLACE, SAME_SIZE
 from rigtri.pose import sample
 from rigtri.quaternions import conjugate, slerp, turn_angle, unit
 from rigtri.quaternions import multiply as product
@@ -16,6 +16,8 @@ from rigtri.records import Track, key_values
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
+# Turns in radians (0.03°): so far off are frames that Blender writes between the keys of USD transforms.
+_SAME_POSE = 5e-4
 # Morph weights that differ by less look alike.
 SAME_WEIGHT = 1e-4
 # Seconds by which a frame of a DCC may miss the time of a key.
@@ -26,7 +28,7 @@ _GAP = 1.5
 
 def bound_of(track: Track, size: float) -> float:
     """How far values of a kind may be apart and count as the same; size: of the rig in the track's unit."""
-    known = {"rotation": SAME_TURN, "translation": SAME_PLACE * size, "scale": SAME_SIZE}
+    known = {"rotation": _SAME_POSE, "translation": SAME_PLACE * size, "scale": SAME_SIZE}
     return known.get(track.path, SAME_WEIGHT)
 
 

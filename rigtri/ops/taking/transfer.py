@@ -52,12 +52,17 @@ class Transfer:
                 self.driven.setdefault(track.node, {})[track.path] = track
 
     def nodes(self) -> list[int]:
-        """The nodes of the rig that the clip moves: by keys of their own, or of what stands between."""
-        both = self.both
-        return [n for n in sorted(both.of) if both.of[n] in self.driven or self._between_moves(n)]
+        """The nodes of the rig that the clip moves: by keys of their own, or joints by what stands between.
+
+        A mesh that hangs elsewhere in the other file is drawn otherwise; it has no motion of its own.
+        """
+        both, rig = self.both, self.both.rig
+        carried = [n for n in both.of if (rig.is_joint[n] or n in rig.own) and self._between_moves(n)]
+        return sorted({n for n in both.of if both.of[n] in self.driven}.union(carried))
 
     def _between_moves(self, node: int) -> bool:
-        return any(k in self.driven for k in self.both.line(node)[0])
+        theirs, ours, _ = self.both.line(node)
+        return any(k in self.driven for k in (*theirs, *(self.both.of.get(k, -1) for k in ours)))
 
     def of(self, node: int) -> Transferred:
         """What moves a node of the rig."""
@@ -68,20 +73,21 @@ class Transfer:
         return Transferred(self._sampled(node, left), sampled=True)
 
     def _sampled(self, node: int, left: Floats) -> tuple[Track, ...]:
-        """Keys wherever anything that moves the node has one."""
+        """Keys wherever anything that moves the node, or what it hangs on, has one."""
         both = self.both
-        theirs, ours, above = both.line(node)
-        moving = [self.driven[k] for k in (both.of[node], *theirs) if k in self.driven]
-        tracks = [track for own in moving for track in own.values()]
+        stand, parent = np.eye(4), int(both.rig.parents[node])
+        while parent >= 0 and parent not in both.of:
+            stand = multiply(stand, both.rig.local[parent])
+            parent = int(both.rig.parents[parent])
+        own, above = self._lines(both.of[node], both.of[parent] if parent >= 0 else -1)
+        tracks = [t for k in (*own, *above) if k in self.driven for t in self.driven[k].values()]
         times = each_once(np.concatenate([track.times for track in tracks]))
-        matrix = multiply(left, self.local(both.of[node], times))
-        for k in theirs:
-            matrix = multiply(matrix, self.local(k, times))
-        matrix = multiply(matrix, inverse(both.turns[above]) if above >= 0 else both.space)
-        stand = np.eye(4)
-        for k in ours:
-            stand = multiply(stand, both.rig.local[k])
-        parts = factored(multiply(matrix, inverse(stand)))
+        placed = multiply(left, self._along(own, times))
+        if parent >= 0:
+            carrier = multiply(both.turns[parent], self._along(above, times))
+        else:
+            placed, carrier = multiply(placed, both.space), np.eye(4)[np.newaxis]
+        parts = factored(multiply(placed, inverse(multiply(stand, carrier))))
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
         way: Interpolation = "STEP" if held else "LINEAR"
         return tuple(
@@ -89,6 +95,27 @@ class Transfer:
             for path, values in zip(PATHS, parts, strict=True)
             if np.isfinite(values).all()
         )
+
+    def _lines(self, node: int, other: int) -> tuple[list[int], list[int]]:
+        """The nodes of the other file from two of its nodes up to the nearest above both; −1: to the top."""
+        lines: list[list[int]] = []
+        for k in (node, other):
+            line = []
+            while k >= 0:
+                line.append(k)
+                k = int(self.both.other.parents[k])
+            lines.append(line)
+        while lines[0] and lines[1] and lines[0][-1] == lines[1][-1]:
+            lines[0].pop()
+            lines[1].pop()
+        return lines[0], lines[1]
+
+    def _along(self, line: list[int], times: Floats) -> Floats:
+        """The product of the local matrices of a line of nodes, (f, 4, 4)."""
+        matrix = np.broadcast_to(np.eye(4), (len(times), 4, 4))
+        for k in line:
+            matrix = multiply(matrix, self.local(k, times))
+        return np.asarray(matrix)
 
     def local(self, node: int, times: Floats) -> Floats:
         """The local matrices of a node of the other file, (f, 4, 4) or one row."""
