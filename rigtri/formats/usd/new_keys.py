@@ -25,7 +25,7 @@ from rigtri.formats.usd.values import Edit, set_value
 from rigtri.pose import sample
 from rigtri.records import Booleans, Clip, Interpolation, Track
 from rigtri.rig import Rig
-from rigtri.timelines import SAME_VALUE
+from rigtri.timelines import SAME_VALUE, without_steps
 from rigtri.trigonometry import Floats
 
 # The track of a mesh's morph weights before and after an edit; None for none.
@@ -33,15 +33,16 @@ Weights = tuple[Track | None, Track | None]
 
 
 def divided(
-    before: Rig, rig: Rig, ours: Callable[[int], bool]
+    before: Rig, rig: Rig, prim: Callable[[int], bool]
 ) -> tuple[tuple[Clip, ...], list[Track], list[Weights]]:
-    """The clips without keys of ours; tracks of prims of ours; morph weights, what they were and are.
+    """The clips without new keys of prims; their tracks; morph weights, what they were and are.
 
-    ours: whether a node is a prim of ours, whose keys are.
+    prim: whether a node is one whose keys may be new, and no joint.
     """
     clips: list[Clip] = []
     prims: list[Track] = []
     weights: list[Weights] = []
+    every = {(track.node, track.path): track for old in before.clips for track in old.tracks}
     for old, new in zip(before.clips, rig.clips, strict=False):
         if new is old:
             clips.append(new)
@@ -50,11 +51,11 @@ def divided(
         kept: list[Track] = []
         for now in new.tracks:
             was = known.get((now.node, now.path))
-            if now is was or not (now.path == "weights" or ours(now.node)):
+            if now is was or not (now.path == "weights" or prim(now.node)):
                 kept.append(now)
                 continue
             if now.path == "weights":
-                weights.append((was, now))
+                weights.append((every.get((now.node, now.path)), now))
             else:
                 prims.append(now)
             kept += [was] if was is not None else []
@@ -75,6 +76,7 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
         path, animation, names = _bound(source, now or _sure(was))
         columns = driven.setdefault(animation, {})
         resting = default_weights(source.stage.GetPrimAtPath(animation))
+        now = None if now is None else _linear(path, now)
         if was is not None and (now is None or not np.isin(was.times, now.times).all()):
             fewer.add(animation)
         if now is None:
@@ -82,10 +84,11 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
             moving = [n for k, n in enumerate(names) if (rows[:, k] != resting.get(n, 0.0)).any()]
             gone.setdefault(animation, set()).update(moving)
             continue
+        times = now.times if was is None else np.union1d(was.times, now.times)
+        shown = sample(now, times)
+        before = np.array([resting.get(n, 0.0) for n in names]) if was is None else sample(was, times)
         for number, name in enumerate(names):
-            if was is not None and np.array_equal(sample(was, now.times)[:, number], now.values[:, number]):
-                continue
-            if was is None and (now.values[:, number] == resting.get(name, 0.0)).all():
+            if (shown[:, number] == before[..., number]).all():
                 continue
             column = _Column(path, now.times, now.values[:, number])
             if name in columns and not columns[name].same(column):
@@ -100,6 +103,13 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
         for path, columns in driven.items()
         for edit in _written(source, source.animations[path], columns, gone.get(path, set()), path in fewer)
     ]
+
+
+def _linear(path: str, track: Track) -> Track:
+    """A track as samples say it. FileError for splines."""
+    if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
+        raise FileError(f"The blend shapes of <{path}> move by splines, which USD has none of.")
+    return without_steps(track)
 
 
 def _sure(track: Track | None) -> Track:
