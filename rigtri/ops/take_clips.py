@@ -17,8 +17,7 @@ from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, frame_of, span
 from rigtri.ops.taking.counterparts import Counterparts
 from rigtri.ops.taking.morphs import MorphNames
 from rigtri.ops.taking.sameness import bound_of, lacks_keys, off, same_knots
-from rigtri.ops.taking.transfer import PATHS, Transfer
-from rigtri.quaternions import unit
+from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
 from rigtri.records import Clip, Track, key_values
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -115,7 +114,8 @@ class _Taking:
         self.rig, self.both, self.taken, self.report = rig, both, taken, report
         self.clock = Clock(rig, both.other, taken)
         self.frame = frame_of(taken.clip) * self.clock.factor
-        self.transfer = Transfer(both, taken.clip)
+        home = taken.home.clip if taken.home is not None else None
+        self.transfer = Transfer(both, taken.clip, home, self.clock.times)
         self.changed: list[Track] = []
         self.same = 0
         self.sampled: list[str] = []
@@ -131,8 +131,12 @@ class _Taking:
                 f"'{self.taken.name}' has no length in EDITED; RIG's clip of that name was left as it is",
             )
             return self.rig
-        for node in self.transfer.nodes():
+        moved = self.transfer.nodes()
+        for node in moved:
             self._take(node)
+        left = set(self.both.of).difference(moved)
+        for node in sorted({node for node, path in self._tracks if node in left and path in PATHS}):
+            self._keep(node, ())
         self._take_morphs()
         if home is None:
             self._rest_of_joints()
@@ -154,7 +158,8 @@ class _Taking:
     def _take(self, node: int) -> None:
         moved = self.transfer.of(node)
         fresh = [track for track in map(self.clock.told, moved.tracks) if not self._says_the_same(track)]
-        if fresh and self.rig.has_matrix[node]:
+        # No clip can move a glTF node with a matrix; a USD joint has its keys beside its rest.
+        if fresh and self.rig.has_matrix[node] and not self.rig.raw:
             self.report.warn(
                 "matrix-node",
                 f"'{self.rig.title(node)}' has a matrix, which no clip can move; its motion was left out",
@@ -164,11 +169,13 @@ class _Taking:
         if fresh and moved.sampled:
             self.sampled.append(self.rig.names[node])
         self.changed += fresh
-        said = {track.path for track in moved.tracks}
-        for path in PATHS:
-            old = self._old(node, path)
-            if old is not None and path not in said and _moves(old):
-                self.kept.append(self.rig.names[node])
+        self._keep(node, [track.path for track in moved.tracks])
+
+    def _keep(self, node: int, said: Sequence[str]) -> None:
+        """Note a node that moves by keys of ours alone."""
+        old = [self._old(node, path) for path in PATHS if path not in said]
+        if any(track is not None and _moves(track) for track in old):
+            self.kept.append(self.rig.names[node])
 
     def _old(self, node: int, path: str) -> Track | None:
         return self._tracks.get((node, path))
@@ -209,13 +216,7 @@ class _Taking:
         if track.path == "weights":
             weights = MorphNames(rig).at_rest(node)
             return np.zeros((1, track.values.shape[-1])) if weights is None else weights[np.newaxis]
-        if rig.has_matrix[node]:
-            return dict(zip(PATHS, factored(rig.local[node][np.newaxis]), strict=True))[track.path]
-        rows = slice(node, node + 1)
-        parts = dict(
-            zip(PATHS, (rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows]), strict=True)
-        )
-        return parts[track.path]
+        return rest_parts(rig, node)[track.path]
 
     def _rest_of_joints(self) -> None:
         """In a new clip, joints that EDITED leaves at its bind pose, which is not RIG's rest."""

@@ -194,12 +194,16 @@ class Clock:
             if abs(late) > 0.5 * frame * self.factor and abs(length - own) <= frame * self.factor:
                 self.shift = -late
 
+    def times(self, theirs: Floats) -> Floats:
+        """Times of the edited file as those of the rig, (k,)."""
+        if self.factor == 1.0 and not self.shift:
+            return theirs
+        return (theirs * self.factor + self.shift).astype(np.float32).astype(np.float64)
+
     def told(self, track: Track) -> Track:
         """A track at the rig's times; arrays that are one stay one."""
         if id(track.times) not in self._told:
-            times = track.times
-            if self.factor != 1.0 or self.shift:
-                times = (times * self.factor + self.shift).astype(np.float32).astype(np.float64)
+            times = self.times(track.times)
             times = self._known.get(times.tobytes(), times)
             self._told[id(track.times)] = track.times, times
         times, values = self._told[id(track.times)][1], track.values

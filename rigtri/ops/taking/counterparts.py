@@ -167,6 +167,8 @@ class Counterparts:
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
         self.proportions = 0.0  # how far bind poses are apart beside turn, size and place
         self._bound = self._from_binds()
+        self._lines: dict[int, tuple[list[int], list[int], int]] = {}
+        self._between: dict[int, Floats] = {}
         self.turns: dict[int, Floats] = {}
         for node in sorted(self.of):
             self.turns[node] = self._turn(node)
@@ -249,6 +251,11 @@ class Counterparts:
 
     def line(self, node: int) -> tuple[list[int], list[int], int]:
         """What is between a node and the nearest above it in both files: theirs, ours, and that one or −1."""
+        if node not in self._lines:
+            self._lines[node] = self._line(node)
+        return self._lines[node]
+
+    def _line(self, node: int) -> tuple[list[int], list[int], int]:
         above = []
         theirs = int(self.other.parents[self.of[node]])
         while theirs >= 0:
@@ -263,6 +270,11 @@ class Counterparts:
 
     def between(self, node: int) -> Floats:
         """D, (4, 4): ``local = C · other local · D``, as what lies between stands at rest."""
+        if node not in self._between:
+            self._between[node] = self._seen_between(node)
+        return self._between[node]
+
+    def _seen_between(self, node: int) -> Floats:
         theirs, ours, above = self.line(node)
         matrix = inverse(self.turns[above]) if above >= 0 else self.space
         for k in reversed(theirs):

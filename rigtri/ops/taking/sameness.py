@@ -42,6 +42,8 @@ def apart(path: str, a: Floats, b: Floats) -> Floats:
 def off(was: Track, now: Track, missed: float = _MISSED) -> Floats:
     """How far a track is at its keys from what the other says there, or from what a DCC makes of it, (k,)."""
     values, times = key_values(now), now.times
+    if np.array_equal(was.times, times) and np.array_equal(was.values, now.values):
+        return np.zeros(len(times))
     told = [sample(was, times)]
     if was.interpolation == "STEP" and len(was.times) > 1:
         told += [sample(was, times - missed), sample(was, times + missed)]
@@ -70,7 +72,9 @@ def lacks_keys(was: Track, now: Track, frame: float, bound: float) -> bool:
     else:
         left = np.clip(np.searchsorted(now.times, was.times, side="right") - 1, 0, len(now.times) - 2)
         within = (was.times >= now.times[0]) & (was.times <= now.times[-1])
-        inside = within & (np.diff(now.times)[left] > _GAP * frame)
+        inside = within & (np.diff(now.times)[left] > _GAP * frame) & ~np.isin(was.times, now.times)
+    if not inside.any():
+        return False
     times, told = was.times[inside], key_values(was)[inside]
     said = [sample(now, times + missed) for missed in (0.0, -_MISSED, _MISSED)]
     return bool((np.min([apart(was.path, told, each) for each in said], axis=0) > bound).any())

@@ -7,12 +7,12 @@ Else the motion is worked out at the other file's keys.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rigtri.following import Parts, factored
+from rigtri.following import factored
 from rigtri.matrices import (
     compose,
     determinant,
@@ -27,6 +27,7 @@ from rigtri.pose import each_once, sample
 from rigtri.quaternions import from_axes, unit
 from rigtri.quaternions import multiply as product
 from rigtri.records import Clip, Interpolation, Path, Track
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
@@ -42,14 +43,17 @@ class Transferred:
 
 
 class Transfer:
-    """One clip of the other file, seen from the rig. times are the other file's."""
+    """One clip of the other file, seen from the rig. Times are the other file's.
 
-    def __init__(self, both: Counterparts, clip: Clip) -> None:
-        self.both, self.clip = both, clip
-        self.driven: dict[int, dict[Path, Track]] = {}
-        for track in clip.tracks:
-            if track.path != "weights":
-                self.driven.setdefault(track.node, {})[track.path] = track
+    home: what the rig plays at the same time, which moves nodes that the other file lacks; ours: its times.
+    """
+
+    def __init__(
+        self, both: Counterparts, clip: Clip, home: Clip | None, ours: Callable[[Floats], Floats]
+    ) -> None:
+        self.both, self.clip, self.ours = both, clip, ours
+        self.driven = _by_node(clip)
+        self.own = {} if home is None else {n: t for n, t in _by_node(home).items() if n not in both.of}
 
     def nodes(self) -> list[int]:
         """The nodes of the rig that the clip moves: by keys of their own, or joints by what stands between.
@@ -62,7 +66,8 @@ class Transfer:
 
     def _between_moves(self, node: int) -> bool:
         theirs, ours, _ = self.both.line(node)
-        return any(k in self.driven for k in (*theirs, *(self.both.of.get(k, -1) for k in ours)))
+        carriers = (*theirs, *(self.both.of.get(k, -1) for k in ours))
+        return any(k in self.driven for k in carriers) or any(k in self.own for k in ours)
 
     def of(self, node: int) -> Transferred:
         """What moves a node of the rig."""
@@ -75,9 +80,9 @@ class Transfer:
     def _sampled(self, node: int, left: Floats) -> tuple[Track, ...]:
         """Keys wherever anything that moves the node, or what it hangs on, has one."""
         both = self.both
-        stand, parent = np.eye(4), int(both.rig.parents[node])
+        apart, parent = [], int(both.rig.parents[node])
         while parent >= 0 and parent not in both.of:
-            stand = multiply(stand, both.rig.local[parent])
+            apart.append(parent)
             parent = int(both.rig.parents[parent])
         own, above = self._lines(both.of[node], both.of[parent] if parent >= 0 else -1)
         tracks = [t for k in (*own, *above) if k in self.driven for t in self.driven[k].values()]
@@ -87,7 +92,10 @@ class Transfer:
             carrier = multiply(both.turns[parent], self._along(above, times))
         else:
             placed, carrier = multiply(placed, both.space), np.eye(4)[np.newaxis]
-        parts = factored(multiply(placed, inverse(multiply(stand, carrier))))
+        for k in reversed(apart):
+            tracks_of = self.own.get(k, {})
+            carrier = multiply(local_of(both.rig, k, tracks_of, self.ours(times)), carrier)
+        parts = factored(multiply(placed, inverse(carrier)))
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
         way: Interpolation = "STEP" if held else "LINEAR"
         return tuple(
@@ -119,13 +127,7 @@ class Transfer:
 
     def local(self, node: int, times: Floats) -> Floats:
         """The local matrices of a node of the other file, (f, 4, 4) or one row."""
-        own = self.driven.get(node)
-        if own is None:
-            resting: Floats = self.both.other.local[node][np.newaxis]
-            return resting
-        rest = rest_parts(self.both.other.local[node], self.both, node)
-        values = {path: sample(own[path], times) if path in own else rest[path] for path in PATHS}
-        return compose(values["translation"], unit(values["rotation"]), values["scale"])
+        return local_of(self.both.other, node, self.driven.get(node, {}), times)
 
     def still(self, node: int) -> Floats:
         """The local matrix, (4, 4), that a node of the rig has where the other file rests."""
@@ -134,13 +136,30 @@ class Transfer:
         return multiply(multiply(both.turns[node], there), both.between(node))
 
 
-def rest_parts(local: Floats, both: Counterparts, node: int) -> Mapping[Path, Floats]:
-    """Translation, rotation and scale of a node of the other file at rest, one row each."""
-    other = both.other
-    if other.has_matrix[node]:
-        return dict(zip(PATHS, factored(local[np.newaxis]), strict=True))
+def _by_node(clip: Clip) -> dict[int, dict[Path, Track]]:
+    found: dict[int, dict[Path, Track]] = {}
+    for track in clip.tracks:
+        if track.path != "weights":
+            found.setdefault(track.node, {})[track.path] = track
+    return found
+
+
+def local_of(rig: Rig, node: int, own: Mapping[Path, Track], times: Floats) -> Floats:
+    """The local matrices of a node that tracks move, (f, 4, 4); one row where there are none."""
+    if not own:
+        still: Floats = rig.local[node][np.newaxis]
+        return still
+    rest = rest_parts(rig, node)
+    values = {path: sample(own[path], times) if path in own else rest[path] for path in PATHS}
+    return compose(values["translation"], unit(values["rotation"]), values["scale"])
+
+
+def rest_parts(rig: Rig, node: int) -> Mapping[Path, Floats]:
+    """Translation, rotation and scale of a node at rest, one row each."""
+    if rig.has_matrix[node]:
+        return dict(zip(PATHS, factored(rig.local[node][np.newaxis]), strict=True))
     rows = slice(node, node + 1)
-    parts = Parts(other.translation[rows], unit(other.rotation[rows]), other.scale[rows])
+    parts = (rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
     return dict(zip(PATHS, parts, strict=True))
 
 
