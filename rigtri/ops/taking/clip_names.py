@@ -14,7 +14,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError, UsageError
-from rigtri.ops.taking.counterparts import SAME_SIZE
+from rigtri.ops.taking.counterparts import SAME_SIZE, as_usd
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -112,6 +112,9 @@ class ClipNames:
             return name
         if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
             return self.ours[0].name  # a USD file has one clip, whose name tells nothing
+        spelled = [known for known in self.known if _as_usd(known) == _as_usd(name)]
+        if len(spelled) == 1:
+            return spelled[0]
         return self._by_pattern(_COPY.sub("", name)) or self._by_times(timeline) or name
 
     def _by_pattern(self, name: str) -> str | None:
@@ -172,6 +175,11 @@ class ClipNames:
                     )
         clip = Clip(name, tuple(tracks.values()))
         return Taken(name, homes[0] if homes else None, clip, tuple(part.name for part in parts))
+
+
+def _as_usd(name: str) -> str:
+    """A name as exporters to USD change it, without the underscore before a digit."""
+    return as_usd(name).strip("_")
 
 
 def _matches(pattern: str, names: Sequence[str]) -> bool:

@@ -61,7 +61,7 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
     """Nodes of two rigs that have one name: exactly, else as USD spells it; joints go before other nodes."""
     found: dict[int, int] = {}
     unclear: dict[str, None] = {}
-    for spell in (str, _as_usd):
+    for spell in (str, as_usd):
         ours, theirs = _spelled(rig, spell), _spelled(other, spell)
         taken = set(found.values())
         for name, nodes in ours.items():
@@ -76,7 +76,7 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
     return Pairs(found, tuple(unclear))
 
 
-def _as_usd(name: str) -> str:
+def as_usd(name: str) -> str:
     """A name as exporters to USD change it: other signs than letters and digits are underscores."""
     return re.sub(r"[^A-Za-z0-9]+", "_", name)
 
