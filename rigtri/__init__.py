@@ -24,6 +24,7 @@ _WHERE = {
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "bake": "rigtri.ops.bake",
+    "take_clips": "rigtri.ops.take_clips",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -54,6 +55,7 @@ __all__ = [
     "orient_joints",
     "read",
     "strip",
+    "take_clips",
     "verify",
 ]
 
@@ -74,6 +76,7 @@ if TYPE_CHECKING:
     from rigtri.ops.posereader import add_posereader
     from rigtri.ops.rivet import add_rivet
     from rigtri.ops.strip import strip
+    from rigtri.ops.take_clips import take_clips
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit
     from rigtri.report import Report
