@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -138,15 +138,61 @@ def add_posereader(rig: Rig, *, options: Options, report: Report | None = None) 
     return _Builder(rig, options, report).build()
 
 
-class _Builder:
-    """One run: the rig as it grows."""
+def options_of(note: Mapping[str, Any]) -> Options:
+    """What a pose reader's note says of how it was made.
 
-    def __init__(self, rig: Rig, options: Options, report: Report) -> None:
+    Goals have their names and nodes; directions and poses of a note are seen from the frame, and stay there.
+    """
+    outputs = note["outputs"]
+    x, y, z = map(float, note["axis"])
+    return Options(
+        driver=note["driver"],
+        axis=(x, y, z),
+        frame=note["frame"] or "world",
+        reader=note["reader"],
+        targets=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
+        morphs=tuple((str(o["target"]), str(o["mesh"]), str(o["morph"])) for o in outputs if "morph" in o),
+        attributes=tuple(
+            (str(o["target"]), str(o["control"]), str(o["attribute"])) for o in outputs if "morph" not in o
+        ),
+        inner=float(note.get("inner", 0.0)),
+        outer=float(note.get("outer", 90.0)),
+        kernel=note.get("kernel", "linear"),
+        mode=note.get("mode", "swing"),
+        name=str(note["name"]),
+        within=float(note["within"]),
+        fps=note.get("fps"),
+    )
+
+
+def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
+    """The rig with what a pose reader drives baked anew, at rest and in some clips, by their places.
+
+    Raises what `add_posereader` does, where what the note names is not there any more.
+    """
+    note = rig.notes[node]
+    report = report if report is not None else Report()
+    return _Builder(rig, options_of(note).checked(), report, note=note, clips=frozenset(clips)).build()
+
+
+class _Builder:
+    """One run: the rig as it grows. note: of a reader that is there. clips: the places of those baked."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        options: Options,
+        report: Report,
+        *,
+        note: Mapping[str, Any] | None = None,
+        clips: frozenset[int] | None = None,
+    ) -> None:
+        self.clips = clips
         self.rig, self.options, self.report = rig, options, report
         self.driver = rig.find(options.driver)
         self.frame = self._frame()
         self.axis = normalise(np.array(options.axis, dtype=np.float64))
-        self.note = self._note()
+        self.note = dict(note) if note is not None else self._note()
         self.reader = Reader.of_note(self.note)
         if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
             raise GeometryError(
@@ -175,6 +221,8 @@ class _Builder:
         values = self._value_nodes(node)
         counts: dict[str, int] = {}
         for timeline in timelines(self.rig):
+            if self.clips is not None and self.clips.isdisjoint(timeline.members):
+                continue
             times, found = self._baked(timeline)
             counts[timeline.name] = len(times)
             tracks = [*self._morph_tracks(timeline, times, found), *_value_tracks(values, times, found)]

@@ -15,6 +15,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.following import Parts, evaluate, factored
 from rigtri.matrices import inverse, multiply
+from rigtri.records import Path
 from rigtri.rig import Rig
 from rigtri.rules import Rule, rules_of
 from rigtri.solve.fk import Fk
@@ -22,6 +23,8 @@ from rigtri.solve.ik import Ik
 from rigtri.solve.posed import Posed
 from rigtri.solve.reference import FkControl, Reference
 from rigtri.twist import Twist, twists
+
+_CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
 
 
 class Step(Protocol):
@@ -92,6 +95,17 @@ class Follow:
         world = [node for rule in self.rules if rule.space == "world" for node in rule.sources]
         above = int(self.rig.parents[self.child])
         return (*own, *world, *((above,) if above >= 0 else ()))
+
+    @property
+    def writes(self) -> list[tuple[Path, bool]]:
+        """See `Solver.writes`. A rule without weights leaves its child alone, or some channels."""
+        whole = [rule for rule in self.rules if rule.weights.any()]
+        found: list[tuple[Path, bool]] = []
+        for letter, path in _CHANNELS.items():
+            set_by = [{c for c in rule.sets if c[0] == letter} for rule in whole]
+            if self.base is not None or any(set_by):
+                found.append((path, self.base is not None or any(len(each) == 3 for each in set_by)))
+        return found
 
     def run(self, posed: Posed) -> None:
         if self.base is not None:
@@ -270,6 +284,15 @@ class Solver:
         for step in self.steps:
             step.run(posed)
         return posed
+
+    @cached_property
+    def writes(self) -> dict[int, list[tuple[Path, bool]]]:
+        """What is set of each node; and whether all of it is, so that its own keys count no more."""
+        return {
+            node: step.writes if isinstance(step, Follow) else [(path, True) for path in _CHANNELS.values()]
+            for step in self.steps
+            for node in step.sets
+        }
 
     @cached_property
     def sets(self) -> list[int]:
