@@ -259,6 +259,7 @@ class _Baker:
         told = {
             (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
         }
+        told |= {(node, path) for node in solver.offsets for path in _PATHS}
         telling = self._telling(timeline, told)
         times = self._times(telling)
         held = self._jumps(telling, times)
@@ -348,7 +349,8 @@ class _Baker:
 
     def _to_controls(self, timeline: Timeline) -> None:
         solver = self._solver(None)
-        telling = self._telling(timeline, {(node, path) for node in self.movers for path in _PATHS})
+        made = self.movers | solver.offsets
+        telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
         times = self._times(telling)
         held = self._jumps(telling, times)
         tracks: list[Track] = []
@@ -365,9 +367,7 @@ class _Baker:
 
         joints = replace(
             timeline,
-            clip=replace(
-                timeline.clip, tracks=tuple(t for t in timeline.clip.tracks if t.node not in self.movers)
-            ),
+            clip=replace(timeline.clip, tracks=tuple(t for t in timeline.clip.tracks if t.node not in made)),
         )
         parts = sampled(self.rig, joints.clip, times)
         found = matched(solver, parts, keep)

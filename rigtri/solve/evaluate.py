@@ -198,8 +198,25 @@ class Solver:
                     for node in limb.chain
                     if node in self.reference.fk
                 }
-                found.append(Ik(self.reference, limb, fk, rule))
+                offsets = {each.own.offset for each in fk.values()}
+                found.append(Ik(self.reference, limb, fk, rule, tuple(sorted(offsets & self._looked_at))))
         return found
+
+    @cached_property
+    def _looked_at(self) -> set[int]:
+        """What rules look at, and all nodes above that."""
+        found = set[int]()
+        for rule in rules_of(self.rig).values():
+            for node in rule.sources:
+                while node >= 0 and node not in found:
+                    found.add(node)
+                    node = int(self.rig.parents[node])
+        return found
+
+    @cached_property
+    def offsets(self) -> frozenset[int]:
+        """The offsets of FK controls that follow their limbs while IK solves these."""
+        return frozenset(fk.own.offset for limb in self.limbs for fk in limb.fk.values())
 
     @cached_property
     def steps(self) -> list[Step]:
@@ -232,6 +249,7 @@ class Solver:
     def _ordered(self, steps: Sequence[Step]) -> list[Step]:
         """Steps by what they use: parents' places take part in those of their children."""
         setter = {node: k for k, step in enumerate(steps) for node in step.sets}
+        setter |= {node: k for k, step in enumerate(steps) if isinstance(step, Ik) for node in step.carries}
         waits = [self._waits(step, k, setter) for k, step in enumerate(steps)]
         done: list[int] = []
         state = [0] * len(steps)

@@ -8,6 +8,7 @@ on top of what it has solved.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -53,12 +54,17 @@ class _Rest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Ik:
-    """One limb of a rig. fk: the FK controls of its joints, by joint. rule: what moves its pole besides."""
+    """One limb of a rig. fk: the FK controls of its joints, by joint. rule: what moves its pole besides.
+
+    carries: offsets of those controls that must stand where the limb has come to, parents first,
+    because something looks at what is below them.
+    """
 
     reference: Reference
     limb: IkLimb
     fk: dict[int, Fk]
     rule: Rule | None = None
+    carries: tuple[int, ...] = ()
 
     @property
     def rig(self) -> Rig:
@@ -213,6 +219,13 @@ class Ik:
             if node in self.fk:
                 parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
             posed.set(node, parts)
+        for fk in self.below(self.carries):
+            posed.set(fk.own.offset, fk.beneath(posed))
+
+    def below(self, offsets: Collection[int]) -> list[Fk]:
+        """The FK controls below some of the limb's offsets, parents first."""
+        found = [fk for fk in self.fk.values() if fk.own.offset in offsets]
+        return sorted(found, key=lambda fk: fk.own.offset)
 
     def place(self, posed: Posed) -> Floats:
         """Where the pole is, (1 or f, 3)."""

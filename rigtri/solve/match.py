@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from rigtri.following import Parts, factored
 from rigtri.matrices import from_frame, inverse, multiply, transform_points
 from rigtri.quaternions import multiply as product
@@ -36,10 +38,11 @@ class Residual:
 
 @dataclass(eq=False)
 class Matched:
-    """Parts of each control, and of the offsets that follow a limb. poses: the rig as they make it."""
+    """Parts of each control, and of the offsets that follow a limb. posed: the rig as they make it."""
 
     posed: Posed
     controls: dict[int, Parts] = field(default_factory=dict)
+    offsets: dict[int, Parts] = field(default_factory=dict)
     residuals: list[Residual] = field(default_factory=list)
 
 
@@ -58,7 +61,20 @@ def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep) -> Matched:
             _limb(found, step, source, solver.rules, keep)
         else:
             step.run(found.posed)
+    carried = [fk for limb in solver.limbs for fk in limb.below(solver.offsets.difference(limb.carries))]
+    for fk in sorted(carried, key=lambda fk: fk.own.offset):
+        _carry(found, fk, keep)
     return found
+
+
+def _carry(found: Matched, fk: Fk, keep: Keep) -> None:
+    """Let an offset follow IK, so that whoever shows the file sees its control on the joint."""
+    parts = fk.beneath(found.posed)
+    if not all(np.isfinite(each).all() for each in parts):
+        return  # a scale of zero: there is no frame to stand in, and the offset stays at rest
+    kept = keep(fk.own.offset, parts)
+    found.offsets[fk.own.offset] = kept
+    found.posed.set(fk.own.offset, kept)
 
 
 def _store(found: Matched, node: int, parts: Parts, keep: Keep) -> None:
@@ -95,6 +111,8 @@ def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: K
             built.set(fk.own.control, kept)
             parts = fk.moved(parts, kept)
         built.set(node, parts)
+    for fk in ik.below(ik.carries):
+        _carry(found, fk, keep)
     found.residuals.append(Residual(ik, turn, move))
 
 
