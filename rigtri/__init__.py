@@ -24,6 +24,7 @@ _WHERE = {
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "bake": "rigtri.ops.bake",
+    "take_pose": "rigtri.ops.posing",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -54,6 +55,7 @@ __all__ = [
     "orient_joints",
     "read",
     "strip",
+    "take_pose",
     "verify",
 ]
 
@@ -72,6 +74,7 @@ if TYPE_CHECKING:
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.posereader import add_posereader
+    from rigtri.ops.posing import take_pose
     from rigtri.ops.rivet import add_rivet
     from rigtri.ops.strip import strip
     from rigtri.ops.twist import add_twist

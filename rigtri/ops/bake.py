@@ -16,14 +16,15 @@ import numpy as np
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.followers import followed, followers, holding
+from rigtri.ops.posing import at_rest
 from rigtri.ops.twist_keys import keyed
 from rigtri.pose import sample
-from rigtri.quaternions import conjugate, turn_angle, unit
-from rigtri.quaternions import multiply as product
+from rigtri.quaternions import unit
 from rigtri.records import Interpolation, Path, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.rules import rules_of
+from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed
 from rigtri.solve.match import Matched, matched
@@ -45,8 +46,6 @@ from rigtri.vectors import length
 
 Direction = Literal["joints", "controls"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
-# Channels of controls that differ from zero by less are zero: float32 readers see no difference.
-_NOTHING = 1e-6
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 # Notes of nodes whose keys follow joints, and are made anew after them.
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
@@ -180,12 +179,7 @@ class _Baker:
     @cached_property
     def size(self) -> float:
         """The diagonal of the box of the joints at rest, in file units."""
-        points = (
-            self.rig.world[self.rig.is_joint, 3, :3] if self.rig.is_joint.any() else self.rig.world[:, 3, :3]
-        )
-        points = points[np.isfinite(points).all(axis=1)]
-        size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
-        return size or 1.0
+        return size_of(self.rig)
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
@@ -214,8 +208,7 @@ class _Baker:
     @cached_property
     def movers(self) -> frozenset[int]:
         """The nodes whose keys say that a control is at work: controls and poles."""
-        kinds = ("control", "poleVector")
-        return frozenset(node for node, note in self.rig.notes.items() if note.get("type") in kinds)
+        return movers(self.rig)
 
     def _telling(self, timeline: Timeline, told: Collection[tuple[int, Path]]) -> Timeline:
         """The timeline without what is found anew, ``told``, and what follows it: the rest says when.
@@ -251,8 +244,7 @@ class _Baker:
     # --- to joints
 
     def _to_joints(self, timeline: Timeline) -> None:
-        driven = frozenset(t.node for t in timeline.clip.tracks) & self.movers
-        solver = self._solver(driven)
+        solver = self._solver(keyed_in(self.rig, timeline))
         nodes = [node for node in solver.sets if not is_twist(self.rig.notes.get(node))]
         if not solver.steps or not nodes:
             return
@@ -296,7 +288,7 @@ class _Baker:
             )
             values = single(_one_way_round(values) if path == "rotation" else values)
             if path != "rotation" and timeline.track(node, path) is None:
-                noise = _NOTHING * (1.0 if path == "scale" else self.size)
+                noise = NOTHING * (1.0 if path == "scale" else self.size)
                 if np.abs(values - still).max() <= min(noise, max(float(bound), 1e-30)):
                     continue
             found.append(_track(node, path, times, held, values, float(bound)))
@@ -305,45 +297,14 @@ class _Baker:
     def _rest(self, start: Rig) -> None:
         """Joints at rest where controls at rest were moved, and where constraints put their children."""
         rig = start
-        zero = Parts(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
-        still = Posed(rig)
-        moved = set()
-        for node in self.movers:
-            note = rig.notes[node]
-            if note.get("type") == "control" and not rig.is_joint[node]:
-                own = still.part(node)
-                turned = float(turn_angle(product(conjugate(zero.rotation), own.rotation))[0])
-                if (
-                    np.abs(own.translation).max() > _NOTHING * self.size
-                    or turned > _NOTHING
-                    or np.abs(own.scale - 1.0).max() > _NOTHING
-                ):
-                    moved.add(node)
-        solver = self._solver(frozenset(moved))
+        solver = self._solver(moved_at_rest(rig, self.size))
         if not solver.steps:
             return
         posed = solver.run({})
-        translation, rotation, scale = (
-            self.rig.translation.copy(),
-            self.rig.rotation.copy(),
-            self.rig.scale.copy(),
-        )
-        changed = False
-        for node in solver.sets:
-            if rig.has_matrix[node] or is_twist(rig.notes.get(node)):
-                continue
-            was, now = still.part(node), posed.parts[node]
-            moves, _ = self.bounds
-            if np.abs(now.translation - was.translation).max() > min(
-                float(moves[node]), _NOTHING * self.size
-            ):
-                translation[node], changed = now.translation[0], True
-            if float(turn_angle(product(conjugate(was.rotation), now.rotation))[0]) > _NOTHING:
-                rotation[node], changed = now.rotation[0], True
-            if np.abs(now.scale - was.scale).max() > _NOTHING:
-                scale[node], changed = now.scale[0], True
-        if changed:
-            self.rig = replace(self.rig, translation=translation, rotation=rotation, scale=scale)
+        moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
+        moves, _ = self.bounds
+        least = np.minimum(moves, NOTHING * self.size)
+        self.rig, _ = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
 
     # --- to controls
 

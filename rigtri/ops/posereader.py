@@ -25,6 +25,7 @@ from rigtri.timelines import (
     jumps,
     just_before,
     merged_weights,
+    moment,
     placed,
     single,
     steps_only,
@@ -327,21 +328,10 @@ class _Builder:
 
     def _posed(self, text: str) -> Floats:
         """The driver's rotation in the frame in a pose, (4,)."""
-        if text == "rest":
-            return self._resting
-        name, mark, time = text.rpartition("@")
-        try:
-            moment = float(time)
-        except ValueError:
-            moment = float("nan")
-        if not mark or not np.isfinite(moment):
-            raise UsageError(f"'{text}' is no pose: give CLIP@TIME, e.g. walk@0.5, or rest")
-        clip = self.rig.clip(name)
-        place = next(k for k, known in enumerate(self.rig.clips) if known is clip)
-        timeline = next((t for t in timelines(self.rig) if place in t.members), None)
+        timeline, time = moment(self.rig, text)
         if timeline is None:
-            raise GeometryError(f"Clip '{name}' has no keys")
-        return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [moment])))
+            return self._resting
+        return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [time])))
 
     def _nodes(self) -> dict[str, int]:
         """The nodes that targets name, by address."""
