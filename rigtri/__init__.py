@@ -25,6 +25,7 @@ _WHERE = {
     "mirror": "rigtri.ops.mirror",
     "bake": "rigtri.ops.bake",
     "take_pose": "rigtri.ops.posing",
+    "snap": "rigtri.ops.snap",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -54,6 +55,7 @@ __all__ = [
     "mirror",
     "orient_joints",
     "read",
+    "snap",
     "strip",
     "take_pose",
     "verify",
@@ -76,6 +78,7 @@ if TYPE_CHECKING:
     from rigtri.ops.posereader import add_posereader
     from rigtri.ops.posing import take_pose
     from rigtri.ops.rivet import add_rivet
+    from rigtri.ops.snap import snap
     from rigtri.ops.strip import strip
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit

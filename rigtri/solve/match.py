@@ -58,7 +58,7 @@ def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep) -> Matched:
             _store(found, step.own.control, step.channels(found.posed, source.part(step.joint)), keep)
             step.run(found.posed)
         elif isinstance(step, Ik):
-            _limb(found, step, source, solver.rules, keep)
+            match_limb(found, step, source, solver.rules, keep)
         else:
             step.run(found.posed)
     carried = [fk for limb in solver.limbs for fk in limb.below(solver.offsets.difference(limb.carries))]
@@ -83,7 +83,8 @@ def _store(found: Matched, node: int, parts: Parts, keep: Keep) -> None:
     found.posed.set(node, kept)
 
 
-def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
+def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
+    """The controls of one limb whose joints are to stand as in ``source``; ``found`` takes them up."""
     built, limb = found.posed, ik.limb
     end = limb.chain[2]
     if limb.control not in ruled:
