@@ -255,11 +255,11 @@ class _Baker:
         telling = self._telling(timeline, told)
         times = self._times(telling)
         held = self._jumps(telling, times)
-        posed = solver.run(sampled(self.rig, timeline.clip, times))
+        parts = solver.solved(sampled(self.rig, timeline.clip, times))
         tracks = [
             track
             for node in nodes
-            for track in self._tracks(timeline, times, held, node, posed.parts[node])
+            for track in self._tracks(timeline, times, held, node, parts[node])
             if track.path in {path for path, _ in solver.writes[node]}
         ]
         self.rig = placed(self.rig, timeline, tracks)

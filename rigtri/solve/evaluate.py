@@ -22,8 +22,11 @@ from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
 from rigtri.solve.posed import Posed
 from rigtri.solve.reference import FkControl, Reference
+from rigtri.trigonometry import Floats
 from rigtri.twist import Twist, twists
 
+# Frames evaluated at once: enough that numpy's calls cost little, and a hundred joints 100 MB.
+BLOCK = 4096
 _CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
 
 
@@ -303,6 +306,23 @@ class Solver:
             step.run(posed)
         return posed
 
+    def solved(self, sampled: Mapping[int, Parts], block: int = BLOCK) -> dict[int, Parts]:
+        """What becomes of the nodes that are moved, (1 or f, ·) each.
+
+        So many frames at a time that memory does not grow with their number, but for what goes in and
+        comes out; the block changes no bit.
+        """
+        count = max((len(part) for parts in sampled.values() for part in parts), default=1)
+        starts = range(0, count, block)
+        found = [self.run(_rows(sampled, start, block)).parts for start in starts]
+        if len(found) == 1:
+            return {node: found[0][node] for node in self.sets}
+        sizes = [min(block, count - start) for start in starts]
+        return {
+            node: Parts(*(_joined([part[node][k] for part in found], sizes) for k in range(3)))
+            for node in self.sets
+        }
+
     @cached_property
     def writes(self) -> dict[int, list[tuple[Path, bool]]]:
         """What is set of each node; and whether all of it is, so that its own keys count no more."""
@@ -316,6 +336,22 @@ class Solver:
     def sets(self) -> list[int]:
         """The nodes that are moved, parents first."""
         return sorted({node for step in self.steps for node in step.sets})
+
+
+def _rows(sampled: Mapping[int, Parts], start: int, count: int) -> dict[int, Parts]:
+    """Some frames of what moves; what does not has one row, and keeps it."""
+    return {
+        node: Parts(*(part if len(part) == 1 else part[start : start + count] for part in parts))
+        for node, parts in sampled.items()
+    }
+
+
+def _joined(pieces: Sequence[Floats], sizes: Sequence[int]) -> Floats:
+    """Pieces of ``sizes`` rows, or of one that holds for all of them, one after another."""
+    if all(len(piece) == 1 and np.array_equal(piece, pieces[0]) for piece in pieces):
+        return pieces[0]
+    rows = [np.broadcast_to(p, (size, p.shape[1])) for p, size in zip(pieces, sizes, strict=True)]
+    return np.concatenate(rows)
 
 
 def _turn(rule: Rule) -> int:

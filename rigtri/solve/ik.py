@@ -229,13 +229,17 @@ class Ik:
 
     def place(self, posed: Posed) -> Floats:
         """Where the pole is, (1 or f, 3)."""
-        if self.rule is not None:
-            held = [posed.world(node) for node in self.rule.drivers]
-            count = max(map(len, held))
-            drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
-            found = pole(self.rule, drivers)
-            if np.isfinite(found).all():
-                return found
+        own = self._own_place(posed)
+        if self.rule is None:
+            return own
+        held = [posed.world(node) for node in self.rule.drivers]
+        count = max(map(len, (*held, own)))
+        drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
+        found = pole(self.rule, drivers)
+        return np.where(np.isfinite(found).all(axis=-1, keepdims=True), found, own)
+
+    def _own_place(self, posed: Posed) -> Floats:
+        """Where the pole is without a rule that moves it, (1 or f, 3)."""
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
         # Without a pole it bends to where it bends at rest.
