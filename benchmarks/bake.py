@@ -6,7 +6,9 @@ See benchmarks/README.md.
 from __future__ import annotations
 
 import argparse
+import os
 import statistics
+import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -32,6 +34,7 @@ from rigtri.solve.keys import needed
 from rigtri.solve.posed import sampled
 from rigtri.timelines import timelines
 
+PEER = Path(__file__).with_name("bake_blender.py")
 BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"
 
 
@@ -103,6 +106,17 @@ def measured(joints: int, frames: int, bound: float = 1e-6) -> tuple[float, floa
     return shortest(lambda: solver.solved(parts)), shortest(thinned, 3), len(solver.sets)
 
 
+def in_blender(joints: int, frames: int) -> float | None:
+    """Seconds of one core that Blender's nla.bake takes for a rig alike; None where it is not here."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        return None
+    command = [python, str(PEER), str(joints), str(frames)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    told = next(line for line in done.stdout.splitlines() if line.startswith("seconds "))
+    return float(told.split()[1])
+
+
 def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -119,6 +133,18 @@ def main() -> None:
         solved, thinned, nodes = measured(joints, count)
         told = f"{solved:.2f} s | {thinned:.2f} s | {solved + thinned:.2f} s | {nodes}"
         print(f"| {joints} | {count} | {told} |", flush=True)
+        if (joints, count) == (50, frames):
+            each = solved / count, (solved + thinned) / count
+    fewer = max(frames // 10, 1)
+    peer = in_blender(50, fewer)
+    if peer is None:
+        print("\nBlender was left out: BPY_PYTHON names no Python.")
+        return
+    solving, whole = (peer / fewer / one for one in each)
+    print(
+        f"\nBlender's nla.bake of 50 bones: {1000 * peer / fewer:.2f} ms a frame ({fewer} frames), "
+        f"{solving:.0f} times as long as solving here, {whole:.0f} times as long with keys thinned"
+    )
 
 
 if __name__ == "__main__":
