@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
-from size import growth, large_files
+from size import differences, growth, large_files
 
 ROOT = Path(__file__).resolve().parent.parent
 SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
@@ -234,7 +234,7 @@ def main() -> None:
         if options.only != "large":
             lines += small(folder, options.assets, options.runs)
         if options.only != "small":
-            lines += [*large_files(folder, options.runs), *growth(folder)]
+            lines += [*large_files(folder, options.runs), *growth(folder), *differences(folder)]
         if options.assets and options.only != "large":
             lines += ["## Deviation of each real file", ""]
             lines += ["Share of the bounding-box diagonal; raw: with rotations as stored, not unit.", ""]

@@ -37,14 +37,14 @@ class Cost:
     memory: float
 
 
-def cost(*command: str | Path, longest: float | None = None) -> Cost | None:
-    """Run a program once; None where it takes longer than ``longest`` seconds."""
+def cost(*command: str | Path, longest: float | None = None, code: int = 0) -> Cost | None:
+    """Run a program once, which ends with ``code``; None where it takes longer than ``longest`` seconds."""
     launcher = [sys.executable, "-S", "-c", LAUNCHER, *map(str, command)]
     try:
         done = subprocess.run(launcher, capture_output=True, text=True, check=False, timeout=longest)
     except subprocess.TimeoutExpired:
         return None
-    if done.returncode:
+    if done.returncode != code:
         raise SystemExit(f"{command}: {done.stderr[-500:]}")
     seconds, computing, memory = map(float, done.stdout.split())
     return Cost(seconds, computing, memory / (1 << 20 if sys.platform == "darwin" else 1 << 10))
@@ -172,3 +172,25 @@ def growth(folder: Path) -> list[str]:
         for times in (1, 2, 4):
             (folder / f"grow{times}{suffix}").unlink()
     return [*lines, *beside, ""]
+
+
+def differences(folder: Path) -> list[str]:
+    """What `rigtri diff` takes for a file and what orient-joints makes of it, by joints."""
+    about = (
+        "Seconds by the clock of `rigtri diff` as a new process, of a file with joints in limbs of ten and "
+        "what orient-joints made of it; `--no-verify` leaves out how far they look apart."
+    )
+    lines = ["## Differences", "", about]
+    lines += ["", "| joints | diff | diff --no-verify | peak memory, MB |", "|---|---|---|---|"]
+    for joints in (2500, 5000, 10000):
+        path, target = write_glb(folder / "plain.glb", Character(joints=joints)), folder / "turned.glb"
+        orient(path, target)
+        seconds = []
+        for more in ((), ("--no-verify",)):
+            some = [cost(*RIGTRI, "diff", path, target, *more, code=1) for _ in range(2)]
+            seconds.append(min((one for one in some if one), key=lambda one: one.seconds))
+        whole, plain = seconds
+        lines.append(f"| {joints} | {whole.seconds:.1f} | {plain.seconds:.1f} | {whole.memory:.0f} |")
+        for old in (path, target):
+            old.unlink()
+    return [*lines, ""]

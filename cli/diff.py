@@ -11,6 +11,7 @@ import click
 
 from rigtri.errors import RigtriError
 
+from . import failures
 from .options import Tolerance, check_streams, json_option, read_options, reading_options, tell_root
 from .words import plain
 
@@ -65,8 +66,7 @@ def command(before: str, after: str, **values: Any) -> None:
                 options=read_options(values),
             )
     except (RigtriError, OSError) as error:
-        click.echo(f"rigtri: {plain(str(error), one_line=True)}", err=True)
-        sys.exit(ERROR)
+        failures.end(click.get_current_context(), error, ERROR)
     if values["as_json"]:
         told = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
         click.echo(json.dumps(told, indent=2, ensure_ascii=False))

@@ -12,6 +12,7 @@ import click
 from rigtri import __version__
 from rigtri.errors import RigtriError
 
+from . import failures
 from .words import plain
 
 # Command → its one line of help. A command's module is imported when the command runs,
@@ -62,21 +63,25 @@ class Program(click.Group):
                 stream.reconfigure(errors="backslashreplace")
         try:
             return super().invoke(ctx)
-        except RigtriError as error:
-            click.echo(f"rigtri: {plain(str(error), one_line=True)}", err=True)
-            sys.exit(error.exit_code)
+        except click.ClickException as error:
+            # click itself tells it on standard error.
+            failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
+            raise
         except BrokenPipeError:
             # The reader of our output has gone; nothing is left to tell it.
             sys.stderr.close()
             sys.exit(1)
-        except OSError as error:
-            # What the pipeline did not foresee, such as a full disk behind standard output.
-            where = plain(str(error.filename or "output"), one_line=True)
-            click.echo(f"rigtri: {where}: {error.strerror or error}", err=True)
-            sys.exit(3)
-        except MemoryError:
-            click.echo("rigtri: There is not enough memory for this file.", err=True)
-            sys.exit(1)
+        except (RigtriError, OSError, MemoryError) as error:
+            failures.end(ctx, error)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        # Known before options are read, for that may fail.
+        failures.want_json(ctx, None, "--json" in args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.UsageError as error:
+            failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
+            raise
 
 
 @click.group(

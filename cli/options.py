@@ -20,6 +20,7 @@ import click
 
 from rigtri.errors import FileError, RigtriError, UsageError
 
+from . import failures
 from .words import plain
 
 if TYPE_CHECKING:
@@ -203,7 +204,14 @@ def tell_root(source: str, root: str | None) -> None:
         click.echo(f"warning: {where}: --root changes nothing here, all nodes of a glTF file count", err=True)
 
 
-json_option = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+json_option = click.option(
+    "--json",
+    "as_json",
+    is_flag=True,
+    is_eager=True,
+    callback=failures.want_json,
+    help="Print the result as JSON.",
+)
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 
 

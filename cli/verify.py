@@ -10,6 +10,7 @@ import click
 
 from rigtri.errors import DeviationError
 
+from . import failures
 from .options import (
     TOLERANCE,
     Tolerance,
@@ -59,6 +60,7 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     if values["as_json"]:
         document = {"before": before, "after": after, "passes": passes, "tolerance": tolerance}
         click.echo(json.dumps(document | result.as_json(), indent=2, ensure_ascii=False))
+        failures.answered(click.get_current_context())
     elif not values["quiet"]:
         click.echo(plain(result.describe(verbose=values["verbose"])))
     if not passes:

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
+import os
 import signal
+import threading
 import traceback
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from rigtri.errors import FileError, RigtriError
 
@@ -33,11 +35,14 @@ class Confined:
     """A child process that does tasks in turn. Not for several threads at once; have one for each.
 
     seconds: how long a task may take. memory: how many bytes a child may take beyond
-    what it has when it starts; only where /proc tells that (Linux). None: as it likes.
+    what it has when it starts; only where /proc tells that (Linux). None: as it likes, or
+    as much as this process where it is such a child itself. A child ends with its parent.
     """
 
+    allowed: ClassVar[int | None] = None  # in a child: its own limit
+
     def __init__(self, *, seconds: float | None = None, memory: int | None = None) -> None:
-        self._seconds, self._memory = seconds, memory
+        self._seconds, self._memory = seconds, self.allowed if memory is None else memory
         # A fork of this process would copy the locks that its threads hold; the server has no threads.
         method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
         self._context: Any = multiprocessing.get_context(method)
@@ -124,7 +129,11 @@ def _serve(pipe: Connection, memory: int | None) -> None:
     """The life of a child: tasks until the pipe closes."""
     # The parent hears of an interrupt, and then ends us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # For the parent we are a daemon, which it ends at its exit; a task may have children of its own.
+    multiprocessing.current_process().daemon = False
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     if memory is not None:
+        Confined.allowed = memory
         _limit(memory)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
@@ -139,6 +148,14 @@ def _serve(pipe: Connection, memory: int | None) -> None:
                 pipe.send(("failed", traceback.format_exc()))
                 raise
             pipe.send(answer)
+
+
+def _end_with_parent() -> None:
+    """Wait for the parent's end, however it comes, and end this process in the middle of its task."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _limit(memory: int) -> None:

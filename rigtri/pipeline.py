@@ -26,6 +26,7 @@ from rigtri.delivery import (
     same_file,
     sync,
 )
+from rigtri.driven import Driven
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
@@ -34,7 +35,7 @@ from rigtri.records import Mesh
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
-from rigtri.stilled import check_split
+from rigtri.stilled import check_split, stilled
 
 Step = Callable[[Rig, Report], Rig]
 
@@ -171,12 +172,17 @@ def _deliver(
     return result
 
 
-def _without(after: Document, document: Document, rig: Rig) -> Comparison:
+def _without(after: Document, document: Document, rig: Rig, driven: Driven) -> Comparison:
     """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
-    result = compare(after, document)
+    # Where weights are the bones' again, all is alike while no twist joint turns.
+    places = {key: node for node, key in enumerate(document.rig.keys)}
+    aside: Driven = {document.rig.address(places[key]): columns for key, columns in driven.items()}
+    result = compare(*stilled(after, document, aside))
     stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
-    lost = (Counter(stay) - Counter(after.rig.names)).elements()
-    return replace(result, different=(*result.different, *(f"node {name} went too" for name in lost)))
+    lost = [f"node {name}" for name in (Counter(stay) - Counter(after.rig.names)).elements()]
+    shown = [mesh.name for mesh in document.meshes() if mesh.node not in rig.removed]
+    lost += [f"mesh {name}" for name in (Counter(shown) - Counter(m.name for m in after.meshes())).elements()]
+    return replace(result, different=(*result.different, *(f"{name} went too" for name in lost)))
 
 
 def _checked(
@@ -197,7 +203,7 @@ def _checked(
         if rig.spreads:
             return check_split(document, after)
         if rig.removed:
-            return _without(after, document, rig)
+            return _without(after, document, rig, report.driven)
         source = _Meant(document, rig) if report.reposed else document
         result = self_check(source, after, driven=report.driven)
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell

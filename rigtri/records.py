@@ -106,6 +106,19 @@ class Spread:
 
 
 @dataclass(frozen=True, eq=False)
+class Fold:
+    """Joints of a skin that go, and which ones take what their points have of them.
+
+    skin: its number. rows: (m,), for each row that the file has, the row from now on: a joint that goes
+    has that of its heir. idle: no point of a mesh has weight of those that go, and no other changes its row.
+    """
+
+    skin: int
+    rows: Integers
+    idle: bool
+
+
+@dataclass(frozen=True, eq=False)
 class Bound:
     """A point or direction that a format keeps in the frame of a node, e.g. a collider's offset."""
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
-from rigtri.records import Booleans, Bound, Clip, Constraint, Integers, Mesh, Skin, Spread, Track
+from rigtri.records import Booleans, Bound, Clip, Constraint, Fold, Integers, Mesh, Skin, Spread, Track
 from rigtri.shapes import Shape
 from rigtri.trigonometry import Floats
 
@@ -37,8 +37,17 @@ ADDED = (
     "rivet",
     "twist",
 )
+# The version of the description of notes that is read and written, and the types that it has.
+VERSION, KNOWN = 1, (*ADDED, "frame")
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
+
+
+def illegible(note: Mapping[str, Any]) -> str:
+    """Why this version cannot read a note, which stays as it is then; "" where it can."""
+    if note.get("v") != VERSION:
+        return f"its version is {note.get('v')!r}, and this rigtri reads {VERSION}"
+    return "" if note.get("type") in KNOWN else f"its type {note.get('type')!r} is not known to this rigtri"
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +66,8 @@ class Rig:
     transform is data and places nothing, so that they are no joints whoever names them.
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
-    at nodes; what a file has drawn before is payload, and stays as it is. spreads: what is to be
-    done to the weights of meshes when the rig is written.
+    at nodes; what a file has drawn before is payload, and stays as it is. spreads, folds: what is to
+    be done to the weights of meshes when the rig is written.
     removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
     raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
@@ -90,6 +99,7 @@ class Rig:
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     shapes: Mapping[int, Shape] = field(default_factory=dict)
     spreads: tuple[Spread, ...] = ()
+    folds: tuple[Fold, ...] = ()
     removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)

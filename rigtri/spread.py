@@ -36,14 +36,49 @@ def shared(
     others = np.count_nonzero((weights != 0) & ~mine, axis=1)
     if spread.most:
         share = np.where(others + 2 > spread.most, np.where(share < 0.5, 0.0, 1.0), share)
-    second = total * share
-    second = np.rint(second) if units else second.astype(np.float32).astype(np.float64)
-    first = total - second
+    # The larger part is rounded: the rest is then a float32 too, so that both add up to the total exactly.
+    larger = total * np.maximum(share, 1.0 - share)
+    rounded = np.rint(larger) if units else larger.astype(np.float32).astype(np.float64)
+    larger = np.where(larger < total, rounded, total)
+    first = np.where(share < 0.5, larger, total - larger)
+    second = total - first
     out_joints = np.where(mine, 0, joints)
     out_weights = np.where(mine, 0.0, weights)
+    home = mine.argmax(axis=1) if joints.shape[1] else np.zeros(len(joints), dtype=np.int64)
     for joint, weight in ((near, first), (far, second)):
-        out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0))
+        out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0), home)
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
+
+
+def folded(rows: Integers, joints: Integers, weights: Floats) -> tuple[Integers, Floats]:
+    """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
+
+    rows: as `Fold.rows`. What a point has of a joint and of those that it inherits is added up in
+    the place of the first of them in the skin, where a spread has put it. Of columns at the end, those
+    that held something and do no longer go, and those behind them.
+    """
+    inside = np.clip(joints, 0, len(rows) - 1)
+    live = weights != 0
+    moved = live & (rows[inside] != joints)
+    out_joints, out_weights = np.where(live | (rows[inside] == joints), rows[inside], 0), weights.copy()
+    for later in range(1, joints.shape[1]):
+        for first in range(later):
+            both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)
+            both &= (out_joints[:, first] == out_joints[:, later]) & (joints[:, first] != joints[:, later])
+            both &= moved[:, first] | moved[:, later]
+            ahead = joints[:, first] < joints[:, later]
+            total = out_weights[:, first] + out_weights[:, later]
+            for into, from_, own in ((first, later, ahead), (later, first, ~ahead)):
+                out_weights[both & own, into] = total[both & own]
+                out_weights[both & own, from_], out_joints[both & own, from_] = 0.0, 0
+    width, now = _width(weights), _width(out_weights)
+    width = max(now, 1) if now < width else joints.shape[1]
+    return out_joints[:, :width], out_weights[:, :width]
+
+
+def _width(weights: Floats) -> int:
+    """The number of columns up to the last that holds something."""
+    return int(np.flatnonzero((weights != 0).any(axis=0)).max(initial=-1)) + 1
 
 
 def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
@@ -58,16 +93,17 @@ def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
 
 
 def _put(
-    joints: Integers, weights: Floats, joint: Integers, weight: Floats, where: Booleans
+    joints: Integers, weights: Floats, joint: Integers, weight: Floats, where: Booleans, home: Integers
 ) -> tuple[Integers, Floats]:
-    """One influence more for some points, in their first free place; a column more where one has none."""
+    """One influence more for some points, in the column ``home`` (v,) if it is free there, else the first
+    that is; a column more where one has none."""
     free = weights == 0
     if (where & ~free.any(axis=1)).any():
         joints = np.concatenate([joints, np.zeros((len(joints), 1), dtype=np.int64)], axis=1)
         weights = np.concatenate([weights, np.zeros((len(weights), 1))], axis=1)
         free = weights == 0
     rows = np.flatnonzero(where)
-    column = np.argmax(free[rows], axis=1)
+    column = np.where(free[rows, home[rows]], home[rows], np.argmax(free[rows], axis=1))
     joints[rows, column], weights[rows, column] = joint[rows], weight[rows]
     return joints, weights
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from rigtri import pose
 from rigtri.compare import Comparison, Source, self_check, verify
+from rigtri.driven import Driven, set_aside
 from rigtri.records import Booleans, Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
@@ -24,9 +25,14 @@ _AT_ONCE = 64
 
 
 class Stilled:
-    """A document in which no clip turns a twist joint. meshes: instead of its own."""
+    """A document in which no clip turns a twist joint. meshes, rig: instead of its own."""
 
-    def __init__(self, document: Source, meshes: Sequence[Mesh] | None = None) -> None:
+    def __init__(
+        self,
+        document: Source,
+        meshes: Sequence[Mesh] | None = None,
+        rig: Rig | None = None,
+    ) -> None:
         self._document, self._meshes = document, meshes
         still = {node for node, note in document.rig.notes.items() if is_twist(note)}
         self._rig = replace(
@@ -38,6 +44,8 @@ class Stilled:
                 for clip in document.rig.clips
             ),
         )
+        if rig is not None:
+            self._rig = rig
 
     @property
     def rig(self) -> Rig:
@@ -53,6 +61,24 @@ class Stilled:
         return self._document.scenery(closely=closely)
 
 
+def stilled(before: Source, after: Source, driven: Driven) -> tuple[Stilled, Stilled]:
+    """Both documents without the turns of twist joints, and without the morph weights ``driven``.
+
+    driven: morph targets by the addresses of nodes: where one file counts its nodes in another way, too.
+    """
+    pair = Stilled(before), Stilled(after)
+    if not driven:
+        return pair
+    rigs = [replace(s.rig, keys=tuple(s.rig.address(node) for node in range(len(s.rig)))) for s in pair]
+    resting = {mesh.node: mesh.morph_weights for mesh in before.meshes()}
+    aside = set_aside(rigs[0], rigs[1], driven, resting)
+    first, second = (
+        Stilled(document, rig=replace(document.rig, clips=rig.clips))
+        for document, rig in zip(pair, aside, strict=True)
+    )
+    return first, second
+
+
 def check_split(before: Source, after: Source) -> Comparison:
     """Compare a file with what a split of weights made of it while no twist joint turns.
 
@@ -61,7 +87,9 @@ def check_split(before: Source, after: Source) -> Comparison:
     at the keys of all clips.
     """
     result = self_check(Stilled(before), Stilled(after))
-    pairs = zip(before.meshes(), after.meshes(), strict=True)
+    # Lines of controls are drawn with nobody's weights, and may be new.
+    both = ([m for m in d.meshes() if m.node not in d.rig.own] for d in (before, after))
+    pairs = zip(*both, strict=True)
     changed = [(_rows(a, rows), _rows(b, rows)) for a, b in pairs if (rows := _others(a, b)).any()]
     if changed:
         mine, theirs = zip(*changed, strict=True)

@@ -111,9 +111,18 @@ def _place(clips: Sequence[Clip], timeline: Timeline, track: Track) -> tuple[int
 
 
 def _says_the_same(was: Track, now: Track) -> bool:
-    if not np.array_equal(was.times, now.times) or was.values.shape != now.values.shape:
+    if was.interpolation != now.interpolation and "CUBICSPLINE" in (was.interpolation, now.interpolation):
         return False
-    if was.interpolation != now.interpolation and len(was.times) > 1:
+    if was.interpolation == "LINEAR":
+        now = without_steps(now)  # what formats without steps made of it
+    if was.interpolation != now.interpolation and len(was.times) > 1 < len(now.times):
+        return False
+    if len(now.times) < len(was.times) and np.isin(now.times, was.times).all():
+        # Where all joints share their key times, a track has those of the others, too.
+        if was.interpolation == "CUBICSPLINE":
+            return False
+        now = replace(now, times=was.times, values=sample(now, was.times))
+    if not np.array_equal(was.times, now.times) or was.values.shape != now.values.shape:
         return False
     values = now.values
     if now.path == "rotation":  # q and −q are one rotation
@@ -177,6 +186,20 @@ def steps_only(timeline: Timeline) -> bool:
     return all(t.interpolation == "STEP" or len(t.times) == 1 for t in timeline.clip.tracks)
 
 
+def without_steps(track: Track) -> Track:
+    """A track that says the same without holding values: a key just before each jump keeps it.
+
+    The jump then takes the last bit of its time in float32. Other tracks are as they were.
+    """
+    if track.interpolation != "STEP" or len(track.times) < 2:
+        return track
+    jumps = (track.values[1:] != track.values[:-1]).any(axis=1)
+    before = just_before(track.times[1:])
+    before = before[jumps & (before > track.times[:-1])]
+    times = np.unique(np.concatenate([track.times, before]))
+    return replace(track, interpolation="LINEAR", times=times, values=sample(track, times))
+
+
 def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Floats) -> Track:
     """A weights track with some of its columns replaced: keys at the union of both times.
 
@@ -186,13 +209,9 @@ def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Fl
     """
     if was.interpolation == "CUBICSPLINE" and len(was.times) > 1:
         raise ValueError("splines cannot take keys of another track")
-    old = was.times
-    if was.interpolation == "STEP" and len(old) > 1:
-        # Linear keys just before each step keep the step, within the last bit of its time.
-        before = just_before(old[1:])
-        old = np.unique(np.concatenate([old, before[before > old[:-1]]]))
-    if len(old) == 1:
-        old = old[:0]  # what has one key says the same at all times
+    was = without_steps(was)
+    # What has one key says the same at all times.
+    old = was.times if len(was.times) > 1 else was.times[:0]
     together = np.unique(np.concatenate([old, times]))
     rows = sample(was, together)
     new = Track(was.node, "weights", "LINEAR", times, values)

@@ -27,7 +27,9 @@ from rigtri.vectors import length
 THICKNESS = 0.1
 # Points moved in one matrix product; of a skin with more joints than that, only so many:
 # a product has room for each point and each joint of its points.
-_CHUNK, _CROWDED, _SMALL_CHUNK = 4096, 256, 64
+_CHUNK, _CROWDED, _SMALL_CHUNK = 1024, 256, 64
+# Of so many points those that are the same are looked for; of more the search takes too long.
+_FEW = 1 << 17
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,13 +195,19 @@ def points_of(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> Points:
 
 def _chunks(points: Floats, joints: Integers, weights: Floats) -> Iterator[tuple[Integers, Floats]]:
     """Points in chunks with their joints and weight·(p, 1) by joint, (v, joints·4)."""
+    joints = np.where(weights != 0, joints, 0)
+    if len(points) <= _FEW:
+        # Points are stored again for each normal and texture place: what moves alike is moved once.
+        rows = np.unique(np.concatenate([joints, weights, points], axis=1), axis=0)
+        joints, weights, points = np.split(rows, [joints.shape[1], 2 * joints.shape[1]], axis=1)
+        joints = joints.astype(np.int64)
     heaviest = np.argmax(np.abs(weights), axis=1)
     order = np.argsort(joints[np.arange(len(points)), heaviest], kind="stable")
     size = _CHUNK if joints.max(initial=0) < _CROWDED else _SMALL_CHUNK
     for start in range(0, len(points), size):
         mine = order[start : start + size]
         used = weights[mine] != 0
-        columns, inside = np.unique(np.where(used, joints[mine], 0), return_inverse=True)
+        columns, inside = np.unique(joints[mine], return_inverse=True)
         inside = inside.reshape(used.shape)
         share = np.zeros((len(mine), len(columns)))
         for column in range(used.shape[1]):

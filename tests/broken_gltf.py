@@ -172,6 +172,22 @@ def attribute(name: str, rows: Any, kind: str = "f4", **more: Any) -> Make:
     return spoiled(spoil)
 
 
+def morph(name: str) -> Make:
+    def spoil(g: dict[str, Any], b: Builder) -> None:
+        sound, gone = [[0, 0, 0]] * 3, [[0, 0, 0], [0, 0, 0], [0, np.nan, 0]]
+        targets = [{name: b.accessor(rows)} for rows in (sound, gone)]
+        g["meshes"][0]["primitives"][0]["targets"] = targets
+
+    return spoiled(spoil)
+
+
+def sparse_texture(rows: Any, changed: dict[int, Any]) -> Make:
+    """Texture places of three vertices, of which a sparse accessor replaces some."""
+    return spoiled(
+        lambda g, b: g["meshes"][0]["primitives"][0]["attributes"].update(TEXCOORD_0=b.sparse(rows, changed))
+    )
+
+
 def _too_few(g: dict[str, Any], b: Builder) -> None:
     attributes = g["meshes"][0]["primitives"][0]["attributes"]
     attributes["JOINTS_0"] = b.accessor([[0, 1, 0, 0]] * 2, "u1")
@@ -394,13 +410,25 @@ GLTF: dict[str, list[Make]] = {
     "gltf.mesh.joint-out-of-range-unweighted": [attribute("JOINTS_0", [[0, 1, 3, 0]] * 3, "u1")],
     "gltf.mesh.joint-repeated": [attribute("JOINTS_0", [[1, 1, 0, 0]] * 3, "u1")],
     "gltf.mesh.weight-nan": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[np.nan, 1, 0, 0]])],
+    "gltf.mesh.vertex-nan": [
+        attribute("NORMAL", [[0, 0, 1]] * 2 + [[np.nan, 0, 1]]),
+        attribute("TANGENT", [[1, 0, 0, 1], [1, 0, np.inf, 1], [1, 0, 0, 1]]),
+        attribute("TEXCOORD_0", [[0, -np.inf], [0, 0], [0, 0]]),
+        attribute("_HEAT", [0, 0, np.nan]),
+        morph("NORMAL"),
+        sparse_texture([[0, 0]] * 3, {2: [np.nan, 0]}),
+    ],
     "gltf.mesh.weight-negative": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[1.5, -0.5, 0, 0]])],
     "gltf.mesh.weight-sum": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[0.5, 0.4, 0, 0]])],
     "gltf.mesh.weight-zero": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[0, 0, 0, 0]])],
+    "gltf.note.unknown": [_note({"v": 2, "type": "group"}), _note({"v": 1, "type": "locator"})],
     "gltf.note.broken": [
         _note(5),
-        _note({"v": 2, "type": "group"}),
-        _note({"v": 1, "type": "locator"}),
+        _note({"v": 1}),
+        _note({"v": 1, "type": "control", "kind": "fk"}),
+        _note({"v": 1, "type": "control", "kind": "hand", "joint": "joint 1"}),
+        _note({"v": 1, "type": "offset", "kind": "fk", "joint": "gone"}),
+        _note({"v": 1, "type": "limb", "limb": "arm", "part": 0}),
         _note({"v": 1, "type": "poleVector", "chain": ["joint 0", "joint 1"]}),
         _note({"v": 1, "type": "poleVector", "chain": ["joint 0", "joint 1", "gone"]}),
         _note({"v": 1, "type": "poleVector", "chain": 7}),

@@ -316,8 +316,13 @@ USD: dict[str, list[Make]] = {
         replaced("uniform vector3f[] offsets = [(0, 0, 1)]", ""),
     ],
     "usd.blend.point": [replaced("pointIndices = [1]", "pointIndices = [3]")],
-    "usd.note.broken": [
+    "usd.note.unknown": [
         _note('custom int rigtri:v = 2\ncustom token rigtri:type = "group"'),
+        _note('custom int rigtri:v = 1\ncustom token rigtri:type = "locator"'),
+    ],
+    "usd.note.broken": [
+        _note('custom token rigtri:type = "group"'),
+        _note('custom int rigtri:v = 1\ncustom token rigtri:type = "control"'),
         _note(POLE + 'custom token[] rigtri:chain = ["a", "a/b", "gone"]'),
         bones(names='custom token[] rigtri:joints = ["a"]\ncustom string[] rigtri:jointNotes = ["no JSON"]'),
         bones(names='custom token[] rigtri:joints = ["a"]'),

@@ -261,7 +261,7 @@ def run(*arguments: str | Path) -> click.testing.Result:
     return CliRunner().invoke(program, [str(argument) for argument in arguments])
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf"])
+@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
 def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_path: Path) -> None:
     steps = [tmp_path / f"{k}{Path(name).suffix}" for k in range(4)]
     run("add-controls", SAMPLES / name, "-o", steps[0], "--whole-character")

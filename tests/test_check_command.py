@@ -14,11 +14,14 @@ from broken_gltf import clean
 from broken_usd import clean as clean_usd
 from click.testing import CliRunner, Result
 from places import ROOT
-from second_opinions import validator
+from second_opinions import schema, validator
 from usd_files import save
 
 import rigtri
+from rigtri.checks import check
 from rigtri.checks.catalogue import RULES, as_markdown
+from rigtri.checks.notes import broken, unknown
+from rigtri.formats import read
 
 
 @pytest.fixture
@@ -184,3 +187,106 @@ def test_a_file_that_ends_the_process_is_a_finding_and_the_next_is_checked(
     assert "file.unreadable" in result.stdout
     monkeypatch.undo()
     assert f"{files['sound']}: nothing wrong" in run(path, files["sound"], code=3).stdout
+
+
+# Every command that stores notes, on the sample character.
+BUILT: dict[str, list[str]] = {
+    "orient-joints": [],
+    "add-polevector": ["--limbs", "auto"],
+    "add-controls": ["--whole-character"],
+    "make-limb": ["--points", "0,140,0", "25,140,-5", "50,140,-1", "--name", "arm", "--end-aim", "head"],
+    "add-twist": ["--limbs", "auto"],
+    "constrain": ["--type", "orient", "--child", "hand_L", "--driver", "head=2", "--driver", "hand_R"],
+    "add-posereader": ["--driver", "forearm_L", "--target", "rest", "--target", "up=0,1,0"],
+    "add-rivet": ["--mesh", "body", "--vertex", "3", "--name", "button"],
+    "mirror": [],
+}
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("name", BUILT)
+def test_nothing_is_wrong_with_what_rigtri_itself_stores(
+    app: click.Group, name: str, suffix: str, samples: Path, tmp_path: Path
+) -> None:
+    out, more = tmp_path / f"out{suffix}", list(BUILT[name])
+    result = CliRunner().invoke(app, [name, str(samples / f"biped{suffix}"), "-o", str(out), *more])
+    assert result.exit_code == 0, result.stderr
+    notes = read(out).rig.notes
+    assert name in ("orient-joints", "mirror") or notes
+    before = {item.id for item in check(samples / f"biped{suffix}")}
+    found = [item for item in check(out) if item.id not in before]
+    # A limb of its own moves nothing yet, which is worth no more than a notice.
+    assert [item for item in found if item.severity != "info" or ".note." in item.id] == []
+
+
+def test_every_type_of_note_is_judged_as_the_schema_does() -> None:
+    """What `check` reads of the schema gives the same verdict as a validator of JSON Schema."""
+    judge = validator("node")
+    for kind, form in schema("node")["$defs"].items():
+        if "type" not in form.get("properties", {}):
+            continue
+        note = _smallest(kind)
+        assert judge.is_valid(note), (kind, [error.message for error in judge.iter_errors(note)])
+        assert broken(note, lambda name: True) == ""
+        for key in note:
+            for other in (_Gone, None, -7, 3.5, "?", "", [], [1, 2], ["a", 1], ["a"] * 3, {}, True):
+                spoiled = {k: v for k, v in note.items() if k != key} | (
+                    {key: other} if other is not _Gone else {}
+                )
+                # Of another version or type nothing is known, which is no fault.
+                right = bool(unknown(spoiled)) or judge.is_valid(spoiled)
+                assert (broken(spoiled, lambda name: True) == "") == right, spoiled
+
+
+class _Gone:
+    """In place of a value: the key is not there."""
+
+
+def _smallest(kind: str) -> dict[str, Any]:
+    """A note of a type with every key that it must have."""
+    turn, chain = [0.0, 0.0, 0.0, 1.0], ["a", "b", "c"]
+    keys: dict[str, dict[str, Any]] = {
+        "poleVector": {"chain": chain},
+        "frame": {"joint": "a"},
+        "group": {},
+        "control": {"kind": "fk", "joint": "a", "side": "left", "chain": chain},
+        "offset": {"kind": "fk", "joint": "a"},
+        "constraint": {
+            "kind": "parent",
+            "child": "a",
+            "drivers": ["b"],
+            "weights": [1.0],
+            "offsets": [1.0] * 16,
+            "jointOrient": turn,
+        },
+        "limb": {"limb": "arm", "part": 1, "endAim": "a"},
+        "twist": {
+            "joint": "a",
+            "to": "b",
+            "driver": "b",
+            "number": 1,
+            "count": 2,
+            "at": 0.3,
+            "weight": 0.3,
+        },
+        "rivet": {
+            "name": "r",
+            "mesh": "m",
+            "primitive": 0,
+            "vertices": [0, 1, 2],
+            "barycentric": [1, 0, 0],
+            "within": 0.1,
+        },
+        "poseReader": {
+            "name": "p",
+            "driver": "a",
+            "frame": "",
+            "axis": [1, 0, 0],
+            "reader": "dot",
+            "targets": [{"name": "rest", "direction": [1, 0, 0]}],
+            "outputs": [{"target": "rest"}],
+            "within": 0.1,
+        },
+        "poseWeight": {"reader": "p", "target": "rest"},
+    }
+    return {"v": 1, "type": kind} | keys[kind]

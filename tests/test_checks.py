@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import tracemalloc
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
 import pytest
-from broken_gltf import GLTF, Make
+from broken_gltf import GLTF, Make, sparse_texture
 from broken_gltf import clean as clean_gltf
 from broken_usd import USD
 from broken_usd import clean as clean_usd
@@ -71,6 +73,59 @@ def refusal(path: Path) -> str:
         except FileError as error:
             return str(error)
     return ""
+
+
+def test_a_vertex_that_is_no_number_is_named_with_its_place(tmp_path: Path) -> None:
+    """Positions, too, each attribute by itself; weights as a whole are told of once, as weights."""
+    gone = [[0, 0, 0], [np.nan, 0, 0], [0, np.inf, 0]]
+    stated = {"min": [0, 0, 0], "max": [0, 0, 0]}
+    b = clean_gltf()
+    primitive = b.gltf["meshes"][0]["primitives"][0]
+    primitive["attributes"] |= {
+        "POSITION": b.accessor(gone, **stated),
+        "NORMAL": b.accessor(gone),
+        "WEIGHTS_0": b.accessor([[np.nan, 1, 0, 0]] * 3),
+    }
+    primitive["targets"] = [{}, {"POSITION": b.accessor(gone, **stated)}]
+    found = [item for item in check(b.glb(tmp_path / "a.glb")) if item.id.endswith("-nan")]
+    assert {(item.place, item.pointer, item.message) for item in found if "vertex" in item.id} == {
+        (
+            f"mesh #0, primitive 0, {name}",
+            f"/meshes/0/primitives/0/{pointer}",
+            "vertex 1 is not a finite number (2 of 3 vertices)",
+        )
+        for name, pointer in (
+            ("POSITION", "attributes/POSITION"),
+            ("NORMAL", "attributes/NORMAL"),
+            ("morph target 1 POSITION", "targets/1/POSITION"),
+        )
+    }
+    assert [item.id for item in found if "vertex" not in item.id] == ["gltf.mesh.weight-nan"]
+
+
+def test_what_a_sparse_accessor_replaces_does_not_count(tmp_path: Path) -> None:
+    rows = [[0, 0], [0, 0], [np.nan, 0]]
+    assert "gltf.mesh.vertex-nan" in ids(check(sparse_texture(rows, {1: [1, 1]})(tmp_path)))
+    assert "gltf.mesh.vertex-nan" not in ids(check(sparse_texture(rows, {2: [1, 1]})(tmp_path)))
+
+
+def test_vertices_are_looked_at_some_at_a_time(tmp_path: Path) -> None:
+    """A million more vertices, of which one is wrong far behind, take little more memory than their bytes."""
+    normals = np.zeros((1_000_000, 3), dtype=np.float32)
+    normals[777_777, 1] = np.nan
+    b = clean_gltf()
+    b.gltf["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = b.accessor(normals)
+    path = b.gltf_file(tmp_path / "a.gltf")
+    tracemalloc.start()
+    try:
+        findings = check(path)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    (found,) = [item for item in findings if item.id == "gltf.mesh.vertex-nan"]
+    assert "vertex 777777 is not a finite number (1 of 1000000 vertices)" in found.message
+    # The bytes of the file themselves; decoded at once they would be twice as many more.
+    assert peak < 1.5 * normals.nbytes
 
 
 def test_every_check_has_a_file_that_breaks_it() -> None:

@@ -12,8 +12,12 @@ import click
 import pytest
 from click.testing import CliRunner, Result
 from conftest import Golden
-from second_opinions import validator
+from second_opinions import schema, validator
 
+from rigtri.cli import main
+from rigtri.cli.failures import kind_of
+from rigtri.confined import CrashError
+from rigtri.errors import RigtriError
 from rigtri.formats import read
 
 
@@ -336,3 +340,69 @@ def test_names_with_an_equals_sign_can_be_aimed(run: Any, tmp_path: Path, sample
     (tmp_path / "biped.bin").write_bytes((samples / "biped.bin").read_bytes())
     result = run("orient-joints", source, "-o", tmp_path / "out.gltf", "--aim-at", "a=b=c=d", "-v")
     assert "a=b: turned" in result.stderr
+
+
+def _line(name: str, file: Path, target: Path) -> list[str]:
+    """A command that reads ``file``, with what it needs besides."""
+    if name in ("inspect", "check"):
+        return [name, str(file)]
+    if name in ("verify", "diff"):
+        return [name, str(file), str(file)]
+    more = {
+        "add-polevector": ["--limb", "upperarm_l", "lowerarm_l", "hand_l"],
+        "add-controls": ["--chain", "thigh_l", "foot_l"],
+        "make-limb": ["--points", "0,0,0", "0,1,0.1", "0,2,0", "--name", "arm"],
+        "add-twist": ["--limb", "upperarm_l", "lowerarm_l", "hand_l"],
+        "constrain": ["--type", "point", "--driver", "hand_l", "--child", "hand_r"],
+        "add-posereader": ["--driver", "hand_l", "--target", "rest"],
+        "add-rivet": ["--mesh", "body", "--at", "0,0,0"],
+    }
+    return [name, str(file), "-o", str(target), *more.get(name, [])]
+
+
+@pytest.mark.parametrize("name", list(main.COMMANDS))
+def test_with_json_every_failure_is_one_object_on_standard_output(
+    app: click.Group, name: str, tmp_path: Path
+) -> None:
+    """A file that is none, an option that is none, and JSON asked for by the environment."""
+    broken, target = tmp_path / "broken.glb", tmp_path / "out.glb"
+    broken.write_bytes(b"no glTF at all")
+    line = _line(name, broken, target)
+    asked: dict[str, str | None] = {f"RIGTRI_{name.replace('-', '_').upper()}_AS_JSON": "1"}
+    cases = [([*line, "--json"], None, 0), ([*line, "--json", "--no-such"], None, 2), (line, asked, 0)]
+    for words, environment, wanted in cases:
+        result = CliRunner(env=environment).invoke(app, words)
+        document = json.loads(result.stdout)
+        assert not target.exists()
+        if name == "check" and not wanted:
+            assert document["files"][0]["findings"]  # the result itself says what is wrong
+            continue
+        validator("error").validate(document)
+        assert document["error"]["exit_code"] == result.exit_code != 0
+        assert document["error"]["message"] in " ".join(result.stderr.split())
+        assert not wanted or (result.exit_code, document["error"]["kind"]) == (wanted, "usage")
+    assert CliRunner().invoke(app, line).stdout.count('"error": {') == 0
+
+
+def test_the_kinds_of_errors_are_those_of_the_schema() -> None:
+    kinds = {kind_of(error) for error in RigtriError.__subclasses__()} | {"memory"}
+    assert kinds == set(schema("error")["properties"]["error"]["properties"]["kind"]["enum"])
+    assert kind_of(CrashError) == "file"
+
+
+def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(
+    app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    source, other = samples / "biped.glb", tmp_path / "out.glb"
+    command = ["orient-joints", source, "-o", other, "--json"]
+    result = CliRunner().invoke(app, [*map(str, command), "--joints", "nobody"])
+    assert json.loads(result.stdout)["error"] | {"message": ""} == {
+        "kind": "name not found",
+        "message": "",
+        "exit_code": 4,
+    }
+    result = CliRunner().invoke(app, ["verify", str(source), str(samples / "tail.glb"), "--json"])
+    assert result.exit_code == 6
+    assert json.loads(result.stdout)["passes"] is False
+    result = CliRunner().invoke(app, ["--no-such", "inspect", "--json"])
+    assert json.loads(result.stdout)["error"]["kind"] == "usage"

@@ -277,7 +277,7 @@ def test_new_nodes_and_notes_come_behind_the_last_node(tmp_path: Path) -> None:
     document = GltfDocument.read(small().glb(tmp_path / "a.glb"))
     moved = np.array([[0.5, 1.0, 2.0], [0.0, 0.0, 1.0]])
     rig = document.rig.with_nodes(["pole", "child"], [-1, 4], moved, np.tile(IDENTITY, (2, 1)))
-    rig = replace(rig, notes={4: {"v": 1, "type": "poleVector"}, 1: {"v": 1}})
+    rig = replace(rig, notes={4: {"v": 1, "type": "poleVector"}, 1: {"v": 1, "type": "frame"}})
     written(document, rig, tmp_path / "b.glb")
     gltf = glb_json(tmp_path / "b.glb")
     note = {"rigtri": {"v": 1, "type": "poleVector"}}

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import struct
+import time
 import zipfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -491,6 +493,55 @@ def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(how
 def test_a_fault_in_the_task_itself_is_told_with_its_traceback() -> None:
     with Confined(seconds=60) as child, pytest.raises(RuntimeError, match="TypeError"):
         child("x", twice, None)
+
+
+def outer(task: str, *arguments: object) -> object:
+    """What a child does with a child of its own; names, as functions of a test file travel."""
+    with Confined() as child:
+        return child("inner.usdc", {"twice": twice, "die": die, "wait": wait}[task], *arguments)
+
+
+def wait(mark: str) -> None:
+    """Leave this process's number in a file and then hang."""
+    part = Path(mark + ".part")
+    part.write_text(str(os.getpid()))
+    part.rename(mark)
+    time.sleep(600)
+
+
+@POSIX
+def test_a_child_may_have_a_child_of_its_own_which_has_its_limits() -> None:
+    with Confined(seconds=60, memory=1 << 28) as child:
+        assert child("outer", outer, "twice", 21) == 42
+        with pytest.raises(CrashError, match=r"inner\.usdc: the library that reads it crashed \(SIGSEGV\)"):
+            child("outer", outer, "die", "crash")
+        with pytest.raises(CrashError, match=r"inner\.usdc: there is not enough memory"):
+            child("outer", outer, "die", "eat")
+        assert child("outer", outer, "twice", 4) == 8
+
+
+@POSIX
+def test_a_child_that_hangs_ends_with_the_child_that_started_it(tmp_path: Path) -> None:
+    mark = tmp_path / "number"
+    with Confined(seconds=15) as child, pytest.raises(CrashError, match="took longer"):
+        child("outer", outer, "wait", str(mark))
+    number = int(mark.read_text())
+    for _ in range(100):
+        if not _runs(number):
+            return
+        time.sleep(0.1)
+    os.kill(number, signal.SIGKILL)
+    pytest.fail("it went on")
+
+
+def _runs(number: int) -> bool:
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    # What nobody has asked after yet is over all the same.
+    state = Path(f"/proc/{number}/stat")
+    return not (state.exists() and state.read_text().rpartition(")")[2].split()[0] == "Z")
 
 
 @pytest.mark.parametrize("count", [2**31, 3.4e38])

@@ -1,27 +1,131 @@
-"""What rigtri stores on nodes, prims and joints, judged as schemas/node.schema.json describes it."""
+"""What rigtri stores on nodes, prims and joints, judged as schemas/node.schema.json describes it.
+
+The description itself is read: `told` knows of JSON Schema what that file uses, and passes over
+keys that it does not name, which newer versions may have.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
-_TYPES = ("poleVector", "frame", "group")
+# How a list is meant in USD and in Python.
+_KINDS: Mapping[str, Callable[[Any], bool]] = {
+    "object": lambda value: isinstance(value, dict),
+    "array": lambda value: isinstance(value, list | tuple),
+    "string": lambda value: isinstance(value, str),
+    "boolean": lambda value: isinstance(value, bool),
+    "number": lambda value: isinstance(value, int | float) and not isinstance(value, bool),
+    # USD has lists of floats alone.
+    "integer": lambda value: _KINDS["number"](value) and value == value // 1,
+}
+_LIMITS: Mapping[str, Callable[[Any, Any], bool]] = {
+    "minimum": lambda value, limit: value >= limit,
+    "maximum": lambda value, limit: value <= limit,
+    "exclusiveMinimum": lambda value, limit: value > limit,
+    "minItems": lambda value, limit: len(value) >= limit,
+    "maxItems": lambda value, limit: len(value) <= limit,
+    "minLength": lambda value, limit: len(value) >= limit,
+    "minProperties": lambda value, limit: len(value) >= limit,
+    "maxProperties": lambda value, limit: len(value) <= limit,
+    "uniqueItems": lambda value, wanted: len({repr(item) for item in value}) == len(value),
+}
+_ADDRESS = "#/$defs/address"
 
 
-def broken(note: Any, is_joint: Callable[[str], bool]) -> str:
-    """Why a note cannot be read, or which joint of it is not there; "" where all is well."""
+@cache
+def _schema() -> dict[str, Any]:
+    text = files("rigtri.schemas").joinpath("node.schema.json").read_text("utf-8")
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+def unknown(note: Any) -> str:
+    """Why a note is of a kind that this version does not know; "" where it knows it."""
+    if not isinstance(note, dict):
+        return ""
+    said = _schema()["properties"]
+    if "v" in note and note["v"] != said["v"]["const"]:
+        return f"its version v is {note['v']!r}, not {said['v']['const']}"
+    if isinstance(note.get("type"), str) and note["type"] not in said["type"]["enum"]:
+        return f"its type is {note['type']!r}, none of {', '.join(said['type']['enum'])}"
+    return ""
+
+
+def broken(note: Any, is_node: Callable[[str], bool]) -> str:
+    """Why a note cannot be read, or which node or joint of it is not there; "" where all is well."""
     if not isinstance(note, dict):
         return "what rigtri stored here is no object"
-    if note.get("v") != 1:
-        return f"its version v is {note.get('v')!r}, not 1"
-    if note.get("type") not in _TYPES:
-        return f"its type is {note.get('type')!r}, none of {', '.join(_TYPES)}"
-    chain = note.get("chain", [])
-    if not isinstance(chain, list | tuple) or not all(isinstance(name, str) for name in chain):
-        return "its chain is no list of joint names"
-    if note["type"] == "poleVector" and len(chain) < 3:
-        return f"its chain has {len(chain)} joints, not at least three"
-    joint = note.get("joint")
-    named = [*chain, *([joint] if isinstance(joint, str) else [])]
-    missing = [name for name in named if not is_joint(name)]
-    return f"there is no joint '{missing[0]}'" if missing else ""
+    if unknown(note):
+        return ""
+    for key, kind in (("v", "number"), ("type", "string")):
+        if not _KINDS[kind](note.get(key)):
+            return f"it has no {key}"
+    form = _schema()["$defs"][note["type"]]
+    wrong = next(told(note, form, "its"), "")
+    if wrong:
+        return wrong
+    missing = [name for name in addresses(note, form) if not is_node(name)]
+    return f"there is no node or joint '{missing[0]}'" if missing else ""
+
+
+def told(value: Any, form: Any, name: str) -> Iterator[str]:
+    """What of a value is not as its description says, in words."""
+    form = _resolved(form)
+    if "type" in form and not _KINDS[form["type"]](value):
+        yield f"{name} is {value!r:.60}, no {form['type']}"
+        return
+    choices = form.get("enum", [form["const"]] if "const" in form else [value])
+    if value not in choices:
+        yield f"{name} is {value!r:.60}, none of {', '.join(map(str, choices))}"
+    if "oneOf" in form and all(any(told(value, one, name)) for one in form["oneOf"]):
+        yield f"{name} is {value!r:.60}"
+    if "pattern" in form and not re.search(form["pattern"], value):
+        yield f"{name} is {value!r:.60}"
+    for word in _LIMITS.keys() & form.keys():
+        if not _LIMITS[word](value, form[word]):
+            yield f"{name} is {value!r:.60}, and {word} is {form[word]}"
+    if isinstance(value, list | tuple):
+        for item in value:
+            yield from told(item, form.get("items", {}), f"{name} item")
+    if isinstance(value, dict):
+        yield from _told_of_keys(value, form, name)
+
+
+def _told_of_keys(value: dict[str, Any], form: Any, name: str) -> Iterator[str]:
+    then = form.get("then", {}) if "if" in form and not any(told(value, form["if"], name)) else {}
+    for key in (*form.get("required", ()), *then.get("required", ())):
+        if key not in value:
+            yield f"{name} {key} is missing"
+    for key, inner in form.get("properties", {}).items():
+        if key in value:
+            yield from told(value[key], inner, f"{name} {key}")
+
+
+def addresses(value: Any, form: Any) -> Iterator[str]:
+    """The nodes and joints that a note names."""
+    if isinstance(form, dict) and form.get("$ref") == _ADDRESS:
+        yield value
+        return
+    form = _resolved(form)
+    for one in form.get("oneOf", ()):
+        if not any(told(value, one, "")):
+            yield from addresses(value, one)
+    if isinstance(value, list | tuple):
+        for item in value:
+            yield from addresses(item, form.get("items", {}))
+    if isinstance(value, dict):
+        for key in value.keys() & form.get("properties", {}).keys():
+            yield from addresses(value[key], form["properties"][key])
+
+
+def _resolved(form: Any) -> dict[str, Any]:
+    """A description with what it refers to; of ``true`` nothing is asked."""
+    if not isinstance(form, dict):
+        return {}
+    target = form.get("$ref", "").rpartition("/")[2]
+    return {**_resolved(_schema()["$defs"][target]), **form} if target else form

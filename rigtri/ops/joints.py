@@ -9,10 +9,11 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.matrices import inverse, multiply
+from rigtri.matrices import inverse, multiply, orthonormal_axes
 from rigtri.ops.added import add, stand
 from rigtri.pose import world_of
-from rigtri.records import Booleans, Skin
+from rigtri.quaternions import from_axes
+from rigtri.records import Booleans, Skin, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
@@ -23,6 +24,8 @@ Kind = Literal["locator", "joint"]
 _SAME_BIND = 1e-6
 # Places and axes, too: of the distances from the origin and the parent, and absolute.
 _SAME_PLACE, _SAME_AXES = 5e-7, 2e-6
+# A track that is off the rest pose by no more holds it: float32 rounding, as a share.
+_STILL = 1e-6
 
 
 def add_joint(
@@ -92,11 +95,12 @@ def new_skin(rig: Rig, name: str, joints: Sequence[int]) -> Rig:
 def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     """Put a joint of ours elsewhere, at rest and in the bind poses of its skins, as `add_joint` would.
 
-    What hangs on it goes along. Bits that only rounding would change stay.
+    What hangs on it goes along. Bits that only rounding would change stay. Formats that key all of a
+    joint or nothing (UsdSkel) have its place in clips, too: what stood still there stands here now.
     """
     moved = stand(rig, node, position, axes)
     if not _stands(rig, moved, node, position):
-        rig = moved
+        rig = _still_in_clips(moved, rig, node)
     skins = []
     for skin in rig.skins:
         row = _row(skin, node)
@@ -104,6 +108,34 @@ def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
             skin = _set_row(skin, row, _bind(rig, skin, node))
         skins.append(skin)
     return replace(rig, skins=tuple(skins))
+
+
+def _still_in_clips(rig: Rig, before: Rig, node: int) -> Rig:
+    """The rig with a joint that moved at rest moved in each clip, where tracks held it at its old rest."""
+    rest, old = ({"translation": r.local[node, 3, :3], "rotation": _turn(r, node)} for r in (rig, before))
+
+    def moved(track: Track) -> Track:
+        if track.node != node or track.path not in rest or track.interpolation == "CUBICSPLINE":
+            return track
+        least = _STILL * max(float(np.abs(old[track.path]).max()), 1e-30)
+        off = np.abs(track.values - old[track.path]).max(initial=0.0)
+        if track.path == "rotation":  # q and −q are one rotation
+            off = min(off, np.abs(track.values + old[track.path]).max(initial=0.0))
+        if off > least:
+            return track
+        return replace(track, values=np.broadcast_to(rest[track.path], track.values.shape).copy())
+
+    clips = []
+    for clip in rig.clips:
+        tracks = tuple(map(moved, clip.tracks))
+        same = all(a is b for a, b in zip(tracks, clip.tracks, strict=True))
+        clips.append(clip if same else replace(clip, tracks=tracks))
+    return replace(rig, clips=tuple(clips))
+
+
+def _turn(rig: Rig, node: int) -> Floats:
+    """The rotation of a node at rest, (4,), also where a matrix holds it."""
+    return from_axes(orthonormal_axes(rig.local[node])) if rig.has_matrix[node] else rig.rotation[node]
 
 
 def _stands(rig: Rig, moved: Rig, node: int, position: Floats) -> bool:

@@ -119,12 +119,15 @@ def _refusal(rig: Rig, joints: list[int]) -> str:
 def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:
     """Mark in the file the turned joints whose up direction was invented, and unmark the others.
 
-    What did not turn keeps its mark or none: nothing was invented for it now.
+    What did not turn keeps its mark or none: nothing was invented for it now. A node has one note, so
+    a joint of rigtri's own keeps what says how it was made.
     """
     notes = {node: dict(note) for node, note in rig.notes.items()}
     moves = turned(turns)
     for joint in (joint for joint in plan.turning if moves[joint]):
         up, own = plan.ups.get(joint), notes.get(joint, {})
+        if joint in rig.own:
+            continue
         if up is not None and up.step >= 7:
             notes[joint] = {"v": 1, "type": "frame", "up": up.source, "invented": True}
         elif own.get("type") == "frame" and own.get("invented"):

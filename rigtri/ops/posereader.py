@@ -13,6 +13,7 @@ from rigtri import pose
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.fitting import fitted
 from rigtri.matrices import orthonormal_axes
+from rigtri.ops import kept_keys
 from rigtri.ops.added import add, find, group, noted
 from rigtri.quaternions import between, conjugate, from_axes, rotate
 from rigtri.quaternions import multiply as product
@@ -29,7 +30,6 @@ from rigtri.timelines import (
     placed,
     single,
     steps_only,
-    timelines,
     times_within,
 )
 from rigtri.triangles import meshes_named
@@ -218,16 +218,21 @@ class _Builder:
         node = find(rig, type="poseReader", name=self.name)
         if node is None:
             rig, node = add(rig, self.name, parent, self.note)
-        self.rig = noted(rig, node, self.note)
+        self.note[kept_keys.KEY] = list(rig.notes[node].get(kept_keys.KEY, ()))
+        self.rig = rig
         values = self._value_nodes(node)
         counts: dict[str, int] = {}
-        for timeline in timelines(self.rig):
+        for title, timeline in kept_keys.titles(self.rig).items():
             if self.clips is not None and self.clips.isdisjoint(timeline.members):
                 continue
+            self._keep(title, timeline)
             times, found = self._baked(timeline)
             counts[timeline.name] = len(times)
             tracks = [*self._morph_tracks(timeline, times, found), *_value_tracks(values, times, found)]
             self.rig = placed(self.rig, timeline, tracks)
+        if not self.note[kept_keys.KEY]:
+            del self.note[kept_keys.KEY]
+        self.rig = noted(self.rig, node, self.note)
         if not counts:
             self.report.warn(
                 "reader-without-clips",
@@ -423,6 +428,13 @@ class _Builder:
                 np.concatenate([found, found[:-1][kept]])[np.argsort(np.concatenate([times, ends[kept]]))],
             )
         return times, found
+
+    def _keep(self, title: str, timeline: Timeline) -> None:
+        """Note what drives the morph targets until now."""
+        for drive in self.drives:
+            was, mesh = timeline.track(drive.mesh.node, "weights"), self.rig.address(drive.mesh.node)
+            old = self.note[kept_keys.KEY]
+            self.note[kept_keys.KEY] = kept_keys.kept(old, title, mesh, was, drive.columns)
 
     def _morph_tracks(self, timeline: Timeline, times: Floats, found: Floats) -> Iterable[Track]:
         for drive in self.drives:

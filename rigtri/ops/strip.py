@@ -12,7 +12,8 @@ import numpy as np
 
 from rigtri.constraints import told_by_rules
 from rigtri.errors import GeometryError
-from rigtri.records import Constraint
+from rigtri.ops.kept_keys import restored
+from rigtri.records import Booleans, Constraint, Fold, Skin
 from rigtri.report import Report
 from rigtri.rig import Rig
 
@@ -33,6 +34,10 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
     options = options or Options()
     report = report if report is not None else Report()
     gone = _gone(rig)
+    readers = [node for node in gone if rig.notes.get(node, {}).get("type") == "poseReader"]
+    rig, driven = restored(rig, readers)
+    for node, columns in driven.items():
+        report.driven.setdefault(rig.keys[node], set()).update(columns)
     notes = {}
     for node, note in rig.notes.items():
         if node in gone:
@@ -60,13 +65,57 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
             else clip
             for clip in rig.clips
         ),
+        folds=_folds(rig, gone),
         skins=tuple(
             replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
-            if not (stays := np.array([joint not in gone for joint in skin.joints.tolist()])).all()
+            if not (stays := _stays(skin, gone)).all()
             else skin
             for skin in rig.skins
         ),
     )
+
+
+def _stays(skin: Skin, gone: frozenset[int]) -> Booleans:
+    return np.array([joint not in gone for joint in skin.joints.tolist()], dtype=bool)
+
+
+def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
+    """What the points of each skin that loses joints have of them goes to the bones of those."""
+    found = []
+    for number, skin in enumerate(rig.skins):
+        stays = _stays(skin, gone)
+        if stays.all() or not (stays.any() or skin.drawn):
+            continue
+        rows = np.cumsum(stays) - 1
+        lost, weighted = np.flatnonzero(~stays), _weighted(rig, number)
+        for row in lost.tolist():
+            heir = _heir(rig, int(skin.joints[row]), gone, skin) if weighted[row] else -1
+            if heir < 0 and weighted[row]:
+                raise GeometryError(
+                    f"Points of a mesh move with '{rig.title(int(skin.joints[row]))}', which is to go. "
+                    "Give their weight to a joint that stays first"
+                )
+            rows[row] = rows[heir] if heir >= 0 else 0
+        idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
+        found.append(Fold(number, rows, idle))
+    return tuple(found)
+
+
+def _weighted(rig: Rig, number: int) -> Booleans:
+    """Which joints of a skin move points that can be read, (m,)."""
+    found = np.zeros(len(rig.skins[number].joints), dtype=bool)
+    for mesh in rig.meshes:
+        if mesh.skin == number:
+            found[mesh.joints[mesh.weights != 0]] = True
+    return found
+
+
+def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
+    """The row of the bone that a twist joint stands along, which its weight was split from; -1 for none."""
+    note = rig.notes.get(node, {})
+    bone = rig.known(note.get("joint")) if note.get("type") == "twist" else None
+    places = np.flatnonzero(skin.joints == (-1 if bone is None or bone in gone else bone))
+    return int(places[0]) if len(places) else -1
 
 
 def _others(rig: Rig) -> tuple[Constraint, ...]:

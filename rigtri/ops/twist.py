@@ -16,7 +16,7 @@ from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import inverse, nearest_rotation, transform_points
 from rigtri.ops.added import find, noted
 from rigtri.ops.joints import add_joint, move_joint
-from rigtri.ops.twist_keys import BOUND, keyed, standing
+from rigtri.ops.twist_keys import BOUND, keyed
 from rigtri.records import Skin, Spread
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -188,7 +188,7 @@ def _joint(
         name = options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
         rig, node = add_joint(rig, name, of.joint, note, place, axes)
     else:
-        rig = standing(move_joint(noted(rig, node, note), node, place, axes), node)
+        rig = move_joint(noted(rig, node, note), node, place, axes)
     rig, keys = _keys(rig, node, note, options, report)
     report.added.append(
         {

@@ -47,29 +47,6 @@ def keyed(rig: Rig, twist: Twist) -> tuple[Rig, dict[str, tuple[float, bool]]]:
     return (rig if same else replace(rig, clips=tuple(clips))), found
 
 
-def standing(rig: Rig, node: int) -> Rig:
-    """The rig with a twist joint of ours where it stands at rest in every clip.
-
-    Formats that key all of a joint or nothing (UsdSkel) have its place in each clip, too.
-    """
-    place = rig.local[node, 3, :3]
-    least = _SAME * max(float(np.abs(place).max()), 1e-30)
-
-    def moved(track: Track) -> Track:
-        mine = track.node == node and track.path == "translation" and track.values.ndim == 2
-        if not mine or np.abs(track.values - place).max(initial=0.0) <= least:
-            return track
-        return replace(track, values=np.broadcast_to(place, track.values.shape).copy())
-
-    clips = []
-    for clip in rig.clips:
-        tracks = tuple(map(moved, clip.tracks))
-        same = all(a is b for a, b in zip(tracks, clip.tracks, strict=True))
-        clips.append(clip if same else replace(clip, tracks=tracks))
-    same = all(a is b for a, b in zip(clips, rig.clips, strict=True))
-    return rig if same else replace(rig, clips=tuple(clips))
-
-
 class _Follower:
     """A twist joint in one clip."""
 

@@ -5,7 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 
 from rigtri.checks.findings import Findings
-from rigtri.checks.gltf import animations, meshes, nodes, notes, references, skins, springs, types, vrm
+from rigtri.checks.gltf import (
+    animations,
+    meshes,
+    nodes,
+    notes,
+    references,
+    skins,
+    springs,
+    types,
+    vertices,
+    vrm,
+)
 from rigtri.checks.gltf.view import View, told
 from rigtri.errors import FileError
 from rigtri.formats.gltf.container import Container, open_container
@@ -26,6 +37,7 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         animations.check(view)
         nodes.check_joints(view)
         meshes.check(view)
+        vertices.check(view)
         types.check(view)
         vrm.check(view)
         springs.check(view)

@@ -162,6 +162,13 @@ RULES = (
         "Normalise the weights again.",
     ),
     Rule(
+        "gltf.mesh.vertex-nan",
+        "error",
+        "A number of a vertex (position, normal, texture place, morph target) is none, or is infinite: "
+        "engines show a hole, or nothing of the mesh.",
+        "Mend that vertex where the mesh was made (normals of faces without area are often so); export it.",
+    ),
+    Rule(
         "gltf.mesh.weight-negative",
         "error",
         "A weight is negative.",

@@ -56,14 +56,14 @@ def check(view: View) -> None:
 
 
 def _names_joints(view: View, mesh: dict[str, Any], number: int) -> bool:
-    place, pointer = _title(view, number), f"/meshes/{number}"
+    place, pointer = title(view, number), f"/meshes/{number}"
     names: set[str] = set()
     for k, primitive in enumerate(view.objects(mesh, "primitives", place, pointer)):
         names |= view.object(primitive, "attributes", place, f"{pointer}/primitives/{k}").keys()
     return any(_SET.fullmatch(name) for name in names)
 
 
-def _title(view: View, number: int) -> str:
+def title(view: View, number: int) -> str:
     name = view.lists["meshes"][number].get("name")
     return f"mesh '{name}' (#{number})" if isinstance(name, str) and name else f"mesh #{number}"
 
@@ -73,10 +73,10 @@ def _check_pair(view: View, node: int, raw: dict[str, Any], mesh: int | None, sk
     if "skin" in raw and "mesh" not in raw:
         view.add("gltf.node.skin-without-mesh", place, f"{pointer}/skin", "has a skin and no mesh")
     elif "skin" in raw and mesh is not None and not skinned:
-        text = f"has a skin, but {_title(view, mesh)} names no joints"
+        text = f"has a skin, but {title(view, mesh)} names no joints"
         view.add("gltf.node.skin-on-rigid-mesh", place, f"{pointer}/skin", text)
     elif "skin" not in raw and mesh is not None and skinned:
-        text = f"shows {_title(view, mesh)}, which names joints, without a skin"
+        text = f"shows {title(view, mesh)}, which names joints, without a skin"
         view.add("gltf.node.skinned-mesh-without-skin", place, pointer, text)
 
 
@@ -99,8 +99,8 @@ def _check_place(view: View, node: int, skin: int) -> None:
 
 def _check_mesh(view: View, number: int, using: list[int]) -> None:
     mesh = view.lists["meshes"][number]
-    for k, raw in enumerate(view.objects(mesh, "primitives", _title(view, number), f"/meshes/{number}")):
-        place, pointer = f"{_title(view, number)}, primitive {k}", f"/meshes/{number}/primitives/{k}"
+    for k, raw in enumerate(view.objects(mesh, "primitives", title(view, number), f"/meshes/{number}")):
+        place, pointer = f"{title(view, number)}, primitive {k}", f"/meshes/{number}/primitives/{k}"
         if DRACO in view.object(raw, "extensions", place, pointer):
             view.compressed("Meshes are compressed with Draco")
             continue
@@ -115,8 +115,8 @@ def _check_mesh(view: View, number: int, using: list[int]) -> None:
 def _check_positions(view: View, number: int) -> None:
     """The min and max of positions, from which loaders take the size of a mesh."""
     mesh = view.lists["meshes"][number]
-    for k, raw in enumerate(view.objects(mesh, "primitives", _title(view, number), f"/meshes/{number}")):
-        place, pointer = f"{_title(view, number)}, primitive {k}", f"/meshes/{number}/primitives/{k}"
+    for k, raw in enumerate(view.objects(mesh, "primitives", title(view, number), f"/meshes/{number}")):
+        place, pointer = f"{title(view, number)}, primitive {k}", f"/meshes/{number}/primitives/{k}"
         if DRACO in view.object(raw, "extensions", place, pointer):
             continue
         index = view.object(raw, "attributes", place, pointer).get("POSITION")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rigtri.checks.gltf.view import View
-from rigtri.checks.notes import broken
+from rigtri.checks.notes import broken, unknown
 
 
 def check(view: View) -> None:
@@ -13,8 +13,10 @@ def check(view: View) -> None:
         extras = node.get("extras")
         if isinstance(extras, dict) and "rigtri" in extras:
             why = broken(extras["rigtri"], lambda name: name in known or _address(view, name))
-            if why:
-                view.add("gltf.note.broken", view.title(index), f"/nodes/{index}/extras/rigtri", why)
+            newer = unknown(extras["rigtri"])
+            if why or newer:
+                rule = "gltf.note.broken" if why else "gltf.note.unknown"
+                view.add(rule, view.title(index), f"/nodes/{index}/extras/rigtri", why or newer)
 
 
 def _address(view: View, name: str) -> bool:

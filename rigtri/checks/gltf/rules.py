@@ -288,7 +288,13 @@ RULES = (
     Rule(
         "gltf.note.broken",
         "warning",
-        "What rigtri stored on a node is not what it can read, or names a joint that is not there.",
+        "What rigtri stored on a node is not what it can read, or names a node or joint that is not there.",
         "Run the command again that made the node, or remove extras.rigtri.",
+    ),
+    Rule(
+        "gltf.note.unknown",
+        "info",
+        "What rigtri stored on a node has a version or a type that this rigtri does not know.",
+        "Nothing needs to be done, or use the rigtri that wrote it.",
     ),
 )

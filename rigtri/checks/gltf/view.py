@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rigtri.checks.findings import Findings
 from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
@@ -21,8 +23,10 @@ from rigtri.formats.gltf.validate import LISTS
 from rigtri.formats.gltf.values import Value
 from rigtri.trigonometry import Floats
 
+# Rows of an accessor decoded at once where they are not kept.
+_BLOCK = 1 << 16
 # Accessors of these types are only for meshes and materials of others; rigtri does not read them.
-_FOREIGN = ("MAT2", "MAT3")
+FOREIGN = ("MAT2", "MAT3")
 
 
 class View:
@@ -140,7 +144,24 @@ class View:
     def judge(self, index: int) -> None:
         """Judge the min and max of an accessor that nothing else reads; its numbers are not kept."""
         if index not in self._numbers:
-            self._read(index)
+            ends = [(block.min(axis=0), block.max(axis=0)) for block in self.blocks(index)]
+            if ends:
+                lows, highs = zip(*ends, strict=True)
+                self._check_bounds(index, np.array(lows), np.array(highs))
+
+    def blocks(self, index: int) -> Iterator[Floats]:
+        """The numbers of an accessor, some rows at a time, none of which is kept; of packed ones all."""
+        if self._is_lost(index):
+            return
+        known = self._numbers.get(index)
+        try:
+            if known is not None or not self.accessors.has_rows(index):
+                yield self.accessors.read(index) if known is None else known
+                return
+            for start in range(0, self.accessors.layout(index).rows, _BLOCK):
+                yield self.accessors.rows(index, start, start + _BLOCK)
+        except FileError as error:
+            self._add_broken(index, error)
 
     def raw_accessor(self, raw: Any) -> dict[str, Any]:
         """The JSON of an accessor that could be read."""
@@ -157,7 +178,7 @@ class View:
         except FileError as error:
             self._add_broken(index, error)
             return None
-        self._check_bounds(index, numbers)
+        self._check_bounds(index, numbers, numbers)
         return numbers
 
     def _is_lost(self, index: int) -> bool:
@@ -176,7 +197,7 @@ class View:
     def _check_layouts(self) -> None:
         """Every accessor lies within its view, whoever uses it."""
         for index, raw in enumerate(self.lists["accessors"]):
-            if raw.get("type") in _FOREIGN or self._is_lost(index):
+            if raw.get("type") in FOREIGN or self._is_lost(index):
                 continue
             try:
                 self.accessors.layout(index)
@@ -186,14 +207,15 @@ class View:
                 if "sparse" in raw and index not in self._numbers:
                     self._numbers[index] = self._read(index)
 
-    def _check_bounds(self, index: int, numbers: Floats) -> None:
-        raw = self.lists["accessors"][index]
-        for key, found in (("min", numbers.min(axis=0)), ("max", numbers.max(axis=0))):
+    def _check_bounds(self, index: int, lows: Floats, highs: Floats) -> None:
+        """Whether the stated bounds are those of some rows and some others, (…, width) each."""
+        raw, width = self.lists["accessors"][index], lows.shape[1]
+        for key, found in (("min", lows.min(axis=0)), ("max", highs.max(axis=0))):
             said = raw.get(key)
             if said is None or raw.get("normalized") is True:
                 continue
             place, pointer = f"accessor #{index}", f"/accessors/{index}/{key}"
-            given = self.numbers(said, numbers.shape[1], place, pointer)
+            given = self.numbers(said, width, place, pointer)
             # A value that is no number has no place in any order; its own check says so.
             far = [] if given is None else [k for k in range(len(given)) if _far(given[k], float(found[k]))]
             if given is not None and far:

@@ -58,15 +58,18 @@ def _check_notes(scene: Scene, prim: Any) -> None:
 
     def is_joint(name: str) -> bool:
         # Joints are stored by name or by path; by token behind the skeleton's path where that is no address.
-        return name in names or name.rpartition(":")[2] in known or bool(_prim(scene, name))
+        if name in names or name.rpartition(":")[2] in known or _prim(scene, name):
+            return True
+        return any(prim.GetName() == name for prim in scene.stage.TraverseAll())
 
     try:
         note = read_prim(prim)
-        why = judged.broken(note, is_joint) if note else ""
+        why, newer = (judged.broken(note, is_joint), judged.unknown(note)) if note else ("", "")
     except (ValueError, TypeError, AttributeError) as error:
-        why = f"it cannot be read: {error}"
-    if why:
-        scene.add("usd.note.broken", prim, "rigtri:type", why)
+        why, newer = f"it cannot be read: {error}", ""
+    if why or newer:
+        rule = "usd.note.broken" if why else "usd.note.unknown"
+        scene.add(rule, prim, "rigtri:type", why or newer)
     if prim.GetTypeName() == "Skeleton":
         _check_joint_notes(scene, prim, is_joint)
 
@@ -91,7 +94,10 @@ def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
     own = scene.tokens.get(str(prim.GetPath()), ())
     for token, text in zip(tokens, texts, strict=False):
         try:
-            why = judged.broken(json.loads(text), is_joint)
+            note = json.loads(text)
+            why = judged.broken(note, is_joint)
+            if newer := judged.unknown(note):
+                scene.add("usd.note.unknown", prim, JOINT_NOTES[1], f"joint '{token}': {newer}")
         except ValueError as error:
             why = f"its note is no JSON: {error}"
         if token not in own:

@@ -213,7 +213,13 @@ RULES = (
     Rule(
         "usd.note.broken",
         "warning",
-        "What rigtri stored on a prim or joint is not what it can read, or names a joint that is not there.",
+        "What rigtri stored on a prim or joint cannot be read, or names a node or joint that is not there.",
         "Run the command again that made it, or remove the rigtri: attributes.",
+    ),
+    Rule(
+        "usd.note.unknown",
+        "info",
+        "What rigtri stored on a prim or joint has a version or a type that this rigtri does not know.",
+        "Nothing needs to be done, or use the rigtri that wrote it.",
     ),
 )

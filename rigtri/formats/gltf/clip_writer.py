@@ -8,13 +8,14 @@ Source: glTF 2.0 §3.7.3, §3.11; KHR_animation_pointer.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from rigtri.formats.gltf.accessors import Accessors
+from rigtri.errors import FileError
+from rigtri.formats.gltf.accessors import FLOAT, Accessors
 from rigtri.formats.gltf.animations import POINTER, pointer_of
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.rounding import Singles, round_tracks, to_singles
@@ -70,8 +71,7 @@ class ClipWriter:
         # They refer to this writer and it to them: all new keys would wait for the garbage collector.
         self._wishes.clear()
         for number, lost in self._lost.items():
-            channels = self._draft.own("animations", number, "channels")
-            channels[:] = [channel for k, channel in enumerate(channels) if k not in lost]
+            drop_channels(self._draft, number, lost)
 
     # --- skins
 
@@ -83,7 +83,8 @@ class ClipWriter:
             self._grow_skin(number, skin, before)
             return
         if np.array_equal(skin.inverse_bind, before.inverse_bind[: len(skin.joints)]):
-            return  # joints of ours have gone, which come last; what is left of their rows means nothing
+            self._cut_matrices(number, skin)
+            return
         accessor = self._draft.gltf["skins"][number].get("inverseBindMatrices")
         rows = skin.inverse_bind.reshape(-1, 16)
         if accessor is not None:
@@ -96,6 +97,26 @@ class ClipWriter:
             self._draft.own("skins", number)["inverseBindMatrices"] = index
 
         self._wishes.append(_Wish(accessor, to_singles(rows), "MAT4", "inverse bind matrices", refer))
+
+    def _cut_matrices(self, number: int, skin: Skin) -> None:
+        """Joints of ours have gone, which came last: the matrices of before them are often there still."""
+        accessor = self._draft.gltf["skins"][number].get("inverseBindMatrices")
+        rows = to_singles(skin.inverse_bind.reshape(-1, 16))
+        if accessor is None or not len(rows):
+            return
+        for index in range(len(self._accessors)):
+            try:
+                raw = self._accessors.value(index).object()
+                if index == accessor or raw.get("type") != "MAT4" or raw.get("count", 0) < len(rows):
+                    continue
+                stored = self._accessors.read(index)[: len(rows)]
+            except FileError:
+                continue
+            if np.array_equal(stored, rows):
+                self._draft.own("skins", number)["inverseBindMatrices"] = index
+                return
+        if self._storage.users[accessor] == 1:  # rows behind the last joint mean nothing
+            self._draft.own("accessors", accessor)["count"] = len(rows)
 
     def _grow_skin(self, number: int, skin: Skin, before: Skin) -> None:
         """New joints behind the last, so that the indices of meshes keep their meaning."""
@@ -254,7 +275,7 @@ class ClipWriter:
                     self._inputs[id(known.times)] = sampler["input"]
         if id(track.times) not in self._inputs:
             rows = to_singles(track.times.reshape(-1, 1))
-            return self._storage.add(rows, "SCALAR", "animation", bounds=True)
+            return self._keys(rows, "SCALAR", bounds=True)
         return self._inputs[id(track.times)]
 
     def _add_channel(self, number: int, track: Track) -> None:
@@ -265,21 +286,58 @@ class ClipWriter:
     def _retime(self, number: int, track: Track) -> None:
         """Give a channel other key times or another interpolation, in a sampler of its own."""
         channel = _place(track)[1]
+        old = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
+        if _sharing(self._draft.gltf["animations"], {number})[number, old] == 1:  # nobody else wants it
+            self._draft.own("animations", number, "samplers")[old] = self._sampler(track)
+            return
         sampler = self._add_sampler(number, track)
         self._draft.own("animations", number, "channels", channel)["sampler"] = sampler
 
     def _add_sampler(self, number: int, track: Track) -> int:
+        samplers = self._draft.need("animations", number, "samplers", empty=[])
+        samplers.append(self._sampler(track))
+        return len(samplers) - 1
+
+    def _sampler(self, track: Track) -> dict[str, Any]:
         (rows,) = round_tracks([track], [track])
         rows = rows.reshape(-1, 1) if track.path == "weights" else rows
-        samplers = self._draft.need("animations", number, "samplers", empty=[])
-        samplers.append(
-            {
-                "input": self._input(track),
-                "output": self._storage.add(rows, KINDS[rows.shape[1]], "animation"),
-                "interpolation": track.interpolation,
-            }
-        )
-        return len(samplers) - 1
+        return {
+            "input": self._input(track),
+            "output": self._keys(rows, KINDS[rows.shape[1]]),
+            "interpolation": track.interpolation,
+        }
+
+    def _keys(self, rows: Singles, kind: str, *, bounds: bool = False) -> int:
+        """An accessor with times or values; where keys are put back, the one that has them still."""
+        for index in range(len(self._accessors)) if self._rig.removed else ():
+            try:
+                raw = self._accessors.value(index).object()
+                shape = raw.get("type"), raw.get("count"), raw.get("componentType")
+                if shape != (kind, len(rows), FLOAT) or (bounds and "min" not in raw):
+                    continue
+                if np.array_equal(self._accessors.read(index).reshape(rows.shape), rows):
+                    return index
+            except FileError:
+                continue
+        return self._storage.add(rows, kind, "animation", bounds=bounds)
+
+
+def drop_channels(draft: Draft, number: int, lost: Collection[int]) -> None:
+    """Take channels out of an animation, and the samplers that only they were using."""
+    animation = draft.own("animations", number)
+    channels = animation.get("channels", [])
+    kept = [channel for k, channel in enumerate(channels) if k not in lost]
+    used = {channel.get("sampler") for channel in kept}
+    gone = {channels[k].get("sampler") for k in lost} - used
+    places = [k for k in range(len(animation.get("samplers", []))) if k not in gone]
+    moved = {old: new for new, old in enumerate(places)}
+    animation["samplers"] = [animation["samplers"][k] for k in places]
+    animation["channels"] = [
+        channel
+        if moved.get(channel.get("sampler"), channel.get("sampler")) == channel.get("sampler")
+        else {**channel, "sampler": moved[channel["sampler"]]}
+        for channel in kept
+    ]
 
 
 def _same(now: Floats, then: Floats) -> bool:

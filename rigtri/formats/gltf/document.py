@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,7 @@ from rigtri.formats.vrm import read_bindings
 from rigtri.formats.vrm_facts import read_facts
 from rigtri.records import Bound, Constraint, Mesh
 from rigtri.report import Notice
-from rigtri.rig import Rig
+from rigtri.rig import Rig, illegible
 from rigtri.scenery import Scenery
 
 
@@ -186,11 +187,7 @@ class GltfDocument:
             ),
             whole=bindings.whole,
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
-            notes={
-                k: e["rigtri"]
-                for k, e in enumerate(extras)
-                if isinstance(e, dict) and isinstance(e.get("rigtri"), dict)
-            },
+            notes=self._notes(extras),
             facing=bindings.facing,
             # Of the reader alone: a rig that held its document would keep the file open in a ring.
             drawn=partial(self._reader.outlines, skins),
@@ -198,6 +195,21 @@ class GltfDocument:
         )
         self._freeze(rig, ordered, fixed)
         return rig
+
+    def _notes(self, extras: Sequence[object]) -> dict[int, dict[str, Any]]:
+        """What rigtri has stored, by node; what another version has stored is told and left alone."""
+        found: dict[int, dict[str, Any]] = {}
+        for node, extra in enumerate(extras):
+            note = extra.get("rigtri") if isinstance(extra, dict) else None
+            if not isinstance(note, dict):
+                continue
+            why = illegible(note)
+            if why:
+                text = f"What rigtri stored on node {node} stays as it is: {why}"
+                self.notices.append(Notice("note-unread", text))
+            else:
+                found[node] = note
+        return found
 
     def _freeze(self, rig: Rig, ordered: list[dict[str, object]], fixed: dict[int, str]) -> None:
         """Joints whose matrix is no frame, and nodes with extensions that may name their axes."""

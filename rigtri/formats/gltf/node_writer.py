@@ -22,7 +22,7 @@ from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.pose import worlds
 from rigtri.quaternions import meant_unit
 from rigtri.records import Constraint, Integers
-from rigtri.rig import Rig
+from rigtri.rig import Rig, illegible
 from rigtri.trigonometry import Floats
 
 PARTS = ("translation", "rotation", "scale")
@@ -249,6 +249,9 @@ class NodeWriter:
                 f"{self._rig.title(node)} has extras that are no object, so nothing can be noted there; "
                 "remove them first"
             )
+        old = extras.get("rigtri")
+        if isinstance(old, dict) and illegible(old):
+            return  # another version's
         extras = {key: value for key, value in extras.items() if key != "rigtri" or note is not None}
         if note is not None:
             extras["rigtri"] = note

@@ -14,6 +14,7 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from rigtri.errors import FileError
+from rigtri.formats.gltf.clip_writer import drop_channels
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
 from rigtri.formats.gltf.storage import OWN_NAME, Storage
@@ -34,7 +35,6 @@ _KNOWN = ("EXT_mesh", "EXT_texture", "GODOT_single_root", "KHR_", "MSFT_lod", "V
 def prune(draft: Draft, storage: Storage, nodes: Collection[int]) -> None:
     """Take nodes out of the file, by their indices there, with the shapes and keys that were theirs alone."""
     gltf = draft.gltf
-    used = used_accessors(gltf)
     meshes = {gltf["nodes"][node].get("mesh") for node in nodes} - {None}
     _detach(draft, nodes)
     _drop(draft, "nodes", nodes)
@@ -46,7 +46,7 @@ def prune(draft: Draft, storage: Storage, nodes: Collection[int]) -> None:
     if dropped:
         _drop(draft, "materials", _unneeded(gltf, "materials", materials, rest))
     if storage.idle:
-        _drop_bytes(draft, storage, {k for k, n in (used - used_accessors(gltf)).items() if n == used[k]})
+        _drop_bytes(draft, storage, set(storage.users) - set(used_accessors(gltf)))
 
 
 def _detach(draft: Draft, nodes: Collection[int]) -> None:
@@ -62,21 +62,10 @@ def _detach(draft: Draft, nodes: Collection[int]) -> None:
                     owned.pop(key)
     for number, animation in enumerate(gltf.get("animations", [])):
         channels = animation.get("channels", [])
-        kept = [c for c in channels if c.get("target", {}).get("node") not in nodes]
-        if len(kept) < len(channels):
-            draft.own("animations", number)["channels"] = kept
-            _drop_samplers(draft, number, {c["sampler"] for c in channels} - {c["sampler"] for c in kept})
+        lost = {k for k, c in enumerate(channels) if c.get("target", {}).get("node") in nodes}
+        if lost:
+            drop_channels(draft, number, lost)
     _drop_empty_animations(draft)
-
-
-def _drop_samplers(draft: Draft, number: int, unused: Collection[int]) -> None:
-    animation = draft.own("animations", number)
-    moved = _moves(len(animation["samplers"]), unused)
-    animation["samplers"] = [s for k, s in enumerate(animation["samplers"]) if k not in unused]
-    for k, channel in enumerate(animation["channels"]):
-        now = moved[channel["sampler"]]
-        if now != channel["sampler"]:
-            animation["channels"][k] = {**channel, "sampler": now}
 
 
 def _drop_empty_animations(draft: Draft) -> None:
@@ -180,10 +169,13 @@ def _renumbered(value: Any, words: frozenset[str], moved: dict[int, int], point:
     return value if same else members
 
 
-def _drop_bytes(draft: Draft, storage: Storage, accessors: Collection[int]) -> None:
+def _drop_bytes(draft: Draft, storage: Storage, accessors: set[int]) -> None:
     """Take away accessors that nothing uses any more, their views, and bytes at the ends of buffers."""
     gltf = draft.gltf
     entries = gltf.get("accessors", [])
+    # What came behind something of ours and serves nobody is what an earlier run has replaced.
+    since = min(accessors - {-1}, default=len(entries))
+    accessors = {*accessors, *(set(range(since, len(entries))) - set(used_accessors(gltf)))}
     others = used_views(gltf)
     last = len(entries)
     while last and last - 1 in accessors:

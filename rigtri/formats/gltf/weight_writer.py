@@ -1,14 +1,15 @@
-"""Weights of meshes shared anew among joints, as a rig's spreads say.
+"""Weights of meshes shared anew among joints, as a rig's spreads and folds say.
 
 Accessors may be shared, so changed influences get new ones; the old bytes stay. Whole numbers
-stay whole, and a fifth joint of a point opens a second set.
+stay whole, and a fifth joint of a point opens a second set. A fold gives points back what they
+had, and where the old bytes are still there, they are used again.
 
 Source: glTF 2.0 §3.7.3.3 (skinned mesh attributes).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,10 +21,10 @@ from rigtri.formats.gltf.accessors import COMPONENTS, FLOAT, FULL, Accessors
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.meshes import DRACO
 from rigtri.formats.gltf.storage import Role, Storage
-from rigtri.records import Integers, Spread
+from rigtri.records import Fold, Integers, Spread
 from rigtri.report import Notice
 from rigtri.rig import Rig
-from rigtri.spread import shared
+from rigtri.spread import SAME, folded, shared
 from rigtri.trigonometry import Floats
 
 _ROLES: dict[int, Role] = {4: "influences 4", 8: "influences 8", 16: "influences 16"}
@@ -48,7 +49,7 @@ class WeightWriter:
 
     def __init__(self, draft: Draft, storage: Storage, accessors: Accessors, where: str) -> None:
         self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
-        self._known: dict[tuple[Any, ...], dict[str, int]] = {}
+        self._known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
         self.notices: list[Notice] = []
 
     def write(self, rig: Rig) -> None:
@@ -56,11 +57,12 @@ class WeightWriter:
         by_skin: dict[int, list[Spread]] = {}
         for spread in rig.spreads:
             by_skin.setdefault(int(str(rig.skins[spread.skin].key)), []).append(spread)
-        for skin, spreads in by_skin.items():
+        folds = {int(str(rig.skins[fold.skin].key)): fold for fold in rig.folds if not fold.idle}
+        for skin in {**by_skin, **folds}:
             for mesh in self._meshes(skin):
                 self._check_alone(mesh, skin)
                 for number in range(len(self._draft.gltf["meshes"][mesh]["primitives"])):
-                    self._primitive(mesh, number, skin, spreads)
+                    self._primitive(mesh, number, skin, by_skin.get(skin, ()), folds.get(skin))
 
     def _meshes(self, skin: int) -> list[int]:
         nodes = self._draft.gltf["nodes"]
@@ -78,7 +80,9 @@ class WeightWriter:
     def _title(self, mesh: int) -> str:
         return str(self._draft.gltf["meshes"][mesh].get("name") or f"#{mesh}")
 
-    def _primitive(self, mesh: int, number: int, skin: int, spreads: Sequence[Spread]) -> None:
+    def _primitive(
+        self, mesh: int, number: int, skin: int, spreads: Sequence[Spread], fold: Fold | None
+    ) -> None:
         raw = self._draft.gltf["meshes"][mesh]["primitives"][number]
         attributes = raw["attributes"]
         sets = _sets(attributes)
@@ -91,14 +95,22 @@ class WeightWriter:
             )
         key = (skin, attributes["POSITION"], *(attributes[name] for name in sets))
         if key not in self._known:
-            self._known[key] = self._shared(attributes, sets, spreads, self._title(mesh))
+            title = self._title(mesh)
+            self._known[key] = (
+                self._shared(attributes, sets, spreads, title)
+                if fold is None
+                else self._folded(attributes, sets, fold)
+            )
         wanted = self._known[key]
         if any(attributes.get(name) != accessor for name, accessor in wanted.items()):
-            self._draft.own("meshes", mesh, "primitives", number, "attributes").update(wanted)
+            owned = self._draft.own("meshes", mesh, "primitives", number, "attributes")
+            owned.update({name: accessor for name, accessor in wanted.items() if accessor is not None})
+            for name in (name for name, accessor in wanted.items() if accessor is None):
+                owned.pop(name)
 
     def _shared(
         self, attributes: dict[str, int], sets: Sequence[str], spreads: Sequence[Spread], title: str
-    ) -> dict[str, int]:
+    ) -> dict[str, int | None]:
         """The accessors of a primitive's influences after the spreads; only of sets that change."""
         before = self._read(attributes, sets)
         points = self._accessors.read(attributes["POSITION"])
@@ -118,8 +130,61 @@ class WeightWriter:
             self.notices.append(Notice("more-influences", text))
         return dict(self._added(attributes, before, joints, weights))
 
+    def _folded(self, attributes: dict[str, int], sets: Sequence[str], fold: Fold) -> dict[str, int | None]:
+        """The accessors of a primitive's influences after a fold, None for those of sets that go."""
+        before = self._read(attributes, sets)
+        joints, weights = folded(fold.rows, before.joints, before.weights)
+        room = -joints.shape[1] % 4
+        joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
+        found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
+        for number in range(joints.shape[1] // 4):
+            own = slice(4 * number, 4 * number + 4)
+            same = np.array_equal(joints[:, own], before.joints[:, own])
+            if not (same and np.array_equal(weights[:, own], before.weights[:, own])):
+                found |= self._again(number, joints[:, own], weights[:, own], before.weight)
+        return found | dict(self._added(attributes, before, joints, weights, found))
+
+    def _again(self, number: int, joints: Integers, weights: Floats, kind: int) -> dict[str, int]:
+        """The first accessors of the file that hold the influences of a set, by name; none is one too few.
+
+        joints, weights: (v, 4) each. Joints of no weight may be any.
+        """
+        found: dict[str, int] = {}
+        for name in ("WEIGHTS", "JOINTS"):
+            for index in range(len(self._accessors)):
+                rows = self._influences(index, len(joints), kind if name == "WEIGHTS" else None)
+                if rows is None:
+                    continue
+                off = np.abs(rows - weights) if name == "WEIGHTS" else (rows != joints) & (weights != 0)
+                if off.max(initial=0) <= (SAME if name == "WEIGHTS" and kind == FLOAT else 0):
+                    found[f"{name}_{number}"] = index
+                    break
+        return found
+
+    def _influences(self, index: int, count: int, kind: int | None) -> Floats | None:
+        """What an accessor holds if it can be weights stored as ``kind``, or joints where that is None."""
+        try:
+            raw, layout = self._accessors.value(index).object(), self._accessors.layout(index)
+            if raw.get("type") != "VEC4" or raw.get("count") != count:
+                return None
+            if kind is None:
+                fits = layout.component in (BYTE, SHORT) and not layout.normalized
+            else:
+                fits = layout.component == kind and layout.normalized == (kind in FULL)
+            if not fits:
+                return None
+            rows = self._accessors.read(index)
+        except FileError:
+            return None
+        return np.rint(rows * FULL[kind]) if kind in FULL else rows
+
     def _added(
-        self, attributes: dict[str, int], before: _Influences, joints: Integers, weights: Floats
+        self,
+        attributes: dict[str, int],
+        before: _Influences,
+        joints: Integers,
+        weights: Floats,
+        known: Collection[str] = (),
     ) -> Iterator[tuple[str, int]]:
         kind = before.joint if joints.max(initial=0) < 256 or before.joint != BYTE else SHORT
         for number in range(joints.shape[1] // 4):
@@ -130,6 +195,8 @@ class WeightWriter:
             ):
                 name = f"{name}_{number}"
                 same_kind = component == before.joint or name.startswith("WEIGHTS")
+                if name in known:
+                    continue
                 if name in attributes and same_kind and np.array_equal(now[:, own], then[:, own]):
                     continue
                 rows = np.ascontiguousarray(now[:, own].astype(COMPONENTS[component]))

@@ -28,6 +28,12 @@ HELD = "held"
 # Rotations further from unit are worth a word: engines differ in what they make of them.
 NON_UNIT = 1e-4
 
+# What a column holds that neither moves, turns nor scales its joint.
+NOTHING: Mapping[str, tuple[int, ...]] = {
+    "translations": (0, 0, 0),
+    "rotations": (0, 0, 0, 1),
+    "scales": (1, 1, 1),
+}
 PROPERTIES: Mapping[str, Path] = {
     "translations": "translation",
     "rotations": "rotation",

@@ -19,6 +19,7 @@ from rigtri.formats import Companion, Options
 from rigtri.formats.usd import (
     external,
     instances,
+    joint_keys,
     joint_tracks,
     joints,
     layers,
@@ -99,11 +100,13 @@ class UsdDocument:
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
             source, rig, first = joints.extended(self._source, rig, self._options)
-            source, rig, keyed = joint_tracks.driven(source, rig, self._options)
-            first += keyed
             source, rig, split = splits.widened(source, rig, self._options, notices)
             first += split
+            source, rig, keyed = joint_keys.driven(source, rig, self._options)
+            first += keyed
             rig, last = joints.shortened(source, rig)
+            rig, idle = joint_tracks.undriven(source, rig)
+            last += idle
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
             edits += weights.weight_edits(source, rig, notices)
             expected = Expected()

@@ -7,7 +7,7 @@ nobody drives anew go on saying what they said.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,19 +23,26 @@ from rigtri.formats.usd.stage import DEFAULT
 from rigtri.formats.usd.value_types import usable
 from rigtri.formats.usd.values import Edit, set_value
 from rigtri.pose import sample
-from rigtri.records import Clip, Interpolation, Track
+from rigtri.records import Booleans, Clip, Interpolation, Track
 from rigtri.rig import Rig
+from rigtri.timelines import SAME_VALUE, without_steps
 from rigtri.trigonometry import Floats
+
+# The track of a mesh's morph weights before and after an edit; None for none.
+Weights = tuple[Track | None, Track | None]
 
 
 def divided(
-    before: Rig, rig: Rig, ours: Callable[[int], bool]
-) -> tuple[tuple[Clip, ...], list[Track], list[tuple[Track | None, Track]]]:
-    """The clips without keys of ours; tracks of prims of ours; morph weights, each with what it was.
+    before: Rig, rig: Rig, prim: Callable[[int], bool]
+) -> tuple[tuple[Clip, ...], list[Track], list[Weights]]:
+    """The clips without new keys of prims; their tracks; morph weights, what they were and are.
 
-    ours: whether a node is a prim of ours, whose keys are.
+    prim: whether a node is one whose keys may be new, and no joint.
     """
-    clips, prims, weights = [], [], []
+    clips: list[Clip] = []
+    prims: list[Track] = []
+    weights: list[Weights] = []
+    every = {(track.node, track.path): track for old in before.clips for track in old.tracks}
     for old, new in zip(before.clips, rig.clips, strict=False):
         if new is old:
             clips.append(new)
@@ -44,29 +51,44 @@ def divided(
         kept: list[Track] = []
         for now in new.tracks:
             was = known.get((now.node, now.path))
-            if now is was or not (now.path == "weights" or ours(now.node)):
+            if now is was or not (now.path == "weights" or prim(now.node)):
                 kept.append(now)
                 continue
             if now.path == "weights":
-                weights.append((was, now))
+                weights.append((every.get((now.node, now.path)), now))
             else:
                 prims.append(now)
             kept += [was] if was is not None else []
+        now_driven = {track.node for track in new.tracks if track.path == "weights"}
+        lost = [t for t in old.tracks if t.path == "weights" and t.node not in now_driven]
+        weights += [(track, None) for track in lost]
+        kept += lost
         clips.append(replace(new, tracks=tuple(kept)))
     return (*clips, *rig.clips[len(before.clips) :]), prims, weights
 
 
-def weight_edits(source: Source, changed: Sequence[tuple[Track | None, Track]]) -> list[Edit]:
-    """Edits of the animations that drive blend shapes, with the columns that changed."""
+def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
+    """Edits of the animations that drive blend shapes, with the columns that changed or go."""
     driven: dict[str, dict[str, _Column]] = {}
+    gone: dict[str, set[str]] = {}
+    fewer: set[str] = set()
     for was, now in changed:
-        path, animation, names = _bound(source, now)
+        path, animation, names = _bound(source, now or _sure(was))
         columns = driven.setdefault(animation, {})
         resting = default_weights(source.stage.GetPrimAtPath(animation))
+        now = None if now is None else _linear(path, now)
+        if was is not None and (now is None or not np.isin(was.times, now.times).all()):
+            fewer.add(animation)
+        if now is None:
+            rows = _sure(was).values
+            moving = [n for k, n in enumerate(names) if (rows[:, k] != resting.get(n, 0.0)).any()]
+            gone.setdefault(animation, set()).update(moving)
+            continue
+        times = now.times if was is None else np.union1d(was.times, now.times)
+        shown = sample(now, times)
+        before = np.array([resting.get(n, 0.0) for n in names]) if was is None else sample(was, times)
         for number, name in enumerate(names):
-            if was is not None and np.array_equal(sample(was, now.times)[:, number], now.values[:, number]):
-                continue
-            if was is None and (now.values[:, number] == resting.get(name, 0.0)).all():
+            if (shown[:, number] == before[..., number]).all():
                 continue
             column = _Column(path, now.times, now.values[:, number])
             if name in columns and not columns[name].same(column):
@@ -75,12 +97,25 @@ def weight_edits(source: Source, changed: Sequence[tuple[Track | None, Track]]) 
                     f"animation <{animation}>, so both can only be driven alike."
                 )
             columns[name] = column
-    _check_shared(source, driven, changed)
+    _check_shared(source, driven, [now for _, now in changed if now is not None])
     return [
         edit
-        for animation, columns in driven.items()
-        for edit in _written(source, source.animations[animation], columns)
+        for path, columns in driven.items()
+        for edit in _written(source, source.animations[path], columns, gone.get(path, set()), path in fewer)
     ]
+
+
+def _linear(path: str, track: Track) -> Track:
+    """A track as samples say it. FileError for splines."""
+    if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
+        raise FileError(f"The blend shapes of <{path}> move by splines, which USD has none of.")
+    return without_steps(track)
+
+
+def _sure(track: Track | None) -> Track:
+    if track is None:
+        raise ValueError("a change is from something or to something")
+    return track
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,10 +148,10 @@ def _bound(source: Source, track: Track) -> tuple[str, str, list[str]]:
 def _check_shared(
     source: Source,
     driven: dict[str, dict[str, _Column]],
-    changed: Sequence[tuple[Track | None, Track]],
+    changed: Sequence[Track],
 ) -> None:
     """FileError where a name that is driven moves a mesh, too, that nobody asked to move."""
-    asked = {source.rig.labels[now.node] for _, now in changed}
+    asked = {source.rig.labels[now.node] for now in changed}
     for skeleton, query in source.bindings.every:
         path = str(query.GetPrim().GetPath())
         stand = source.skeletons.get(skeleton)
@@ -131,8 +166,13 @@ def _check_shared(
                 )
 
 
-def _written(source: Source, animation: Animation, columns: dict[str, _Column]) -> Iterator[Edit]:
-    """The arrays of one animation, complete: a stronger sample hides all weaker ones."""
+def _written(
+    source: Source, animation: Animation, columns: dict[str, _Column], gone: Collection[str], fewer: bool
+) -> Iterator[Edit]:
+    """The arrays of one animation, complete: a stronger sample hides all weaker ones.
+
+    gone: names that nothing drives any more. fewer: leave out times that no column needs.
+    """
     prim = source.stage.GetPrimAtPath(animation.path)
     listed, weights = prim.GetAttribute("blendShapes"), prim.GetAttribute("blendShapeWeights")
     names = [str(name) for name in usable(listed, listed.Get(DEFAULT)) or ()]
@@ -151,11 +191,23 @@ def _written(source: Source, animation: Animation, columns: dict[str, _Column]) 
     for name, column in columns.items():
         track = Track(-1, "weights", way, column.times, column.values[:, np.newaxis])
         rows[:, every.index(name)] = sample(track, times)[:, 0]
+    stays = np.array([name not in gone for name in every], dtype=bool)
+    if fewer:
+        wanted = np.unique(np.concatenate([np.zeros(0), *(column.times for column in columns.values())]))
+        times, rows = _needed(Track(-1, "weights", way, times, rows), wanted, stays)
+    every, rows = [name for name in every if name not in gone], rows[:, stays]
+    if single is not None and len(gone):
+        single, names_now = single[[name not in gone for name in names]], every
+    else:
+        names_now = names
     types = Sdf.ValueTypeNames
     if every != names:
         yield set_value(animation.path, "blendShapes", types.TokenArray, Vt.TokenArray(every), uniform=True)
         if single is not None:
-            single = np.concatenate([single, np.zeros(len(every) - len(names))])
+            single = np.concatenate([single, np.zeros(len(every) - len(names_now))])
+    if not every or (not len(times) and single is None):
+        yield _without(animation.path, () if every else ("blendShapes",))
+        return
     yield set_value(
         animation.path,
         "blendShapeWeights",
@@ -164,6 +216,28 @@ def _written(source: Source, animation: Animation, columns: dict[str, _Column]) 
         samples={float(time): _floats(row) for time, row in zip(times, rows, strict=True)},
         alone=True,
     )
+
+
+def _needed(track: Track, wanted: Floats, columns: Booleans) -> tuple[Floats, Floats]:
+    """Times and rows of a track at ``wanted`` alone, where its columns need no others."""
+    if not len(wanted):
+        same = (np.abs(track.values[:, columns] - track.values[:1, columns]) <= SAME_VALUE).all()
+        return (wanted, track.values[:0]) if same else (track.times, track.values)
+    few = replace(track, times=wanted, values=sample(track, wanted))
+    off = np.abs(sample(few, track.times) - track.values)[:, columns]
+    return (few.times, few.values) if off.max(initial=0.0) <= SAME_VALUE else (track.times, track.values)
+
+
+def _without(path: str, more: Sequence[str]) -> Edit:
+    """Take the weights of an animation away, and other attributes of it."""
+
+    def edit(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        for name in ("blendShapeWeights", *more):
+            if spec is not None and name in spec.properties:
+                del spec.properties[name]
+
+    return Edit(Sdf.Path(path), edit)
 
 
 def _stored(weights: Any, count: int) -> tuple[Floats, Floats]:
@@ -175,7 +249,7 @@ def _stored(weights: Any, count: int) -> tuple[Floats, Floats]:
             "blend shapes, so none can be added. Export it again."
         )
     times = np.array([time for time, _ in found], dtype=np.float64)
-    return times, np.array([list(value) for _, value in found], dtype=np.float64).reshape(-1, count)
+    return times, np.array([list(value) for _, value in found], dtype=np.float64).reshape(len(found), count)
 
 
 def _interpolation(source: Source) -> Interpolation:

@@ -18,13 +18,13 @@ from rigtri.formats.usd.bound_animation import bound_animation
 from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.formats.usd.value_types import ignored
-from rigtri.formats.usd.xform_rig import rooted
+from rigtri.formats.usd.xform_rig import read_stand, rooted
 from rigtri.matrices import compose, decompose, identity, inverse
 from rigtri.pose import worlds
 from rigtri.quaternions import from_axes, to_axes
-from rigtri.records import Clip, Interpolation, Skin
+from rigtri.records import Clip, Interpolation, Skin, Track
 from rigtri.report import Notice
-from rigtri.rig import Rig
+from rigtri.rig import Rig, illegible
 
 # The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
 GROUP = "rigtri"
@@ -106,12 +106,24 @@ class _Reader:
         """The rig with what moves its prims, to be measured; joints of --root have their own tracks."""
         joints = set() if self.options.root is None else set(rig.skins[-1].joints.tolist())
         prims = {node: prim for node, prim in self.animated.items() if node not in joints}
-        tracks = prim_clip.tracks(prims, self._interpolation, self.warnings)
+        mine = self._own_tracks(rig, prims)
+        others = {node: prim for node, prim in prims.items() if node not in mine}
+        tracks = prim_clip.tracks(others, self._interpolation, self.warnings)
+        tracks += [track for node in mine for track in mine[node]]
         if not tracks:
             return rig
-        others = tuple(clip for clip in rig.clips if clip.key != prim_clip.KEY)
+        clips = tuple(clip for clip in rig.clips if clip.key != prim_clip.KEY)
         known = [track for clip in rig.clips if clip.key == prim_clip.KEY for track in clip.tracks]
-        return replace(rig, clips=(*others, Clip(prim_clip.NAME, (*known, *tracks), prim_clip.KEY)))
+        return replace(rig, clips=(*clips, Clip(prim_clip.NAME, (*known, *tracks), prim_clip.KEY)))
+
+    def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, tuple[Track, ...]]:
+        """The keys of prims of ours as they are in their ops; what is mirrored goes by its matrices."""
+        stands = {
+            node: read_stand(prims[node], node, self._interpolation)
+            for node in self.own
+            if node in prims and not rig.has_matrix[node] and (rig.scale[node] > 0).all()
+        }
+        return {node: stand.tracks for node, stand in stands.items() if stand is not None}
 
     def _shelf(self, rig: Rig) -> int:
         """The top-level prim that holds the first skeleton, where our Scope can stand below it."""
@@ -172,7 +184,7 @@ class _Reader:
         if prim.IsA(UsdGeom.PointBased):
             self.warnings += [Notice("type-ignored", text) for text in ignored(prim)]
         note = notes.read_prim(prim)
-        if note:
+        if note and not self._unread(path, note):
             self.notes[node] = note
             self.own.append(node)
         return node
@@ -254,8 +266,16 @@ class _Reader:
 
     def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
         for token, note in notes.read_joints(prim).items():
-            if token in nodes:
+            if token in nodes and not self._unread(token, note):
                 self.notes[nodes[token]] = note
+
+    def _unread(self, title: str, note: Mapping[str, Any]) -> bool:
+        """Whether another version has stored a note, which is told and left alone then."""
+        why = illegible(note)
+        if why:
+            text = f"What rigtri stored on '{title}' stays as it is: {why}"
+            self.warnings.append(Notice("note-unread", text))
+        return bool(why)
 
     def _animations(self, others: list[Any]) -> None:
         bound = {skeleton.animation for skeleton in self.skeletons.values()} - {""}

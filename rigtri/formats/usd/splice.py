@@ -26,6 +26,8 @@ _LINE = 4096
 _STEP = 4
 _TRAIL = re.compile(rb"[ \t;]*(?:#[^\r\n]*|//[^\r\n]*)?(?=\r|\n|\Z)")
 _SEPARATOR, _INDENTED = re.compile(rb"[ \t]*;?"), re.compile(rb"\n([ \t]{1,8})[^\s]")
+# A line end and an empty line behind it, at most so long.
+_EMPTY, _EMPTY_LINE = re.compile(rb"(\n)[ \t]*\r?\n\Z"), 64
 # Strings first, so that what looks like a comment in one is none.
 _WORDS = re.compile(STRINGS + rb"|" + COMMENTS)
 _REST = re.compile(rb"[ \t;]*\r?\n")
@@ -220,11 +222,19 @@ class _Splice:
             self.cuts.append((end, end, b"".join(texts)))
 
     def _whole(self, item: Item) -> tuple[int, int, bytes]:
-        """The cut that takes a statement out, with its line where nothing else is in it."""
-        rest = _REST.match(self.source.content, item.end)
+        """The cut that takes a statement out, with its line where nothing else is in it.
+
+        A prim goes with an empty line above it, as one is put in with it.
+        """
+        content = self.source.content
+        rest = _REST.match(content, item.end)
         if rest is None or not self._leads(item.start):
             return item.start, item.end, b""
-        return item.start - len(self._indent(item.start)), rest.end(), b""
+        start = item.start - len(self._indent(item.start))
+        empty = _EMPTY.search(content, max(0, start - _EMPTY_LINE), start)
+        if empty is not None and not item.is_property:
+            start = empty.end(1)
+        return start, rest.end(), b""
 
     def _told(self, span: Span, item: Item, mine: Item) -> bytes:
         """A part of a statement of the wanted text, indented like one of the source."""

@@ -17,7 +17,7 @@ from pxr import Sdf, Vt
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Options
 from rigtri.formats.usd import layers
-from rigtri.formats.usd.animations import Animation, Property
+from rigtri.formats.usd.animations import NOTHING, Animation, Property
 from rigtri.formats.usd.influences import influence_edits, stale_names, why_bound_otherwise
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.skeletons import Skeleton
@@ -35,8 +35,6 @@ from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 _TYPES = Sdf.ValueTypeNames
-# What a joint's column of an animation holds that neither moves, turns nor scales.
-_NOTHING = {"translations": (0, 0, 0), "rotations": (0, 0, 0, 1), "scales": (1, 1, 1)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +216,7 @@ def _widen(source: Source, path: str, name: str, item: Property, at: list[int]) 
     """A column that does nothing before each of some columns of an array, at every time."""
 
     def wide(rows: np.ndarray) -> Any:
-        return item.kind.FromNumpy(np.ascontiguousarray(np.insert(rows, at, _NOTHING[name], axis=0)))
+        return item.kind.FromNumpy(np.ascontiguousarray(np.insert(rows, at, NOTHING[name], axis=0)))
 
     samples = {float(time): wide(rows) for time, rows in zip(item.times, item.samples, strict=True)}
     samples.update(dict.fromkeys(item.blocked))
@@ -234,7 +232,7 @@ def _aligned(wide: Source, rig: Rig) -> Rig:
         raise ValueError("nodes of a file keep their order, and new ones come last")
     skins = [_aligned_skin(old, new, rig) for old, new in zip(wide.rig.skins, rig.skins, strict=False)]
     skins += rig.skins[len(skins) :]
-    clips = [aligned_clip(old, new, rig) for old, new in zip(wide.rig.clips, rig.clips, strict=True)]
+    clips = [_aligned_clip(old, new, rig) for old, new in zip(wide.rig.clips, rig.clips, strict=True)]
     return replace(rig, keys=(*wide.rig.keys, *rig.keys[count:]), skins=tuple(skins), clips=tuple(clips))
 
 
@@ -260,12 +258,13 @@ def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Fl
     return turn_before(conjugate(turn), from_frame(bind[:3, :3] / size[:, np.newaxis], bind[3, :3]))
 
 
-def aligned_clip(wide: Clip, clip: Clip, rig: Rig) -> Clip:
-    """A clip of a rig with a track for every one that the widened source has."""
+def _aligned_clip(wide: Clip, clip: Clip, rig: Rig) -> Clip:
+    """A clip of a rig with a track for every one that the widened source has, and those that are new."""
     if wide.key != clip.key:
         raise FileError(f"Clip '{clip.name}': clips of USD files keep their order.")
-    known: dict[tuple[int, str], Track] = {(track.node, track.path): track for track in clip.tracks}
-    return replace(clip, tracks=tuple(_aligned_track(t, known, rig) for t in wide.tracks))
+    known: dict[tuple[int, str], Track] = {(t.node, t.path): t for t in clip.tracks if t.key is not None}
+    fresh = (track for track in clip.tracks if track.key is None)
+    return replace(clip, tracks=(*(_aligned_track(t, known, rig) for t in wide.tracks), *fresh))
 
 
 def _aligned_track(wide: Track, known: Mapping[tuple[int, str], Track], rig: Rig) -> Track:

@@ -19,10 +19,10 @@ from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.stage import DEFAULT, why_instanced, why_locked
 from rigtri.formats.usd.values import Edit, kind, parts, set_value
 from rigtri.matrices import transform_points
-from rigtri.records import Integers, Spread
+from rigtri.records import Fold, Integers, Spread
 from rigtri.report import Notice
 from rigtri.rig import Rig
-from rigtri.spread import shared
+from rigtri.spread import folded, shared
 from rigtri.trigonometry import Floats
 
 WEIGHTS = "primvars:skel:jointWeights"
@@ -39,12 +39,46 @@ def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]
         key = rig.skins[spread.skin].key
         if kind(key) == "skeleton":
             by_path.setdefault(parts(key)[1], []).append(spread)
+    folds = {parts(key)[1]: fold for fold in rig.folds if kind(key := rig.skins[fold.skin].key) == "skeleton"}
     found: list[Edit] = []
-    for path, query in source.bindings.every if by_path else ():
-        if path in by_path and query.HasJointInfluences():
-            tokens = source.skeletons[path].tokens
+    for path, query in source.bindings.every if by_path or folds else ():
+        if not query.HasJointInfluences():
+            continue
+        tokens = source.skeletons[path].tokens if path in source.skeletons else ()
+        if path in by_path:
             found += _of_mesh(query, tokens, by_path[path], warnings)
+        if path in folds:
+            found += _unfolded(query, tokens, folds[path])
     return found
+
+
+def _unfolded(query: Any, tokens: Sequence[str], fold: Fold) -> list[Edit]:
+    """The influences of a mesh without the joints that go, where it has any, by number or by name."""
+    path, own = query.GetPrim().GetPath(), query.GetJointOrder()
+    if fold.idle and not own:
+        return []
+    kept: dict[int, str] = {}
+    for row, token in zip(fold.rows.tolist(), tokens, strict=True):
+        kept.setdefault(row, token)  # heirs come before those that go
+    order = [str(token) for token in own] if own else list(tokens)
+    heirs = [kept[fold.rows[tokens.index(token)]] if token in tokens else token for token in order]
+    left = [token for token, heir in zip(order, heirs, strict=True) if token == heir]
+    left += [heir for heir in dict.fromkeys(heirs) if heir not in left]
+    if left == order:
+        return []
+    edits: list[Edit] = []
+    count = len(seen_at_start(query.GetPrim().GetAttribute("points")) or ())
+    before = None if fold.idle or query.IsRigidlyDeformed() else _read(query, count)
+    if before is not None:
+        rows = np.array([left.index(heir) for heir in heirs], dtype=np.int64)
+        joints, weights = folded(rows, *before)
+        if not (np.array_equal(joints, before[0]) and np.array_equal(weights, before[1])):
+            _check(query)
+            edits += _set(query, joints, weights)
+    if own:
+        names = Vt.TokenArray(left)
+        edits.append(set_value(path, ORDER, Sdf.ValueTypeNames.TokenArray, names, uniform=True))
+    return edits
 
 
 def _of_mesh(

@@ -14,9 +14,10 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import locators, new_keys, notes, xform
+from rigtri.formats.usd import locators, new_keys, notes, prim_keys, xform
 from rigtri.formats.usd.alike import united
 from rigtri.formats.usd.animations import HELD, Animation, Property
+from rigtri.formats.usd.bound_animation import bind
 from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.rounding import put
 from rigtri.formats.usd.samples import time_samples
@@ -25,7 +26,7 @@ from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
 from rigtri.matrices import inverse
 from rigtri.records import Clip
 from rigtri.report import Notice
-from rigtri.rig import Rig
+from rigtri.rig import Rig, illegible
 from rigtri.trigonometry import Floats
 
 # For each property of an animation: column → new samples (k, c), or the new default (1, c).
@@ -43,16 +44,20 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
     if before.keys != rig.keys[: len(before)]:
         raise ValueError("nodes of a file keep their order, and new ones come last")
     rig = united(before, rig, source.skeletons)
-    clips, keyed, weights = new_keys.divided(before, rig, lambda node: _keys_are_ours(before, node))
-    plain = replace(rig, clips=clips)
     moved = np.zeros(len(before), dtype=bool)
     moved |= (before.local != rig.local[: len(before)]).any(axis=(1, 2))
+    keyed = _keyed_prims(before, rig, moved)
+    clips, tracks, weights = new_keys.divided(before, rig, lambda n: n in keyed or _keys_are_ours(before, n))
+    plain = replace(rig, clips=clips)
+    theirs = [track for track in tracks if track.node in keyed]
+    moved[list(keyed)] = False  # their new keys say where they stand
     return [
         *_skin_edits(source, rig, moved),
         *_animation_edits(source, plain, warnings),
         *new_keys.weight_edits(source, weights),
         *_prim_edits(source, rig, moved, bake, warnings),
-        *locators.edits(source, rig, keyed),
+        *prim_keys.edits(source, rig, theirs),
+        *locators.edits(source, rig, [track for track in tracks if track.node not in keyed]),
         *_joint_notes(source, rig),
     ]
 
@@ -62,6 +67,26 @@ def _keys_are_ours(before: Rig, node: int) -> bool:
     if node >= len(before):
         return True
     return kind(before.keys[node]) == "prim" and locators.is_ours(before, node)
+
+
+def _keyed_prims(before: Rig, rig: Rig, moved: np.ndarray) -> set[int]:
+    """Prims of others that have new keys. Those that are turned keep theirs: ops of ours turn them."""
+    found = set()
+    every = {(track.node, track.path): track for old in before.clips for track in old.tracks}
+    for track in (t for clip in rig.clips for t in clip.tracks if t.path != "weights"):
+        node, was = track.node, every.get((track.node, track.path))
+        if was is track or node >= len(before) or kind(before.keys[node]) != "prim":
+            continue
+        if was is not None and np.array_equal(was.times, track.times):
+            above = int(before.parents[node])
+            turned = moved[node] or (above >= 0 and moved[above])
+            if was.interpolation == track.interpolation and (
+                turned or np.array_equal(was.values, track.values)
+            ):
+                continue
+        if not locators.is_ours(before, node):
+            found.add(node)
+    return found
 
 
 def _prim_edits(
@@ -150,7 +175,7 @@ def _write_animation(
         twin, made = _twin(source, animation, number + 1)
         found += [*made, *_array_edits(source, animation, twin, columns)]
         for skeleton in skeletons:
-            found += [_bind(skeleton, twin), apply_schema(skeleton, "SkelBindingAPI")]
+            found += [bind(skeleton, twin), apply_schema(skeleton, "SkelBindingAPI")]
         warnings.append(
             Notice(
                 "animation-split",
@@ -256,17 +281,6 @@ def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[
     return str(path), [Edit(path, define), *copies]
 
 
-def _bind(skeleton: str, animation: str) -> Edit:
-    def edit(layer: Any) -> None:
-        prim = Sdf.CreatePrimInLayer(layer, skeleton)
-        name = "skel:animationSource"
-        relation = prim.relationships.get(name) or Sdf.RelationshipSpec(prim, name, custom=False)
-        relation.targetPathList.ClearEditsAndMakeExplicit()
-        relation.targetPathList.explicitItems = [animation]
-
-    return Edit(Sdf.Path(skeleton), edit)
-
-
 def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
     """The attributes of skeletons whose joints have other notes than before."""
     before = source.rig
@@ -281,6 +295,10 @@ def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
             if dict(note) != dict(before.notes.get(node, {})):
                 changed.add(path)
             if note:
+                wanted.setdefault(path, {})[token] = note
+    for path in changed:  # an attribute is written as a whole, with what other versions have stored
+        for token, note in notes.read_joints(source.stage.GetPrimAtPath(path)).items():
+            if illegible(note):
                 wanted.setdefault(path, {})[token] = note
     return [edit for path in sorted(changed) for edit in _set_joint_notes(path, wanted.get(path, {}))]
 

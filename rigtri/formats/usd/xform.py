@@ -29,9 +29,9 @@ from rigtri.matrices import (
     orthonormal_axes,
     skew,
 )
-from rigtri.quaternions import IDENTITY, conjugate, from_axes
+from rigtri.quaternions import IDENTITY, conjugate, from_axes, norm, unit
 from rigtri.quaternions import multiply as product
-from rigtri.records import Track
+from rigtri.records import Path, Track
 from rigtri.report import Notice
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -42,6 +42,8 @@ PARENT_INVERSE = "xformOp:orient:rigtriParentInv"
 SAME_TURN = 1e-12
 # What a turn may leave unexplained of a matrix, as a share of its largest number.
 SAME_PLACE = 1e-9
+# What a division in float64 leaves of a length of 1.
+_ROUNDED = 1e-15
 
 
 def turn_edits(
@@ -154,17 +156,31 @@ def stand_order(local: Floats) -> list[str]:
 
 
 # The ops that hold what tracks of prims of ours drive.
-_OPS = {"translation": "xformOp:translate", "rotation": "xformOp:orient", "scale": "xformOp:scale"}
+OPS: dict[Path, str] = {
+    "translation": "xformOp:translate",
+    "rotation": "xformOp:orient",
+    "scale": "xformOp:scale",
+}
 
 
 def _samples(track: Track | None) -> dict[float, Any]:
     """The keys of a track as values of its op; none without a track."""
     if track is None:
         return {}
-    rows = zip(track.times.tolist(), track.values, strict=True)
+    values = sure_turns(track.values) if track.path == "rotation" else track.values
+    rows = zip(track.times.tolist(), values, strict=True)
     return {
         time: quaternion(row) if track.path == "rotation" else Gf.Vec3d(*row.tolist()) for time, row in rows
     }
+
+
+def sure_turns(rotations: Floats) -> Floats:
+    """Rotations, (k, 4), that are unit; those that were keep their bits.
+
+    USD takes the angle from w alone: in a short turn, what float32 has rounded off a unit w is much.
+    """
+    off = np.abs(norm(rotations) - 1.0) > _ROUNDED
+    return np.where(off[:, np.newaxis], unit(rotations), rotations)
 
 
 def stand(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Edit]:
@@ -176,7 +192,7 @@ def stand(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Edit]:
         "xformOp:orient": (types.Quatd, quaternion(rotation)),
         "xformOp:scale": (types.Double3, Gf.Vec3d(*scale.tolist())),
     }
-    moved = {_OPS[track.path]: track for track in tracks}
+    moved = {OPS[track.path]: track for track in tracks}
     order = [name for name in values if name in moved or name in stand_order(local)]
     edits = [
         set_value(path, name, *values[name], samples=_samples(moved.get(name)), alone=True) for name in order

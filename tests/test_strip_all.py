@@ -1,0 +1,166 @@
+"""The law of strip: whatever rigtri has built into a file, strip makes it the file that it was."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from avatars import avatar
+from builds import STEPS, Step, everything
+from morphs import arm, arm_usd
+from places import USD, asset_files, leave_out_refused, sample_files
+from pxr import Sdf
+
+from rigtri import diff, verify
+from rigtri.errors import FileError, GeometryError
+from rigtri.formats import Options as Reading
+from rigtri.formats import read
+from rigtri.ops import orient, posereader
+from rigtri.ops.presets import Style
+from rigtri.ops.select import Selection
+from rigtri.ops.strip import strip
+from rigtri.pipeline import edit
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+TRUSTING = Reading(lenient=True, allow_external_paths=True)
+# To measure all points in all their clips takes minutes; that the bytes are the same says more.
+LARGE = 1 << 20
+# Its points name joints that the skin does not have: new joints get those numbers.
+ODD_NUMBERS = "gltfvalidator_joints_weights_complex.gltf"
+
+
+def stripped(rig: Rig, report: Report) -> Rig:
+    return strip(rig, report=report)
+
+
+def comes_back(source: Path, step: Step, folder: Path) -> bytes:
+    """Build, strip, and hold the result against the source; and its bytes."""
+    built, bare = folder / f"built{source.suffix}", folder / f"bare{source.suffix}"
+    small = source.stat().st_size < LARGE
+    edit(source, built, step, options=TRUSTING, overwrite=True, verify=small)
+    outcome = edit(built, bare, stripped, options=TRUSTING, overwrite=True, verify=small)
+    content = bare.read_bytes()
+    if not small or content == source.read_bytes():
+        assert content == source.read_bytes()
+        return content
+    assert outcome.verification is not None
+    measured = verify(read(source, TRUSTING), read(bare, TRUSTING))
+    assert measured.deviation == 0.0
+    assert not measured.lost
+    assert not measured.different
+    assert not diff(source, bare, options=TRUSTING).rig
+    return content
+
+
+def in_format(suffix: str, samples: Path, folder: Path) -> Path:
+    """A character in one of the six formats."""
+    if suffix == ".vrm":
+        return avatar(3).glb(folder / "avatar.vrm")
+    if suffix == ".usdc":
+        Sdf.Layer.FindOrOpen(str(samples / "biped.usda")).Export(str(folder / "biped.usdc"))
+        return folder / "biped.usdc"
+    for path in samples.glob("biped.*"):  # a .gltf and its buffer stay together
+        shutil.copy(path, folder)
+    return folder / f"biped{suffix}"
+
+
+@pytest.mark.parametrize("name", [*STEPS, "everything"])
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".vrm", ".usda", ".usdc", ".usdz"])
+def test_what_was_built_into_a_character_comes_out_again(
+    suffix: str, name: str, samples: Path, tmp_path: Path
+) -> None:
+    source = in_format(suffix, samples, tmp_path)
+    if (suffix, name) == (".vrm", "mirror"):  # only its humanoid bones tell sides, and the step goes by names
+        with pytest.raises(GeometryError, match="left side"):
+            comes_back(source, STEPS[name], tmp_path)
+        return
+    content = comes_back(source, STEPS.get(name, everything), tmp_path)
+    if suffix != ".usdc":  # OpenUSD writes it anew
+        assert content == source.read_bytes()
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(p, marks=pytest.mark.slow) if p.stat().st_size > LARGE else p
+        for p in (*sample_files(), *asset_files())
+    ],
+    ids=lambda path: path.name,
+)
+def test_all_that_can_be_built_into_a_file_comes_out_again(path: Path, tmp_path: Path) -> None:
+    if path.name == ODD_NUMBERS:
+        with pytest.raises(GeometryError, match="Points of a mesh move with"):
+            comes_back(path, everything, tmp_path)
+        return
+    try:
+        content = comes_back(path, everything, tmp_path)
+    except FileError as error:
+        leave_out_refused(path, error)
+    if path.suffix not in USD:
+        assert content == path.read_bytes()
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+@pytest.mark.parametrize(
+    "weights",
+    [
+        {},
+        {"glb": {"weights": None}, "usda": {"weights": ""}},
+        {"glb": {"weights": "STEP"}},
+        {"usda": {"weights": 'uniform token[] blendShapes = ["other"]\nfloat[] blendShapeWeights = [0.3]'}},
+    ],
+    ids=["keys", "nothing", "steps", "default"],
+)
+def test_keys_that_a_pose_reader_has_replaced_come_back(
+    kind: str, weights: dict[str, Any], tmp_path: Path
+) -> None:
+    said = weights.get(kind, {})
+    source = arm(**said).glb(tmp_path / "in.glb") if kind == "glb" else arm_usd(tmp_path, **said)
+    mesh = "Skin" if kind == "glb" else "/Root/Skin"
+
+    def step(rig: Rig, report: Report) -> Rig:
+        wanted = posereader.Options(
+            driver="lower" if kind == "glb" else "b",
+            targets=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
+            morphs=(("side", mesh, "bulge"),),
+        )
+        return posereader.add_posereader(rig, options=wanted, report=report)
+
+    assert comes_back(source, step, tmp_path) == source.read_bytes()
+
+
+def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_path: Path) -> None:
+    source = arm().glb(tmp_path / "in.glb")
+
+    def step(rig: Rig, report: Report) -> Rig:
+        for name, x in (("one", -1.0), ("two", 1.0)):
+            goal = posereader.Goal("side", direction=(x, 0.0, 0.0))
+            wanted = posereader.Options(
+                driver="lower", targets=(goal,), morphs=(("side", "Skin", "bulge"),), name=name
+            )
+            rig = posereader.add_posereader(rig, options=wanted, report=report)
+        return rig
+
+    assert comes_back(source, step, tmp_path) == source.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_joints_of_ours_that_are_turned_keep_what_says_how_they_were_made(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
+    built, turned = tmp_path / name, tmp_path / f"turned_{name}"
+    edit(samples / name, built, everything)
+    axes = orient.Options(style=Style(aim="-z", up="x"), selection=Selection(joints=("*",)))
+    edit(built, turned, lambda rig, report: orient.orient_joints(rig, options=axes, report=report))
+    before, after = read(built).rig, read(turned).rig
+    made = {before.names[node]: note["type"] for node, note in before.notes.items()}
+    assert {"limb", "twist"} <= set(made.values())
+    known = {after.names[node]: note["type"] for node, note in after.notes.items()}
+    assert made.items() <= known.items()
+    own = [node for node in before.own if before.is_joint[node]]
+    assert (before.rotation[own] != after.rotation[own]).any() or (
+        before.local[own] != after.local[own]
+    ).any()
