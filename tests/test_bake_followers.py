@@ -71,7 +71,7 @@ def off_surface(rig: Rig, clip: Clip, times: Floats) -> float:
     mesh = next(m for m in rig.meshes if m.name.startswith("Skin") or "Skin" in m.name)
     world = pose.worlds(rig, pose.locals_at(rig, clip, times))
     points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, clip, times))
-    middle = points[:, np.array(rig.notes[node]["vertices"])].mean(axis=1)
+    middle = points[:, np.array(rig.notes[node]["vertices"], dtype=np.int64)].mean(axis=1)
     return float(np.linalg.norm(world[:, node, 3, :3] - middle, axis=-1).max())
 
 
