@@ -143,13 +143,17 @@ def fitted(theirs: Floats, ours: Floats, *, about_origin: bool) -> Similar:
 
 
 def _mean(points: Floats) -> Floats:
-    return np.asarray(points.sum(axis=0) / max(len(points), 1))
+    return np.asarray(_total(points) / max(len(points), 1))
 
 
 def _spread(points: Floats) -> float:
     """The root of the mean square of lengths, (k, 3)."""
-    squares = points * points
-    return float(np.sqrt(squares.sum() / max(len(points), 1)))
+    return float(np.sqrt(_total(np.ravel(points * points)) / max(len(points), 1)))
+
+
+def _total(values: Floats) -> Floats:
+    """The sum over the first axis, added one by one: the same bits everywhere; 0 where there are none."""
+    return np.asarray(values.cumsum(axis=0)[-1] if len(values) else np.zeros(values.shape[1:]))
 
 
 class Counterparts:
