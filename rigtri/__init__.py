@@ -24,6 +24,7 @@ _WHERE = {
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "bake": "rigtri.ops.bake",
+    "take_clips": "rigtri.ops.take_clips",
     "take_pose": "rigtri.ops.posing",
     "snap": "rigtri.ops.snap",
     "strip": "rigtri.ops.strip",
@@ -57,6 +58,7 @@ __all__ = [
     "read",
     "snap",
     "strip",
+    "take_clips",
     "take_pose",
     "verify",
 ]
@@ -80,6 +82,7 @@ if TYPE_CHECKING:
     from rigtri.ops.rivet import add_rivet
     from rigtri.ops.snap import snap
     from rigtri.ops.strip import strip
+    from rigtri.ops.take_clips import take_clips
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit
     from rigtri.report import Report
