@@ -143,13 +143,18 @@ def fitted(theirs: Floats, ours: Floats, *, about_origin: bool) -> Similar:
 
 
 def _mean(points: Floats) -> Floats:
-    return np.asarray(points.sum(axis=0) / max(len(points), 1))
+    return np.asarray(added(points) / max(len(points), 1))
 
 
 def _spread(points: Floats) -> float:
     """The root of the mean square of lengths, (k, 3)."""
-    squares = points * points
-    return float(np.sqrt(squares.sum() / max(len(points), 1)))
+    x, y, z = added(points * points).tolist()
+    return float(np.sqrt((x + y + z) / max(len(points), 1)))
+
+
+def added(rows: Floats) -> Floats:
+    """The sum of rows, (k, 3), one after the other: in the same order on every machine."""
+    return np.asarray(np.add.accumulate(rows, axis=0)[-1] if len(rows) else np.zeros(3))
 
 
 class Counterparts:
