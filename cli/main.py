@@ -30,6 +30,8 @@ COMMANDS = {
     "mirror": "Give one side of a character the axes of the other, and all that rigtri has built there.",
     "bake": "Work controls and constraints out into joint keys, or joints' motion into controls.",
     "take-clips": "Take the motion of an edited file home into the rig it was made of.",
+    "pose": "Print the pose of one moment, evaluated, or make it the rest pose.",
+    "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
     "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",
     "verify": "Measure how far two files look apart, in every pose.",

@@ -51,6 +51,11 @@ def blender_edit(*jobs: dict[str, Any], folder: Path) -> None:
     _call([python, str(_HERE / "blender_edit.py")], jobs, folder)
 
 
+def blender_limbs(*paths: Path, folder: Path) -> list[Any]:
+    """Where Blender's IK puts the limbs of each file over time (`blender_limbs.py`). Skips as `blender`."""
+    return list(_told_by_blender("blender_limbs.py", paths, folder))
+
+
 def _told_by_blender(script: str, paths: tuple[Path, ...], folder: Path) -> list[dict[str, Any]]:
     python = os.environ.get("BPY_PYTHON")
     if not python:

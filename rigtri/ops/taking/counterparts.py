@@ -160,18 +160,17 @@ def _three_point_turn(theirs: Floats, ours: Floats) -> Floats:
 
 
 def _mean(points: Floats) -> Floats:
-    return np.asarray(added(points) / max(len(points), 1))
+    return np.asarray(_total(points) / max(len(points), 1))
 
 
 def _spread(points: Floats) -> float:
     """The root of the mean square of lengths, (k, 3)."""
-    x, y, z = added(points * points).tolist()
-    return float(np.sqrt((x + y + z) / max(len(points), 1)))
+    return float(np.sqrt(_total(np.ravel(points * points)) / max(len(points), 1)))
 
 
-def added(rows: Floats) -> Floats:
-    """The sum of rows, (k, 3), one after the other: in the same order on every machine."""
-    return np.asarray(np.add.accumulate(rows, axis=0)[-1] if len(rows) else np.zeros(3))
+def _total(values: Floats) -> Floats:
+    """The sum over the first axis, added one by one: the same bits everywhere; 0 where there are none."""
+    return np.asarray(values.cumsum(axis=0)[-1] if len(values) else np.zeros(values.shape[1:]))
 
 
 class Counterparts:
