@@ -50,6 +50,7 @@ class WeightWriter:
     def __init__(self, draft: Draft, storage: Storage, accessors: Accessors, where: str) -> None:
         self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
         self._known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
+        self._again_used: set[int] = set()
         self.notices: list[Notice] = []
 
     def write(self, rig: Rig) -> None:
@@ -145,13 +146,16 @@ class WeightWriter:
         return found | dict(self._added(attributes, before, joints, weights, found))
 
     def _again(self, number: int, joints: Integers, weights: Floats, kind: int) -> dict[str, int]:
-        """The first accessors of the file that hold the influences of a set, by name; none is one too few.
+        """Accessors of the file that hold the influences of a set, by name; none is one too few.
 
-        joints, weights: (v, 4) each. Joints of no weight may be any.
+        joints, weights: (v, 4) each. Joints of no weight may be any. Those that nobody uses come first:
+        meshes alike had one each.
         """
         found: dict[str, int] = {}
+        users = self._storage.users
+        taken = [users[index] > 0 or index in self._again_used for index in range(len(self._accessors))]
         for name in ("WEIGHTS", "JOINTS"):
-            for index in range(len(self._accessors)):
+            for index in sorted(range(len(taken)), key=taken.__getitem__):
                 rows = self._influences(index, len(joints), kind if name == "WEIGHTS" else None)
                 if rows is None:
                     continue
@@ -159,6 +163,7 @@ class WeightWriter:
                 if off.max(initial=0) <= (SAME if name == "WEIGHTS" and kind == FLOAT else 0):
                     found[f"{name}_{number}"] = index
                     break
+        self._again_used.update(found.values())
         return found
 
     def _influences(self, index: int, count: int, kind: int | None) -> Floats | None:
