@@ -102,7 +102,8 @@ def _first(joints: Integers, mine: Booleans) -> Integers:
     """The column, (v,), of those that are ``mine`` whose joint comes first in the skin; 0 where none is."""
     if not joints.shape[1]:
         return np.zeros(len(joints), dtype=np.int64)
-    return np.where(mine, joints, np.iinfo(np.int64).max).argmin(axis=1)
+    rows: Integers = np.where(mine, joints, np.iinfo(np.int64).max)
+    return np.asarray(rows.argmin(axis=1))
 
 
 def _put(
