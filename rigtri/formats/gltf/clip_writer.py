@@ -275,7 +275,7 @@ class ClipWriter:
                     self._inputs[id(known.times)] = sampler["input"]
         if id(track.times) not in self._inputs:
             rows = to_singles(track.times.reshape(-1, 1))
-            return self._keys(rows, "SCALAR", bounds=True)
+            self._inputs[id(track.times)] = self._keys(rows, "SCALAR", bounds=True)
         return self._inputs[id(track.times)]
 
     def _add_channel(self, number: int, track: Track) -> None:
