@@ -24,7 +24,8 @@ class Track:
 
     times: shape (k,), increasing. values: (k, c), for CUBICSPLINE (k, 3, c):
     in-tangent, value, out-tangent. Tracks of a clip that share their times
-    share the array, which is what makes sampling them together cheap.
+    share the array, which is what makes sampling them together cheap. unlisted: columns of weights
+    that the file has no word for, which are what they are at rest.
     """
 
     node: int
@@ -33,6 +34,7 @@ class Track:
     times: Floats
     values: Floats
     key: Hashable = None
+    unlisted: frozenset[int] = frozenset()
 
 
 def key_values(track: Track) -> Floats:

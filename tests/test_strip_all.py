@@ -132,6 +132,38 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
     assert comes_back(source, step, tmp_path) == source.read_bytes()
 
 
+def driven(rig: Rig, report: Report) -> Rig:
+    """The shape ``bulge``, which the clip does not list, driven from 0 to 1."""
+    wanted = posereader.Options(
+        driver="b",
+        axis=(0.0, 1.0, 0.0),
+        targets=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
+        morphs=(("side", "/Root/Skin", "bulge"),),
+    )
+    return posereader.add_posereader(rig, options=wanted, report=report)
+
+
+def test_a_shape_that_the_clip_did_not_list_goes_from_it_again(tmp_path: Path) -> None:
+    source = arm_usd(tmp_path)
+    edit(source, tmp_path / "built.usda", driven)
+    built = Sdf.Layer.FindOrOpen(str(tmp_path / "built.usda"))
+    assert list(built.GetAttributeAtPath("/Root/Anim.blendShapes").default) == ["other", "bulge"]
+    comes_back(source, driven, tmp_path)
+    texts = [Sdf.Layer.FindOrOpen(str(path)).ExportToString() for path in (source, tmp_path / "bare.usda")]
+    assert texts[0] == texts[1]  # but for the spelling of the samples
+
+
+def test_keys_whose_clip_is_gone_are_named(tmp_path: Path) -> None:
+    source, built = arm_usd(tmp_path), tmp_path / "built.usda"
+    edit(source, built, driven)
+    text = built.read_text().replace('SkelAnimation "Anim"', 'SkelAnimation "Other"')
+    built.write_text(text.replace("/Anim>", "/Other>"))
+    outcome = edit(built, tmp_path / "bare.usda", stripped)
+    told = [notice.text for notice in outcome.report.warnings if notice.code == "keys-gone"]
+    assert len(told) == 1
+    assert "of 'Skin' in 'Anim'" in told[0]
+
+
 def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_path: Path) -> None:
     source = arm().glb(tmp_path / "in.glb")
 

@@ -35,7 +35,7 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
     report = report if report is not None else Report()
     gone = _gone(rig)
     readers = [node for node in gone if rig.notes.get(node, {}).get("type") == "poseReader"]
-    rig, driven = restored(rig, readers)
+    rig, driven = restored(rig, readers, report)
     for node, columns in driven.items():
         report.driven.setdefault(rig.keys[node], set()).update(columns)
     notes = {}
