@@ -6,18 +6,20 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from avatars import avatar
 from builds import STEPS, Step, everything
 from morphs import arm, arm_usd
 from places import USD, asset_files, leave_out_refused, sample_files
-from pxr import Sdf
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 from rigtri import diff, verify
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Options as Reading
 from rigtri.formats import read
-from rigtri.ops import orient, posereader
+from rigtri.limbs import given
+from rigtri.ops import orient, posereader, twist
 from rigtri.ops.presets import Style
 from rigtri.ops.select import Selection
 from rigtri.ops.strip import strip
@@ -130,6 +132,29 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
         return posereader.add_posereader(rig, options=wanted, report=report)
 
     assert comes_back(source, step, tmp_path) == source.read_bytes()
+
+
+def split_arm(rig: Rig, report: Report) -> Rig:
+    """Both bones of an arm: the upper one's own joint takes the last of its points, not the first."""
+    arm_ = given(rig, "upper_arm_L", "forearm_L", "hand_L")
+    wanted = twist.Options(limbs=(arm_,), count=3, split_weights=True)
+    return twist.add_twist(rig, options=wanted, report=report)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "wide.usda"])
+def test_split_weights_come_back_in_their_places_and_width(name: str, samples: Path, tmp_path: Path) -> None:
+    source = in_format(Path(name).suffix, samples, tmp_path)
+    if name == "wide.usda":  # room for more joints than points have
+        layer = Sdf.Layer.FindOrOpen(str(source))
+        stage = Usd.Stage.Open(layer)
+        mesh = next(prim for prim in stage.Traverse() if prim.GetTypeName() == "Mesh")
+        for key, kind in (("jointIndices", Vt.IntArray), ("jointWeights", Vt.FloatArray)):
+            primvar = UsdGeom.Primvar(mesh.GetAttribute(f"primvars:skel:{key}"))
+            rows = np.array(primvar.Get()).reshape(-1, primvar.GetElementSize())
+            primvar.Set(kind.FromNumpy(np.pad(rows, ((0, 0), (0, 3))).reshape(-1)))
+            primvar.SetElementSize(rows.shape[1] + 3)
+        layer.Save()
+    assert comes_back(source, split_arm, tmp_path) == source.read_bytes()
 
 
 def driven(rig: Rig, report: Report) -> Rig:

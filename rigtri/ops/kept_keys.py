@@ -85,8 +85,8 @@ def _tell_gone(reader: str, entry: Mapping[str, Any], report: Report, *, lost: b
     what = f"mesh '{entry['mesh']}'" if lost else f"clip '{entry['clip']}'"
     report.warn(
         "keys-gone",
-        f"Pose reader '{reader}' keeps keys of morph targets of '{entry['mesh']}' in '{entry['clip']}' as they "
-        f"were before it, but {what} does not have them any more: they do not come back",
+        f"Pose reader '{reader}' keeps keys of morph targets of '{entry['mesh']}' in '{entry['clip']}' from "
+        f"before it, but {what} does not have them any more: they do not come back",
     )
 
 
