@@ -157,6 +157,17 @@ def test_split_weights_come_back_in_their_places_and_width(name: str, samples: P
     assert comes_back(source, split_arm, tmp_path) == source.read_bytes()
 
 
+def test_rest_transforms_that_a_skeleton_did_not_have_go_again(samples: Path, tmp_path: Path) -> None:
+    source = in_format(".usda", samples, tmp_path)
+    layer = Sdf.Layer.FindOrOpen(str(source))
+    path = next(p.GetPath() for p in Usd.Stage.Open(layer).Traverse() if p.GetTypeName() == "Skeleton")
+    del layer.GetPrimAtPath(path).properties["restTransforms"]
+    layer.Save()
+    assert comes_back(source, split_arm, tmp_path) == source.read_bytes()
+    built = Sdf.Layer.FindOrOpen(str(tmp_path / "built.usda"))
+    assert built.GetAttributeAtPath(path.AppendProperty("restTransforms"))
+
+
 def driven(rig: Rig, report: Report) -> Rig:
     """The shape ``bulge``, which the clip does not list, driven from 0 to 1."""
     wanted = posereader.Options(
