@@ -427,6 +427,7 @@ def check_side_files(values: dict[str, Any]) -> None:
     from pathlib import Path
 
     from rigtri.delivery import same_file
+    from rigtri.outputs import destination
 
     read = {"IN": values["source"], "--like": values.get("like"), "--frames": values.get("frames")}
     known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
@@ -440,6 +441,7 @@ def check_side_files(values: dict[str, Any]) -> None:
         if any(same_file(path, other) for other in known.values()):
             raise UsageError(f"{flag} {path} names a file that is needed for something else")
         known[flag] = path
+        path = destination(path)
         if path.exists() and not values["overwrite"]:
             raise UsageError(f"{path} exists; it is replaced only with --overwrite")
         if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):

@@ -397,3 +397,58 @@ def test_a_reader_that_goes_away_ends_the_program_quietly(samples: Path) -> None
         process.stdout.close()
         assert process.wait() == 1
         assert b"Traceback" not in process.stderr.read()
+
+
+def run(*words: str | Path, **streams: Any) -> subprocess.CompletedProcess[bytes]:
+    """The program in a process of its own."""
+    code = "from rigtri.cli.main import program; program()"
+    return subprocess.run([sys.executable, "-c", code, *map(str, words)], check=False, **streams)
+
+
+SIDE_FILES = ["--report", "--save-frames", "--sidecar"]
+
+
+def oriented(flag: str, side: Path, source: Path) -> list[str | Path]:
+    """A command that writes ``side`` besides its output."""
+    named = [flag] if flag == "--sidecar" else [flag, side]
+    return ["orient-joints", source, "-o", side.with_name("out.glb"), "--overwrite", *named]
+
+
+@POSIX
+@pytest.mark.parametrize("flag", SIDE_FILES)
+@pytest.mark.parametrize("there", [True, False])
+def test_a_side_file_that_is_a_link_stays_one(flag: str, there: bool, samples: Path, tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    real, link = tmp_path / "far" / "real.json", tmp_path / "out.rig.json"
+    if there:
+        real.write_text("old")
+    link.symlink_to(Path("far", "real.json"))
+    assert run(*oriented(flag, link, samples / "biped.glb"), capture_output=True).returncode == 0
+    assert link.is_symlink()
+    assert real.read_bytes()[:1] == b"{"
+    assert set(contents(tmp_path)) == {"out.glb", "out.rig.json", "far/real.json"}
+
+
+@POSIX
+@pytest.mark.parametrize("flag", SIDE_FILES)
+def test_a_side_file_that_is_a_pipe_is_refused_before_anything_is_done(
+    flag: str, samples: Path, tmp_path: Path
+) -> None:
+    pipe = tmp_path / "out.rig.json"
+    os.mkfifo(pipe)
+    done = run(*oriented(flag, pipe, samples / "biped.glb"), capture_output=True)
+    assert done.returncode == 2
+    assert b"is a device or a pipe; give the name of a plain file" in done.stderr
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert [path.name for path in tmp_path.iterdir()] == [pipe.name]
+
+
+@POSIX
+def test_text_is_never_written_over_a_pipe_or_a_link(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    for name in ("pipe", "link"):
+        with pytest.raises(UsageError, match="pipe"):
+            write_text(tmp_path / name, "{}")
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+    assert (tmp_path / "link").is_symlink()
