@@ -411,7 +411,7 @@ def _sidecar(values: dict[str, Any]) -> Path:
 
 
 def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
-    """The report; and what rigtri has stored in OUT as it is on disk, by the names that the format has left."""
+    """The report; and what rigtri has stored in OUT as it is on disk, by the names that it has there."""
     from pathlib import Path
 
     from rigtri.description import description
