@@ -30,7 +30,6 @@ from rigtri.reach import fits, size_of
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
-from rigtri.trigonometry import Floats
 from rigtri.watched import (
     Moment,
     Points,
@@ -381,7 +380,7 @@ def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
     size = min(max(map(_times_at_once, (before, after))), _times_of_points(tally.watched))
     for clips in zip(before.clips, after.clips, strict=True):
         motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
-        times = between_keys(np.concatenate([pose.key_times(clip) for clip in clips]))
+        times = pose.between_keys(np.concatenate([pose.key_times(clip) for clip in clips]))
         for start in range(0, len(times), size):
             some = times[start : start + size]
             worlds = [
@@ -412,20 +411,6 @@ def _needed(before: Rig, after: Rig, watched: Sequence[Watched]) -> tuple[tuple[
     (mine, place), (theirs, there) = part_of(before, sides[0]), part_of(after, sides[1])
     rows = [w for w in watched if isinstance(w, Rows)]
     return (mine, theirs), [replace(w, nodes=(place[w.nodes[0]], there[w.nodes[1]])) for w in rows]
-
-
-def between_keys(keys: Floats) -> Floats:
-    """Where to look at a clip: its keys, (k,), two places between each two, and beyond both ends.
-
-    The middle is where two interpolations part most; 0.29 is where they do not happen to meet.
-    """
-    keys = pose.each_once(keys[np.isfinite(keys)])
-    if not len(keys):
-        return np.zeros(1)
-    span = np.diff(keys)
-    beyond = max(1e-3, 0.1 * float(keys[-1] - keys[0]))
-    ends = keys[[0, -1]] + [-beyond, beyond]
-    return pose.each_once(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
 
 
 def denormalisation(rig: Rig) -> float:
