@@ -12,6 +12,7 @@ import click
 import pytest
 from click.testing import CliRunner, Result
 from conftest import Golden
+from gltf_files import small
 from second_opinions import schema, validator
 
 from rigtri.cli import main
@@ -406,3 +407,12 @@ def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(
     assert json.loads(result.stdout)["passes"] is False
     result = CliRunner().invoke(app, ["--no-such", "inspect", "--json"])
     assert json.loads(result.stdout)["error"]["kind"] == "usage"
+
+
+def test_a_root_that_shows_something_itself_is_not_told_to_give_a_root(run: Any, tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["nodes"][-1]["name"] = "body"
+    source = builder.glb(tmp_path / "in.glb")
+    result = run("orient-joints", source, "-o", tmp_path / "out.glb", "--root", "body", code=3)
+    assert "At and below 'body' there is no joint" in result.stderr
+    assert "no skin lists joints" not in result.stderr
