@@ -299,6 +299,14 @@ class _Builder:
         timeline = next((t for t in timelines(self.rig) if place in t.members), None)
         if timeline is None:
             raise GeometryError(f"Clip '{name}' has no keys")
+        keys = pose.key_times(timeline.clip)
+        if len(keys) and not keys[0] <= moment <= keys[-1]:
+            end = keys[0] if moment < keys[0] else keys[-1]
+            self.report.warn(
+                "pose-clamped",
+                f"'{text}' lies outside '{name}', which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
+                f"that at {end:g}",
+            )
         return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [moment])))
 
     def _nodes(self) -> dict[str, int]:
