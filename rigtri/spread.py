@@ -26,8 +26,9 @@ def shared(
     """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
 
     points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the spread's joints together
-    goes to the two nearest along the bone, linear between them. units: weights are whole numbers
-    and stay so. What was so already keeps its bits and its place.
+    goes to the two nearest along the bone, linear between them: the first of the two in the skin takes
+    the place that the first of them had, by which `folded` finds it again. units: weights are whole
+    numbers and stay so. What was so already keeps its bits and its place.
     """
     mine = np.isin(joints, spread.joints) & (weights != 0)
     touched = mine.any(axis=1)
@@ -44,8 +45,13 @@ def shared(
     second = total - first
     out_joints = np.where(mine, 0, joints)
     out_weights = np.where(mine, 0.0, weights)
-    home = mine.argmax(axis=1) if joints.shape[1] else np.zeros(len(joints), dtype=np.int64)
-    for joint, weight in ((near, first), (far, second)):
+    home = _first(joints, mine)
+    swapped = near > far
+    pairs = (
+        (np.where(swapped, far, near), np.where(swapped, second, first)),
+        (np.where(swapped, near, far), np.where(swapped, first, second)),
+    )
+    for joint, weight in pairs:
         out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0), home)
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
 
@@ -93,6 +99,14 @@ def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
     share = np.where(span > 0, (t - spread.at[near]) / np.where(span > 0, span, 1.0), 0.0)
     share = np.where(share < WHOLE, 0.0, np.where(share > 1.0 - WHOLE, 1.0, share))
     return spread.joints[near], spread.joints[far], share
+
+
+def _first(joints: Integers, mine: Booleans) -> Integers:
+    """The column, (v,), of those that are ``mine`` whose joint comes first in the skin; 0 where none is."""
+    if not joints.shape[1]:
+        return np.zeros(len(joints), dtype=np.int64)
+    rows: Integers = np.where(mine, joints, np.iinfo(np.int64).max)
+    return np.asarray(rows.argmin(axis=1))
 
 
 def _put(

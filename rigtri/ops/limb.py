@@ -100,10 +100,8 @@ def make_limb(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     options.checked()
     for name in (options.name, *options.names):
         if (plain := plain_name(name)) != name:
-            text = f"'{name}' becomes '{plain}': names have only letters a to z, digits and underscores here,"
-            report.warn(
-                "name-changed", f"{text} do not begin with a digit, and USD and three.js know no others"
-            )
+            text = f"'{name}' becomes '{plain}': USD and three.js know only names of a to z, digits and"
+            report.warn("name-changed", f"{text} underscores that do not begin with a digit")
     shape = _shape(rig, options, report)
     known = _known(rig, options.title)
     if known:

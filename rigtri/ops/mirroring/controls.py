@@ -63,7 +63,8 @@ def _one_control(
         poles = PoleOptions(bends=_bends(rig, note, there, options))
         wanted: Kind = "joint" if joint else "locator"
         ends = wanted if before is None else None
-        made = ControlOptions(ik=(limb,), shapes=shapes, poles=poles, ends=ends)
+        soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
+        made = ControlOptions(ik=(limb,), shapes=shapes, poles=poles, ends=ends, soft=soft, stretch=stretch)
     rig = add_controls(rig, options=made, report=report)
     found = find(rig, type="control", kind=kind, joint=there["joint"])
     if found is None or rig.is_joint[found]:
