@@ -336,6 +336,14 @@ class _Builder:
         timeline, time = moment(self.rig, text)
         if timeline is None:
             return self._resting
+        keys = pose.key_times(timeline.clip)
+        if len(keys) and not keys[0] <= time <= keys[-1]:
+            end = keys[0] if time < keys[0] else keys[-1]
+            self.report.warn(
+                "pose-clamped",
+                f"'{text}' lies outside its clip, which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
+                f"that at {end:g}",
+            )
         return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [time])))
 
     def _nodes(self) -> dict[str, int]:
