@@ -62,9 +62,7 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
 @click.option(
     "--size",
     type=click.FloatRange(min=0, min_open=True),
-    default=1.0,
-    show_default=True,
-    help="Multiplies the shapes' sizes, which follow the bones' lengths.",
+    help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]",
 )
 @click.option(
     "--color",
@@ -75,9 +73,8 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
 )
 @click.option(
     "--name",
-    default="{joint}_{kind}",
-    show_default=True,
-    help="Names of the controls; {joint}, {side} and {kind} stand for what they say.",
+    help="Names of the controls: {joint} and {side} stand for what they say, {kind} for ctl, ik_ctl or "
+    "root_ctl. [{joint}_{kind}]",
 )
 @click.option(
     "--reach",
@@ -101,8 +98,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
 
     Each control stands in its joint's frame with zero channels, below an offset, below the
-    control of the joint above. A second run finds its controls again and keeps the values
-    and shapes that were edited.
+    control of the joint above. A second run finds its controls again: those that nobody has
+    edited get the shape, size, colour and name that are asked for; edited ones stay, and are named.
 
     \b
     Examples:

@@ -44,7 +44,7 @@ playing
 moving scenery attached
 watched
 compare describe description changes
-advice stilled
+advice stilled intended
 delivery
 ahead ops formats
 inputs outputs

@@ -16,6 +16,7 @@ from rigtri.bend import Bend, bend, crossings
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
+from rigtri.ops.drawings import KEYS
 from rigtri.ops.joints import Kind, add_joint, as_wanted, beside, move_joint
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -267,7 +268,8 @@ def _placed(
         if joint and options.name is not None and rig.names[node] != plain_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)
-        rig = noted(rig, node, note)
+        drawing = {key: rig.notes[node][key] for key in KEYS if key in rig.notes[node]}
+        rig = noted(rig, node, note | drawing)
         return (move_joint if joint else stand)(rig, node, position, axes), node
     if options.kind == "joint":
         parent, like = beside(rig, limb.start)
