@@ -10,6 +10,7 @@ from rigtri.errors import UsageError
 from rigtri.shapes import KINDS
 
 from .options import (
+    Number,
     copy_ahead,
     edit_options,
     facing_option,
@@ -20,6 +21,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -61,7 +63,7 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
 )
 @click.option(
     "--size",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]",
 )
 @click.option(
@@ -78,7 +80,7 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
 )
 @click.option(
     "--reach",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     default=0.5,
     show_default=True,
     help="Distance of pole vectors as a multiple of the limb's length.",
@@ -169,5 +171,5 @@ def _summary(report: Report) -> str:
     new = [entry for entry in report.added if entry["new"]]
     kinds = [entry["kind"] for entry in report.added]
     counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    poles = f"; {len(report.limbs)} pole vectors" if report.limbs else ""
-    return f"{len(report.added)} controls ({counts}), {len(new)} of them new{poles}"
+    poles = f"; {counted(len(report.limbs), 'pole vector')}" if report.limbs else ""
+    return f"{counted(len(report.added), 'control')} ({counts}), {len(new)} of them new{poles}"

@@ -397,3 +397,14 @@ def test_a_rule_that_gives_no_name_of_its_own_is_refused(
 ) -> None:
     with pytest.raises(UsageError, match=words):
         add_controls(FINGER, options=Options(selection=Selection(joints=joints), name=name))
+
+
+def test_as_is_refused_where_nothing_could_be_a_joint_or_is_one_of_the_other_kind(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    with pytest.raises(UsageError, match="--as is for IK ends"):
+        add_controls(rig, options=Options(selection=Selection(joints=("hips",)), ends="joint"))
+    kinds: tuple[Any, Any] = ("joint", "locator")
+    for first, second in (kinds, kinds[::-1]):
+        made = add_controls(rig, options=Options(ik_auto=True, ends=first))
+        with pytest.raises(UsageError, match=f"is a {first} since an earlier run"):
+            add_controls(made, options=Options(ik_auto=True, ends=second))

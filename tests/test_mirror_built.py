@@ -308,3 +308,27 @@ def test_check_names_what_only_one_side_has_and_its_json_is_as_the_schema_says(
         assert name in alone
     assert documents[1]["symmetric"]
     assert not validator("mirror").is_valid(documents[1] | {"symmetric": "yes"})
+
+
+def test_a_mode_that_keeps_vrm_constraints_is_named_where_another_loses_them(
+    assets: Path, tmp_path: Path
+) -> None:
+    one = tmp_path / "one.vrm"
+    roll = Constraint("orient", "hand.L", (("lower_arm.L", 1.0),), roll="y", vrm=True)
+    avatar = assets / "vrm" / "addon_look_at_preview_enabled.vrm"
+    edit(avatar, one, lambda rig, report: constrain(rig, options=roll, report=report))
+    lost = []
+    for mode in MIRRORS:
+        report = Report()
+        out = mirror(read(one).rig, options=Options(mode=mode), report=report)
+        told = {notice.code: notice.text for notice in report.warnings}
+        kinds = [note.get("vrm") for note in out.notes.values() if note.get("child") == "hand.R"]
+        assert ("constraint-not-vrm" in told) == (kinds == [None])
+        if kinds == [None]:
+            lost.append(mode)
+            (other,) = [text for code, text in told.items() if code == "mode-keeps-vrm"]
+            kept = mirror(read(one).rig, options=Options(mode=other.split()[1]))  # type: ignore[arg-type]
+            assert [n.get("vrm") for n in kept.notes.values() if n.get("child") == "hand.R"] == ["roll"]
+        # A twin that keeps its axes for a reason of its own is a twin all the same.
+        assert "'hand.R' keeps its axes, as its twin 'hand.L' does not turn" in told["no-twin"]
+    assert 0 < len(lost) < len(MIRRORS)

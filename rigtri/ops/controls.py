@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import Limb, recognise
 from rigtri.matrices import nearest_rotation
@@ -44,8 +45,6 @@ _SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole
 # The radius of a shape as a share of the bone; bones shorter than this share of the median count as that.
 RADIUS = 0.5
 SHORTEST = 0.5
-# What a float32 still holds, and the lengths of bones beside it.
-LARGEST = 1e15
 # Around the trunk a shape is as wide as the shoulders, as a share of half the way between the limbs.
 GIRTH = 1.25
 
@@ -80,8 +79,11 @@ class Options:
         for kind in self.shapes.values():
             if kind not in KINDS:
                 raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
-        if self.size is not None and not 0 < self.size <= LARGEST:
-            raise UsageError(f"a size is a number above 0, not {self.size:g}")
+        refuse_unworkable("--size", self.size)
+        if self.size is not None and not self.size > 0:
+            raise UsageError(f"--size {self.size:g}: a size is a number above 0")
+        if self.ends is not None and not (self.ik or self.ik_auto or self.whole_character):
+            raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
         try:
             (self.name or NAME).format(**dict.fromkeys(TOKENS, "x"))
         except (KeyError, IndexError, ValueError, AttributeError) as error:

@@ -12,7 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
+from rigtri.ops.constrain import UNTOLD
 from rigtri.ops.mirroring.across import WHAT, Options, What, side
 from rigtri.ops.mirroring.controls import mirror_controls, mirror_poles
 from rigtri.ops.mirroring.limbs import mirror_limbs, mirror_twists
@@ -22,7 +24,7 @@ from rigtri.ops.mirroring.rules import mirror_rules
 from rigtri.ops.orient import Options as OrientOptions
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.select import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
-from rigtri.ops.twins import side_of, twin_of
+from rigtri.ops.twins import MIRRORS, side_of, twin_of
 from rigtri.quaternions import meant_unit
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -42,9 +44,18 @@ def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = 
     report = report if report is not None else Report()
     if not options.what or not set(options.what) <= set(WHAT):
         raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
+    refuse_unworkable("--plane-at", options.plane_at)
     joints = skeleton(rig, options.root).joints
     if not any(side_of(rig, joint) for joint in joints) and not any(side(rig, node) for node in rig.notes):
         raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
+    before, known = rig, len(report.warnings)
+    rig = _mirrored(rig, options, report)
+    if any(notice.code == UNTOLD for notice in report.warnings[known:]):
+        _tell_modes(before, options, report)
+    return rig
+
+
+def _mirrored(rig: Rig, options: Options, report: Report) -> Rig:
     steps = {
         "limbs": mirror_limbs,
         "joints": _joints,
@@ -59,6 +70,20 @@ def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = 
         if what in options.what:
             rig = steps[what](rig, options, report)
     return rig
+
+
+def _tell_modes(rig: Rig, options: Options, report: Report) -> None:
+    """Say which other modes lose no VRM node constraint, where some do not."""
+    found = []
+    for mode in MIRRORS:
+        heard = Report()
+        if mode != options.mode:
+            _mirrored(rig, replace(options, mode=mode), heard)
+            if all(notice.code != UNTOLD for notice in heard.warnings):
+                found.append(f"--mode {mode}")
+    if found:
+        text = f"{' or '.join(found)} keeps the VRM node constraints that --mode {options.mode} loses"
+        report.warn("mode-keeps-vrm", text)
 
 
 def _joints(rig: Rig, options: Options, report: Report) -> Rig:

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.bend import Bend, bend, crossings
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
@@ -64,11 +65,13 @@ def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) 
     straight limb of which nothing tells the side.
     """
     report = report if report is not None else Report()
+    for flag, number in (("--reach", options.reach), ("--distance", options.distance)):
+        refuse_unworkable(flag, number)
     limbs = _limbs(rig, options, report)
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")
     _check_name(rig, limbs, options)
-    ref = _reference(rig, options.pose)
+    ref = posed(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
     others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
     unsaid = []
@@ -136,13 +139,13 @@ def _of_chain(rig: Rig, start: str, end: str, middle: str | None, pose: str) -> 
         return Limb(path[0], node, path[-1])
     if not inner:
         raise UsageError(f"there is no joint between '{start}' and '{end}' that could bend")
-    ref = _reference(rig, pose)
+    ref = posed(rig, pose)
     points = ref.world[inner, 3, :3]
     off = distance(points, project(points, ref.position(path[0]), ref.position(path[-1])))
     return Limb(path[0], inner[int(np.argmax(off))], path[-1])
 
 
-def _reference(rig: Rig, pose: str) -> Reference:
+def posed(rig: Rig, pose: str) -> Reference:
     """The pose in use; any node may be in a limb, so all of them are taken as joints."""
     above = {node: int(parent) for node, parent in enumerate(rig.parents)}
     tree = Skeleton(rig, tuple(range(len(rig))), above, {}, np.ones(len(rig), dtype=bool))

@@ -37,11 +37,13 @@ def _forth(rig: Rig, from_side: Side) -> dict[int, str]:
     """The names as the readers of one side, in the order of the names, give them."""
     mine = [node for node in _readers(rig) if _side(rig, node) == from_side]
     names: dict[int, str] = {}
+    called = {*rig.names} | {_name(rig, k) for k in _readers(rig)}
     # Names that say a side first: theirs are swapped, and the others make room.
     for node in sorted(mine, key=lambda k: (twin(_name(rig, k)) == _name(rig, k), _name(rig, k))):
         own = _name(rig, node)
         wanted = twin(own) if twin(own) != own else f"{own}{_SUFFIX.get(from_side, '')}"
-        taken = {*names.values()} | {_name(rig, k) for k in _readers(rig) if not _paired(rig, node, k)}
+        twins = {_name(rig, k) for k in _readers(rig) if _paired(rig, node, k)}
+        taken = {*names.values()} | (called - twins)
         name, count = wanted, 2
         while name in taken:
             name, count = f"{wanted}_{count}", count + 1
