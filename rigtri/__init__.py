@@ -24,6 +24,9 @@ _WHERE = {
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "bake": "rigtri.ops.bake",
+    "take_clips": "rigtri.ops.take_clips",
+    "take_pose": "rigtri.ops.posing",
+    "snap": "rigtri.ops.snap",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
@@ -53,7 +56,10 @@ __all__ = [
     "mirror",
     "orient_joints",
     "read",
+    "snap",
     "strip",
+    "take_clips",
+    "take_pose",
     "verify",
 ]
 
@@ -72,8 +78,11 @@ if TYPE_CHECKING:
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.posereader import add_posereader
+    from rigtri.ops.posing import take_pose
     from rigtri.ops.rivet import add_rivet
+    from rigtri.ops.snap import snap
     from rigtri.ops.strip import strip
+    from rigtri.ops.take_clips import take_clips
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit
     from rigtri.report import Report
