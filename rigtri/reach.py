@@ -85,7 +85,8 @@ def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
         parents = rig.parents[level]
         bones = length(world[:, level, 3, :3] - world[:, parents, 3, :3])
         far = np.where(np.isfinite(bones), bones, 0.0) + reach[:, level]
-        np.maximum.at(reach, (slice(None), parents), far)
+        for time in range(len(reach)):
+            np.maximum.at(reach[time], parents, far[time])
     return reach
 
 

@@ -416,3 +416,34 @@ def test_a_root_that_shows_something_itself_is_not_told_to_give_a_root(run: Any,
     result = run("orient-joints", source, "-o", tmp_path / "out.glb", "--root", "body", code=3)
     assert "At and below 'body' there is no joint" in result.stderr
     assert "no skin lists joints" not in result.stderr
+
+
+MANY = "1e+09 keys in clip 'walk'"
+NAN, HUGE = "not a finite number", "is the most"
+UNWORKABLE = [
+    (["add-polevector", "--limbs", "auto", "--reach", "nan"], NAN),
+    (["add-polevector", "--limbs", "auto", "--distance", "inf"], NAN),
+    (["add-controls", "--whole-character", "--size", "1e30"], HUGE),
+    (["add-controls", "--whole-character", "--reach", "nan"], NAN),
+    (["mirror", "--plane-at", "nan"], NAN),
+    (["add-posereader", "--driver", "hand_L", "--target", "rest", "--fps", "inf"], NAN),
+    (
+        ["add-posereader", "--driver", "hand_L", "--target", "rest", "--fps", "1e9"],
+        "1e+09 keys in clip 'walk'",
+    ),
+    (["add-rivet", "--mesh", "body", "--triangle", "1", "--fps", "1e9"], MANY),
+    (["add-rivet", "--mesh", "body", "--at", "1e30,0,0"], HUGE),
+    (["make-limb", "--points", "1e30,0,0", "0,1,0", "0,0,1"], HUGE),
+]
+
+
+@pytest.mark.parametrize(("words", "told"), UNWORKABLE)
+def test_numbers_that_no_file_can_work_with_are_refused(
+    words: list[str], told: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    command, *options = words
+    arguments = [command, str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb"), *options]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 2, result.output
+    assert told in result.output
+    assert not (tmp_path / "out.glb").exists()
