@@ -143,8 +143,11 @@ def _weights(text: str | None) -> tuple[float, ...]:
 
 
 def _summary(report: Report) -> str:
-    new = [entry for entry in report.added if entry["new"]]
-    bones = {(entry["joint"], entry["to"]) for entry in report.added}
-    clips = {clip["clip"] for entry in report.added for clip in entry["clips"]}
+    made = [entry for entry in report.added if entry["type"] == "twist"]
+    new = [entry for entry in made if entry["new"]]
+    bones = {(entry["joint"], entry["to"]) for entry in made}
+    clips = {clip["clip"] for entry in made for clip in entry["clips"]}
     keys = f", with keys in {len(clips)} clips" if clips else ""
-    return f"{len(report.added)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}"
+    rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
+    told = f"; rivets baked anew: {', '.join(rivets)}" if rivets else ""
+    return f"{len(made)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}{told}"

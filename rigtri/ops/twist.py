@@ -16,6 +16,7 @@ from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import inverse, nearest_rotation, transform_points
 from rigtri.ops.added import find, noted
 from rigtri.ops.joints import add_joint, move_joint
+from rigtri.ops.remount import remounted_on_spreads
 from rigtri.ops.twist_keys import BOUND, keyed
 from rigtri.records import Skin, Spread
 from rigtri.report import Report
@@ -94,7 +95,7 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """Put twist joints along bones, with keys in every clip that turns their drivers.
 
     A second run finds them by the bone and their number and sets them anew. The record of each
-    goes to ``report.added``.
+    goes to ``report.added``. Rivets on meshes whose weights are split are baked anew.
 
     Raises NameNotFoundError, UsageError, GeometryError (a bone without length, a driver elsewhere).
     """
@@ -102,7 +103,7 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     options.checked()
     for each in _bones(rig, options, report):
         rig = _build(rig, each, options, report)
-    return rig
+    return remounted_on_spreads(rig, report) if options.split_weights else rig
 
 
 def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
