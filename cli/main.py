@@ -57,6 +57,13 @@ class Program(click.Group):
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
+    def main(self, *args: Any, **extra: Any) -> Any:
+        failures.hold_streams()
+        try:
+            return super().main(*args, **extra)
+        except OSError as error:  # of what is said before a command runs, such as --help
+            failures.end(None, error)
+
     def invoke(self, ctx: click.Context) -> Any:
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
@@ -69,9 +76,7 @@ class Program(click.Group):
             failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
             raise
         except BrokenPipeError:
-            # The reader of our output has gone; nothing is left to tell it.
-            sys.stderr.close()
-            sys.exit(1)
+            failures.gone(1)
         except (RigtriError, OSError, MemoryError) as error:
             failures.end(ctx, error)
 

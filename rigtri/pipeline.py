@@ -21,16 +21,12 @@ from rigtri.advice import why_near
 from rigtri.ahead import Ahead
 from rigtri.compare import TOLERANCE, Comparison, self_check
 from rigtri.compare import verify as compare
-from rigtri.delivery import (
-    aimed,
-    same_file,
-    sync,
-)
+from rigtri.delivery import same_file, sync
 from rigtri.driven import Driven
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
-from rigtri.outputs import Written, as_file_error, spare
+from rigtri.outputs import Written, as_file_error, destination, spare
 from rigtri.records import Mesh
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
@@ -254,8 +250,7 @@ def _final(path: Path, target: Path | str, overwrite: bool, options: Options) ->
         layer = bool(options.override) and path.suffix.lower() == ".usdz"
         return Path(path.stem + ".usda" if layer else path.name)
     with as_file_error(Path(target)):
-        # A link stays a link: what it points at is replaced.
-        return _allowed(aimed(Path(target)), path, overwrite)
+        return _allowed(destination(Path(target)), path, overwrite)
 
 
 def _needed(document: Document, path: Path, final: Path, options: Options) -> list[tuple[Path, str]]:
@@ -299,8 +294,6 @@ def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
         raise UsageError(f"{final} is a folder; give the name of the output file")
     if not final.suffix:
         raise UsageError(f"{final} has no suffix; the output's format is the input's: {path.suffix}")
-    if final.exists() and not final.is_file():
-        raise UsageError(f"{final} is a device or a pipe; give the name of a plain file, or - for the output")
     if final.exists() and not overwrite:
         raise UsageError(f"{final} exists; it is replaced only with --overwrite")
     if not final.parent.is_dir():

@@ -26,7 +26,7 @@ def shared(
     """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
 
     points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the spread's joints together
-    goes to the two nearest along the bone, linear between them: the first of the two in the skin takes
+    goes to the two nearest along the bone, linear between them: the first of the two takes
     the place that the first of them had, by which `folded` finds it again. units: weights are whole
     numbers and stay so. What was so already keeps its bits and its place.
     """
@@ -45,23 +45,20 @@ def shared(
     second = total - first
     out_joints = np.where(mine, 0, joints)
     out_weights = np.where(mine, 0.0, weights)
-    home = _first(joints, mine)
-    swapped = near > far
-    pairs = (
-        (np.where(swapped, far, near), np.where(swapped, second, first)),
-        (np.where(swapped, near, far), np.where(swapped, first, second)),
-    )
-    for joint, weight in pairs:
+    home = _first(spread, joints, mine)
+    for joint, weight in ((near, first), (far, second)):
         out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0), home)
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
 
 
-def folded(rows: Integers, joints: Integers, weights: Floats) -> tuple[Integers, Floats]:
+def folded(
+    rows: Integers, at: Floats, joints: Integers, weights: Floats, width: int = 0
+) -> tuple[Integers, Floats]:
     """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
 
-    rows: as `Fold.rows`. What a point has of a joint and of those that it inherits is added up in
-    the place of the first of them in the skin, where a spread has put it. Of columns at the end, those
-    that held something and do no longer go, and those behind them.
+    rows, at: as in `Fold`. What a point has of a joint and of those that it inherits is added up in
+    the place of the first of them along the bone, which a spread has put there. Of columns at the end,
+    those that held something and do no longer go, and those behind them, but for the first ``width``.
     """
     inside = np.clip(joints, 0, len(rows) - 1)
     live = weights != 0
@@ -72,14 +69,15 @@ def folded(rows: Integers, joints: Integers, weights: Floats) -> tuple[Integers,
             both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)
             both &= (out_joints[:, first] == out_joints[:, later]) & (joints[:, first] != joints[:, later])
             both &= moved[:, first] | moved[:, later]
-            ahead = joints[:, first] < joints[:, later]
+            one, two = at[inside[:, first]], at[inside[:, later]]
+            ahead = (one < two) | ((one == two) & (joints[:, first] < joints[:, later]))
             total = out_weights[:, first] + out_weights[:, later]
             for into, from_, own in ((first, later, ahead), (later, first, ~ahead)):
                 out_weights[both & own, into] = total[both & own]
                 out_weights[both & own, from_], out_joints[both & own, from_] = 0.0, 0
-    width, now = _width(weights), _width(out_weights)
-    width = max(now, 1) if now < width else joints.shape[1]
-    return out_joints[:, :width], out_weights[:, :width]
+    now = _width(out_weights)
+    kept = max(now, width, 1) if now < _width(weights) else joints.shape[1]
+    return out_joints[:, :kept], out_weights[:, :kept]
 
 
 def _width(weights: Floats) -> int:
@@ -98,12 +96,15 @@ def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
     return spread.joints[near], spread.joints[far], share
 
 
-def _first(joints: Integers, mine: Booleans) -> Integers:
-    """The column, (v,), of those that are ``mine`` whose joint comes first in the skin; 0 where none is."""
+def _first(spread: Spread, joints: Integers, mine: Booleans) -> Integers:
+    """The column, (v,), of those that are ``mine`` whose joint is first along the bone; 0 where none is."""
     if not joints.shape[1]:
         return np.zeros(len(joints), dtype=np.int64)
-    rows: Integers = np.where(mine, joints, np.iinfo(np.int64).max)
-    return np.asarray(rows.argmin(axis=1))
+    last = len(spread.joints)
+    place = np.full(joints.shape, last)
+    for number, joint in enumerate(spread.joints.tolist()):
+        place[mine & (joints == joint)] = number
+    return np.asarray(place.argmin(axis=1))
 
 
 def _put(

@@ -216,7 +216,8 @@ def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Fl
     rows = sample(was, together)
     new = Track(was.node, "weights", "LINEAR", times, values)
     rows[:, list(columns)] = sample(new, together)
-    return replace(was, interpolation=_linear(together), times=together, values=rows)
+    unlisted = was.unlisted.difference(columns)
+    return replace(was, interpolation=_linear(together), times=together, values=rows, unlisted=unlisted)
 
 
 def _linear(times: Floats) -> Interpolation:

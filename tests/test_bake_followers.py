@@ -29,6 +29,7 @@ from rigtri.quaternions import from_axis_angle
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.timelines import timelines
 from rigtri.trigonometry import Floats
 
 SIDE = Goal("side", direction=(-1, 0, 0))
@@ -84,11 +85,12 @@ def test_rivets_and_readers_follow_what_controls_make_of_the_joints(kind: str, t
     edit(once, twice, lambda rig, report: bake(rig, options=Options(), report=report))
     assert once.read_bytes() == twice.read_bytes()
     rig = read(once).rig
-    clip = rig.shown_clips[0]
+    clip = timelines(rig)[0].clip
     times = np.linspace(0.0, 1.0, 9) * rig.per_second
     assert off_surface(rig, clip, times) < 3e-5
     weights = next(t for t in clip.tracks if t.path == "weights")
-    at_rest = read(source).rig.world[rig.find(joint)]
+    plain = read(source).rig
+    at_rest = plain.world[plain.find(joint)]
     for time, angle in ((0.0, 0.0), (0.5, 0.5), (1.0, 0.8)):
         axis = np.array([0.0, 1.0, 0.0]) @ at_rest[:3, :3]
         cosine = max(0.0, float(np.sin(angle) * axis[1] + np.cos(angle) * -axis[0]))

@@ -26,7 +26,6 @@ from rigtri.trigonometry import Floats
 SLOW = pytest.mark.slow
 LOOPS = [
     pytest.param(SAMPLES / "biped.glb", "walk", "hand_L", id="biped"),
-    pytest.param(ASSETS / "gltf" / "gdquest_mannequiny-0.3.0.glb", "", "", marks=SLOW, id="mannequiny"),
     pytest.param(ASSETS / "gltf" / "kaykit_Barbarian.glb", "", "", marks=SLOW, id="barbarian"),
 ]
 # Of the character's size: what no key was moved of is baked from bytes that are RIG's own.

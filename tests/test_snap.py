@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from places import SAMPLES
+from second_opinions import validator
 from test_bake import animated, control, moved, rigged, run, size, stored
 
 from rigtri.errors import GeometryError, UsageError
@@ -130,8 +132,14 @@ def test_the_command_leaves_the_file_looking_the_same(tmp_path: Path) -> None:
     one, two, out = (tmp_path / f"{k}.glb" for k in range(3))
     run("add-controls", SAMPLES / "biped.glb", "-o", one, "--whole-character")
     run("bake", one, "-o", two, "--to", "controls")
-    done = run("snap", two, "-o", out, "--all-limbs", "--to", "fk", "--at", "walk@0.5")
-    assert done.exit_code == 0, done.output
+    snapping = ("snap", two, "-o", out, "--all-limbs", "--to", "fk", "--at", "walk@0.5")
+    posing = ("pose", two, "-o", tmp_path / "posed.glb", "--at", "walk@0.5")
+    baking = ("bake", two, "-o", tmp_path / "baked.glb")
+    for command in (snapping, posing, baking):
+        told = tmp_path / f"{command[0]}.json"
+        done = run(*command, "--report", told)
+        assert done.exit_code == 0, done.output
+        validator("report").validate(json.loads(told.read_text("utf-8")))
     before, after = read(two).rig, read(out).rig
     assert apart(before, after, "walk@0.5") < BOUND
     assert run("snap", two, "-o", out, "--to", "fk", "--at", "walk@0.5").exit_code == 2

@@ -113,7 +113,7 @@ def _goals(
             x, y, z, w = multiply(conjugate(there), multiply(turn, twins)).tolist()
             found.append(Goal(name, rotation=(x, y, z, w)))
         else:
-            seen = rotate(here, np.array(target["direction"], dtype=np.float64)) * options.across.reflect
+            seen = options.across.directions(rotate(here, np.array(target["direction"], dtype=np.float64)))
             x, y, z = seen.tolist()
             found.append(Goal(name, direction=(x, y, z)))
     return tuple(found)

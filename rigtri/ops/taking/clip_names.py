@@ -199,7 +199,7 @@ class Clock:
             (start, end), (ours, last) = span(taken.clip), span(taken.home.clip)
             late = start * self.factor - ours
             length, own = (end - start) * self.factor, last - ours
-            if abs(late) > 0.5 * frame * self.factor and abs(length - own) <= frame * self.factor:
+            if abs(late) > 1.5 * frame * self.factor and abs(length - own) <= frame * self.factor:
                 self.shift = -late
 
     def times(self, theirs: Floats) -> Floats:

@@ -22,7 +22,7 @@ from rigtri.matrices import skew as skewed
 from rigtri.records import Skin, key_values
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
-from rigtri.vectors import length
+from rigtri.vectors import cross, length, normalise
 
 # What float32 matrices that a DCC has inverted and multiplied leave: radians, and a share of a size.
 SAME_TURN = 1e-4
@@ -135,11 +135,28 @@ def fitted(theirs: Floats, ours: Floats, *, about_origin: bool) -> Similar:
         # Of equals the first, which is the identity: points on a line tell no turn about it.
         if off < 0.99 * least - SAME_PLACE:
             best, least = axes, off
+    if least > _OTHER_SHAPE and not about_origin:
+        axes = _three_point_turn(a, b)
+        off = _spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size
+        if off < 0.1 * least:
+            best, least = axes, off
     matrix = from_frame(best * ratio, np.zeros(3))
     matrix[3, :3] = middle[1] - transform_points(middle[0], matrix)
     if np.abs(matrix[3, :3]).max() <= SAME_PLACE * size:
         matrix[3, :3] = 0.0
     return Similar(matrix, float(least))
+
+
+def _three_point_turn(theirs: Floats, ours: Floats) -> Floats:
+    """The rotation, (3, 3), that lays the farthest of points and the one most aside onto others."""
+    far = int(np.argmax(length(ours)))
+    aside = int(np.argmax(length(cross(ours[far], ours))))
+    frames = []
+    for points in (theirs, ours):
+        x = normalise(points[far])
+        z = normalise(cross(x, points[aside]))
+        frames.append(from_frame(np.stack([x, cross(z, x), z]), np.zeros(3)))
+    return np.asarray(multiply(inverse(frames[0]), frames[1])[:3, :3])
 
 
 def _mean(points: Floats) -> Floats:
