@@ -168,10 +168,12 @@ def _goal(rig: Rig, text: str) -> Goal:
 
 
 def _summary(report: Report) -> str:
-    (entry,) = report.added
+    (entry,) = (entry for entry in report.added if entry["type"] == "poseReader")
+    rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
     rest = ", ".join(f"{name} {value:.3g}" for name, value in entry["rest"].items())
     keys = sum(entry["keys"].values())
     return (
         f"{entry['reader']} reader of {entry['driver']}: at rest {rest}; {keys} keys in "
         f"{counted(len(entry['keys']), 'clip')}, {counted(entry['morphs'], 'morph target')} driven"
+        + (f"; rivets baked anew: {', '.join(rivets)}" if rivets else "")
     )

@@ -17,6 +17,7 @@ from rigtri.matrices import orthonormal_axes
 from rigtri.ops import kept_keys
 from rigtri.ops.added import add, find, group, noted
 from rigtri.ops.called import refuse_taken
+from rigtri.ops.remount import remounted
 from rigtri.quaternions import between, conjugate, from_axes, rotate
 from rigtri.quaternions import multiply as product
 from rigtri.readers import KERNELS, KINDS, MODES, Kernel, Kind, Mode, Reader, relative, same_poses, weights
@@ -133,13 +134,15 @@ def add_posereader(rig: Rig, *, options: Options, report: Report | None = None) 
     """Read how much a joint is in some poses, and drive morph targets or values by it, in every clip.
 
     What it drives has other weights on purpose: ``report.driven`` names it, and the self-check
-    compares all else. A second run finds the reader by its name.
+    compares all else. A second run finds the reader by its name. Rivets on meshes whose morph targets
+    it drives are baked anew.
 
     Raises NameNotFoundError, UsageError, GeometryError (no morphs, poses that coincide), FileError.
     """
     report = report if report is not None else Report()
     options.checked()
-    return _Builder(rig, options, report).build()
+    builder = _Builder(rig, options, report)
+    return remounted(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
 
 
 def options_of(note: Mapping[str, Any]) -> Options:

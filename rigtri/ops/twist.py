@@ -17,6 +17,7 @@ from rigtri.matrices import inverse, nearest_rotation, transform_points
 from rigtri.ops.added import find, noted, plain_name
 from rigtri.ops.called import refuse_taken
 from rigtri.ops.joints import add_joint, move_joint
+from rigtri.ops.remount import remounted_on_spreads
 from rigtri.ops.twist_keys import BOUND, keyed
 from rigtri.records import Mesh, Skin, Spread
 from rigtri.report import Report
@@ -97,7 +98,7 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """Put twist joints along bones, with keys in every clip that turns their drivers.
 
     A second run finds them by the bone and their number and sets them anew. The record of each
-    goes to ``report.added``.
+    goes to ``report.added``. Rivets on meshes whose weights are split are baked anew.
 
     Raises NameNotFoundError, UsageError, GeometryError (a bone without length, a driver elsewhere).
     """
@@ -108,7 +109,7 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
         _check_names(rig, bones, options)
     for each in bones:
         rig = _build(rig, each, options, report)
-    return rig
+    return remounted_on_spreads(rig, report) if options.split_weights else rig
 
 
 def _check_names(rig: Rig, bones: list[_Bone], options: Options) -> None:
