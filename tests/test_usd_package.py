@@ -199,3 +199,26 @@ def test_packages_do_not_stand_in_each_other_without_end(tmp_path: Path) -> None
         path = pack(tmp_path / f"{number}.usdz", ("a.usda", LAYER), ("b.usdz", whole))
         whole = path.read_bytes()
     assert "deep" in error_of(path)
+
+
+def test_bytes_around_a_package_are_kept_behind_it_and_named_in_front(tmp_path: Path) -> None:
+    source = hero(tmp_path)
+    content = source.read_bytes()
+    source.write_bytes(content + bytes(64))
+    document = read(source)
+    out = package.read(write(document, turned(document.rig), tmp_path / "out.usdz"))
+    assert (out.junk, out.comment[-64:]) == (64, bytes(64))
+    source.write_bytes(bytes(64) + content)
+    assert "other bytes stand in front of the package" in error_of(source)
+
+
+def test_an_entry_that_is_a_link_is_refused_by_name(tmp_path: Path) -> None:
+    source = hero(tmp_path)
+    content = bytearray(source.read_bytes())
+    at = content.rfind(b"PK\1\2")
+    name_size = struct.unpack_from("<H", content, at + 28)[0]
+    name = content[at + 46 : at + 46 + name_size].decode()
+    content[at + 5] = 3
+    struct.pack_into("<I", content, at + 38, 0o120777 << 16)
+    source.write_bytes(content)
+    assert f"entry '{name}' is a link" in error_of(source)

@@ -25,6 +25,8 @@ _LOCAL = struct.Struct("<4s5H3I2H")
 _CENTRAL = struct.Struct("<4s6H3I5H2I")
 _END = struct.Struct("<4s4H2IH")
 _BLOCK = struct.Struct("<2H")
+# Who made an entry, where its external attributes hold the mode of a Unix file.
+_UNIX = 3
 _ENCRYPTED, _DESCRIPTOR, _UTF8 = 0x0001, 0x0008, 0x0800
 
 
@@ -58,8 +60,8 @@ class Package:
 
     content: bytes
     entries: tuple[Entry, ...]
+    # With what follows the end of the package, ``junk`` bytes (below 0 where the comment is cut off).
     comment: bytes
-    # What follows the end of the package, which its comment is no part of.
     junk: int = 0
 
     @property
@@ -93,7 +95,11 @@ def read(path: Path) -> Package:
 def parse(content: bytes, path: str) -> Package:
     """The same from its bytes; ``path`` names it in errors."""
     at = content.rfind(b"PK\5\6", max(0, len(content) - 65557))
-    if not content.startswith(b"PK") or at < 0 or at + _END.size > len(content):
+    if at >= 0 and not content.startswith(b"PK"):
+        raise FileError(
+            f"{path}: other bytes stand in front of the package, so USD does not find it; cut them off."
+        )
+    if at < 0 or at + _END.size > len(content):
         raise FileError(f"{path}: no .usdz package (not a zip file, or cut off at the end).")
     _, disk, _, _, count, size, start, comment = _END.unpack_from(content, at)
     if disk or 0xFFFF in (count, disk) or 0xFFFFFFFF in (size, start) or start + size > at:
@@ -156,10 +162,13 @@ def _check(path: str, entries: list[Entry]) -> None:
             f"{path}: '{entries[0].name}' is compressed, which .usdz forbids; pack it again without."
         )
     names = [entry.name for entry in entries]
+    links = {e.name for e in entries if e.made_by >> 8 == _UNIX and (e.external >> 16) & 0o170000 == 0o120000}
     for name in names:
         parts = name.replace("\\", "/").split("/")
         if "\0" in name:
             raise FileError(f"{path}: entry '{name}' has a zero byte in its name, which no file can have.")
+        if name in links:
+            raise FileError(f"{path}: entry '{name}' is a link, which no package may have; pack its target.")
         if name.startswith(("/", "\\")) or ".." in parts or ":" in parts[0]:
             raise FileError(f"{path}: entry '{name}' leads outside the package.")
     if len(set(names)) != len(names):
@@ -207,7 +216,16 @@ def write(package: Package, root: bytes, part: Path) -> None:
             written += len(local) + len(data)
         listing, count = b"".join(directory), len(directory)
         sink.write(listing)
-        end = (b"PK\5\6", 0, 0, count, count, len(listing), written, len(package.comment))
+        end = (
+            b"PK\5\6",
+            0,
+            0,
+            count,
+            count,
+            len(listing),
+            written,
+            len(package.comment) - max(package.junk, 0),
+        )
         sink.write(_END.pack(*end) + package.comment)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import external, schemas
+from rigtri.formats.usd import extent, external, schemas
 from rigtri.formats.usd.silence import silent
 from rigtri.formats.usd.value_types import demand
 from rigtri.report import Notice
@@ -54,7 +54,7 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
     """The composed stage of a file, payloads loaded, and what could not be found for it.
 
     FileError where there is no file, no USD file, one that is cut off, or one that asks for
-    files outside its folder (unless ``allow_external``).
+    files outside its folder (unless ``allow_external``), or for more prims than can be read.
     """
     if not path.is_file():
         raise FileError(f"{path}: there is no such file.")
@@ -67,6 +67,7 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
             # pxr keeps layers that someone holds; the file may have been replaced since.
             known.Reload(True)
         layers = external.check(path, allow_external=allow_external)
+        extent.check(path, layers)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
         del layers  # they had to stay open until the stage has them
     if not stage:
