@@ -92,6 +92,17 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
     type=click.Choice(["locator", "joint"]),
     help="IK ends and pole vectors: nodes, or joints of the skin, which engines import. [locator]",
 )
+@click.option(
+    "--soft",
+    type=click.FloatRange(min=0, max=1, max_open=True),
+    metavar="SHARE",
+    help="How far before it is straight an IK limb slows down, as a share of its length. [as stored, or 0]",
+)
+@click.option(
+    "--stretch/--no-stretch",
+    default=None,
+    help="IK limbs grow to reach their target. [as stored, or not]",
+)
 @facing_option
 @reading_options
 @edit_options
@@ -138,6 +149,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             colors=colors,
             root=values["root"],
             ends=values["kind"],
+            soft=values["soft"],
+            stretch=values["stretch"],
             poles=PoleOptions(reach=values["reach"], facing=values["facing"]),
         )
         return add_controls(rig, options=options, report=report)

@@ -64,14 +64,12 @@ MOST = 20
     type=click.Choice(["yz", "xz", "xy"]),
     default="yz",
     show_default=True,
-    help="The plane between the sides.",
+    help="The plane between the sides, of the space that the joints are in.",
 )
 @click.option(
     "--plane-at",
     type=float,
-    default=0.0,
-    show_default=True,
-    help="Where the plane is on the axis across it, where not at the origin.",
+    help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
 )
 @click.option(
     "--what",
@@ -171,7 +169,7 @@ def _check(values: dict[str, Any], options: Options) -> None:
             "symmetric": not worse and not found.alone,
             "mode": options.mode,
             "plane": options.plane,
-            "plane_at": options.plane_at,
+            "plane_at": found.at,
             "better_plane": None
             if found.better is None
             else {"plane": found.better[0], "plane_at": found.better[1]},
@@ -192,7 +190,9 @@ def _check(values: dict[str, Any], options: Options) -> None:
         if found.better is not None:
             plane, at = found.better
             click.echo(f"most pairs lie about another plane: --plane {plane} --plane-at {at:.6g}", err=True)
-        total = f"{len(found.pairs)} pairs, {len(worse)} not symmetric, {len(found.alone)} nodes without twin"
+        where = f" about --plane {found.plane} --plane-at {found.at:g}" if found.at else ""
+        total = f"{len(found.pairs)} pairs, {len(worse)} not symmetric{where}"
+        total += f", {len(found.alone)} nodes without twin"
         click.echo(total, err=True)
     if worse or found.alone:
         sys.exit(1)

@@ -125,6 +125,12 @@ class Comparison:
         worse = not self.deviation >= self.raw_deviation  # also where the latter is not a number
         return self.raw_deviation if self.raw_counts and worse else self.deviation
 
+    @property
+    def identical(self) -> bool:
+        """Whether all that was there is the same to the bit, so that no pose had to be evaluated."""
+        apart = self.poses or self.moved is not None or self.driven
+        return not (apart or self.lost or self.changed or self.different)
+
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
         return not self.lost and not self.different and self.shown <= tolerance
@@ -146,6 +152,7 @@ class Comparison:
             "changed": list(self.changed),
             "different": list(self.different),
             "poses": self.poses,
+            "identical": self.identical,
             "boxed": list(self.boxed),
             **({} if self.moved is None else {"moved": _finite(self.moved)}),
             **(
@@ -158,6 +165,8 @@ class Comparison:
     def summary(self) -> str:
         """One line: the number, where it is, what rotations that are not unit show, and what is lost."""
         line = f"max deviation {self.deviation:.2g} of the size"
+        if self.identical:
+            line += ": nothing that was there has changed"
         if self.worst is not None and self.deviation > 0:
             line += f" ({self.worst})"
         if self.denormalisation > WORTH_SAYING or self.shown > max(self.deviation, TOLERANCE):

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rigtri.errors import GeometryError, UsageError
 from rigtri.pose import sample
 from rigtri.records import Clip, Interpolation, Path, Track
 from rigtri.rig import Rig
@@ -52,6 +53,28 @@ def timelines(rig: Rig) -> list[Timeline]:
         members = (first, *(k for k in together if k != first))
         found.append(Timeline(Clip(rig.clips[first].name, tuple(tracks.values())), members))
     return found
+
+
+def moment(rig: Rig, text: str) -> tuple[Timeline | None, float]:
+    """The timeline and the time that ``CLIP@TIME`` names, the last @ splits; None and 0 for ``rest``.
+
+    Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
+    """
+    if text == "rest":
+        return None, 0.0
+    name, mark, time = text.rpartition("@")
+    try:
+        at = float(time)
+    except ValueError:
+        at = float("nan")
+    if not mark or not np.isfinite(at):
+        raise UsageError(f"'{text}' is no pose: give CLIP@TIME, e.g. walk@0.5, or rest")
+    clip = rig.clip(name)
+    number = next((k for k, known in enumerate(rig.clips) if known is clip or known.played is clip), -1)
+    found = next((t for t in timelines(rig) if number in t.members), None)
+    if found is None:
+        raise GeometryError(f"Clip '{name}' has no keys")
+    return found, at
 
 
 def _is_default(clip: Clip) -> bool:
@@ -193,7 +216,8 @@ def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Fl
     rows = sample(was, together)
     new = Track(was.node, "weights", "LINEAR", times, values)
     rows[:, list(columns)] = sample(new, together)
-    return replace(was, interpolation=_linear(together), times=together, values=rows)
+    unlisted = was.unlisted.difference(columns)
+    return replace(was, interpolation=_linear(together), times=together, values=rows, unlisted=unlisted)
 
 
 def _linear(times: Floats) -> Interpolation:

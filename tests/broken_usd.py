@@ -256,6 +256,16 @@ USD: dict[str, list[Make]] = {
         for time in ("inf", "-inf")
     ]
     + [replaced("blendShapeWeights = [0.5]", "blendShapeWeights.timeSamples = { 1: [0.5], inf: [1] }")],
+    "usd.anim.array-edits": [
+        moving(
+            translations=f"float3[] translations.timeSamples = {{ 1: {PLACES}, "
+            "2: edit [ write (1, 1, 1) to [1] ] }"
+        ),
+        replaced(
+            "blendShapeWeights = [0.5]",
+            "blendShapeWeights.timeSamples = { 1: [0.5], 2: edit [ write 1 to [0] ] }",
+        ),
+    ],
     "usd.anim.rotation-zero": [keys("(0, 0, 0, 0)")],
     "usd.anim.rotation-not-unit": [keys("(1.01, 0, 0, 0)")],
     "usd.anim.blend-length": [replaced("blendShapeWeights = [0.5]", "blendShapeWeights = [0.5, 1]")],

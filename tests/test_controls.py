@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
-from places import asset_files, leave_out_refused, sample_files
+from places import SAMPLES, asset_files, leave_out_refused, sample_files
 from rigs import chain
 from second_opinions import khronos_errors, usd_errors, validator
 
+from rigtri.cli.main import program
 from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import Options as ReadOptions
@@ -263,3 +264,29 @@ def test_controls_made_before_those_above_them_stay_where_they_are_and_say_so(
         assert len(fk) == len(set(fk)) > 10  # one for each joint
         edit(whole, again, all_of_it)
         assert again.read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) -> None:
+    once, twice, across, plain = (tmp_path / f"{k}{Path(name).suffix}" for k in range(4))
+    limb = ("--ik", "upper_arm_L", "forearm_L", "hand_L")
+
+    def run(*arguments: Any) -> None:
+        result = CliRunner().invoke(program, [str(argument) for argument in arguments])
+        assert result.exit_code == 0, result.output
+
+    def note(path: Path, joint: str) -> Any:
+        notes = read(path).rig.notes.values()
+        return next(
+            n for n in notes if n.get("kind") == "ik" and n["type"] == "control" and n["joint"] == joint
+        )
+
+    run("add-controls", SAMPLES / name, "-o", once, *limb, "--soft", "0.125", "--stretch")
+    assert (note(once, "hand_L")["soft"], note(once, "hand_L")["stretch"]) == (0.125, True)
+    validator("node").validate(dict(note(once, "hand_L")))
+    run("add-controls", once, "-o", twice, *limb)
+    assert once.read_bytes() == twice.read_bytes()
+    run("mirror", once, "-o", across, "--what", "controls", "--what", "polevectors")
+    assert (note(across, "hand_R")["soft"], note(across, "hand_R")["stretch"]) == (0.125, True)
+    run("add-controls", once, "-o", plain, *limb, "--soft", "0", "--no-stretch")
+    assert not {"soft", "stretch"} & set(note(plain, "hand_L"))

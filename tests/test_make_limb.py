@@ -352,3 +352,14 @@ def test_a_users_mistake_is_told_and_nothing_written(
     assert result.exit_code == code, result.output
     assert told in result.output
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("name", "plain"), [("1-2", "_1_2"), ("Ärm", "rm"), ("my limb", "my_limb")])
+def test_a_name_that_cannot_be_as_given_is_told(name: str, plain: str, samples: Path) -> None:
+    report = Report()
+    points = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
+    out = make_limb(read(samples / "biped.glb").rig, options=Options(points=points, name=name), report=report)
+    assert out.has(f"{plain}_1")
+    told = [notice.text for notice in report.warnings if notice.code == "name-changed"]
+    assert len(told) == 1
+    assert f"'{name}' becomes '{plain}'" in told[0]

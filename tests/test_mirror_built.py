@@ -33,7 +33,7 @@ from rigtri.ops.posereader import Options as Reading
 from rigtri.ops.rivet import Options as Rivet
 from rigtri.ops.rivet import add_rivet
 from rigtri.ops.select import Selection
-from rigtri.ops.twins import MIRRORS, Mirror, mirrored_axes, reflection
+from rigtri.ops.twins import MIRRORS, Across, Mirror, mirrored_axes
 from rigtri.ops.twist import Options as Twist
 from rigtri.ops.twist import add_twist
 from rigtri.pipeline import edit
@@ -46,7 +46,7 @@ from rigtri.rules import rules_of
 from rigtri.trigonometry import Floats
 
 FILES = ["biped.glb", "biped.usda"]
-REFLECT = reflection("yz")
+REFLECT = np.array([-1.0, 1.0, 1.0])
 WING = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
 
 
@@ -143,7 +143,7 @@ def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, sample
     for part in (1, 2, 3):
         here, there = (world[out.find(f"wing_{part}_{side}")] for side in "LR")
         assert_allclose(there[3, :3], np.array(WING[part - 1]) * [-1, 1, 1], atol=1e-7)
-        wanted = mirrored_axes(nearest_rotation(here), mode, REFLECT)
+        wanted = mirrored_axes(nearest_rotation(here), mode, Across())
         assert_allclose(nearest_rotation(there), wanted, atol=1e-6)
     assert said(out, "wing_1_R")["chain"] == ["wing_1_R", "wing_2_R", "wing_3_R"]
     assert ("aim" in said(out, "wing_1_R")) == (mode != "orientation")
@@ -185,7 +185,7 @@ def test_mirrored_drivers_give_mirrored_children_by_the_mirrored_constraint(buil
         found.append(after(at[0], above))
     here, there = found
     assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
-    wanted = mirrored_axes(nearest_rotation(here), "behavior", REFLECT)
+    wanted = mirrored_axes(nearest_rotation(here), "behavior", Across())
     assert_allclose(nearest_rotation(there), wanted, atol=1e-5)  # the biped's sides differ by 1e-7
     moved = here - worlds(built)[built.find(f"{child}_L")]
     assert np.abs(moved).max() > 1e-2

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from crowds import contents
 from pxr import Sdf, Usd
-from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, turned, write
+from usd_files import MESH, ONE, animation, deviation, read, save, scene, skeleton, skinned, turned, write
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import layers
@@ -220,3 +220,38 @@ def Xform "World"
     out = write(document, turned(document.rig), tmp_path / "out.usda")
     assert deviation(source, out) < 1e-6
     assert not document.warnings
+
+
+def edits_of(how: str) -> str:
+    return f'over "Root"\n{{\nover "Anim"\n{{\nquatf[] rotations{how}\n}}\n}}\n'
+
+
+ARRAY_EDIT = "edit [ write (0, 0, 1, 0) to [1] ]"
+
+
+@pytest.mark.parametrize("how", [f".timeSamples = {{ 1: {ARRAY_EDIT} }}", f" = {ARRAY_EDIT}"])
+def test_array_edits_of_what_moves_are_refused_with_layer_and_path(how: str, tmp_path: Path) -> None:
+    """UsdSkel plays what they make of the weaker arrays, and holds it between samples."""
+    save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    shot = save(tmp_path, "#usda 1.0\n(\nsubLayers = [@./hero.usda@]\n)\n" + edits_of(how), "shot.usda")
+    plain, edited = (Usd.Stage.Open(str(tmp_path / name)) for name in ("hero.usda", "shot.usda"))
+    apart = [skinned(stage, Usd.TimeCode(1))["/Root/Skin"] for stage in (plain, edited)]
+    assert float(np.abs(apart[0] - apart[1]).max()) > 0.1
+    with pytest.raises(FileError, match=r"</Root/Anim\.rotations> of .*shot\.usda edits an array"):
+        read(shot)
+
+
+def test_array_edits_among_whole_samples_of_one_layer_are_refused(tmp_path: Path) -> None:
+    moves = rotations(t1=QUARTER, t3=ARRAY_EDIT, t5=OTHER)
+    source = save(tmp_path, scene(skeleton(), animation(rotations=moves), MESH))
+    with pytest.raises(FileError, match=r"</Root/Anim\.rotations> of .*in\.usda edits an array"):
+        read(source)
+
+
+def test_array_edits_of_a_rest_pose_are_composed_and_turned(tmp_path: Path) -> None:
+    save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    edit = f"uniform matrix4d[] restTransforms = edit [ write {ONE} to [0] ]"
+    text = f'#usda 1.0\n(\nsubLayers = [@./hero.usda@]\n)\nover "Root"\n{{\nover "Skel"\n{{\n{edit}\n}}\n}}\n'
+    source = save(tmp_path, text, "shot.usda")
+    document = read(source)
+    assert deviation(source, write(document, turned(document.rig), tmp_path / "out.usda")) < 1e-5

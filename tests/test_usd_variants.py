@@ -103,9 +103,22 @@ SCENES = {
     "skeleton": scene(animation(), MESH, variant_set("clip", a=skeleton(), b=skeleton(rest=TALL))),
     # Only one variant has it.
     "only": scene(animation(), variant_set("clip", a=skeleton() + "\n" + MESH, b='def Xform "Prop" {\n}')),
+    # Only one variant has anything, or shows it.
+    "none": scene(variant_set("clip", a="\n".join((skeleton(), animation(), MESH)), b="")),
+    "hidden": scene(
+        f'def Scope "Body"\n{{\n{skeleton()}\n}}',
+        animation(),
+        MESH.replace("/Root/Skel", "/Root/Body/Skel"),
+        variant_set("clip", a="", b='over "Body" (active = false) {\n}'),
+    ),
+    "idle": scene(
+        skeleton(), animation(), MESH, variant_set("clip", a="", b='over "Skel" (active = false) {\n}')
+    ),
     # There is but one variant.
     "single": scene(animation(), variant_set("clip", a=skeleton() + "\n" + MESH)),
 }
+# The scenes whose variant b shows no skeleton.
+WITHOUT = ("only", "none", "hidden", "idle")
 
 
 @pytest.mark.parametrize("arc", ["", "references", "payload"])
@@ -118,18 +131,20 @@ def test_every_variant_looks_as_before(name: str, override: str, arc: str, tmp_p
         source = save(tmp_path, f'#usda 1.0\ndef "Root" ({arc} = @./parts/hero.usda@)\n{{\n}}\n')
     out = edited(source, tmp_path, override=override)
     stage = Usd.Stage.Open(str(out))
+    skel = "/Root/Body/Skel" if name == "hidden" else "/Root/Skel"
     root = stage.GetPrimAtPath("/Root").GetVariantSet("clip")
     assert root.GetVariantSelection() == "a"
     for variant in root.GetVariantNames():
-        if name == "only" and variant == "b":
-            assert not selecting(out, "/Root", {"clip": "b"}).GetPrimAtPath("/Root/Skel")
+        if name in WITHOUT and variant == "b":
+            hidden = selecting(out, "/Root", {"clip": "b"}).GetPrimAtPath(skel)
+            assert not hidden or not hidden.IsActive()
             continue
         assert apart(source, out, {"clip": variant}) < 1e-5
     assert apart(source, out, {}) < 1e-5
     # The axes are new in every variant that has the skeleton.
-    for variant in set(root.GetVariantNames()) - ({"b"} if name == "only" else set()):
+    for variant in set(root.GetVariantNames()) - ({"b"} if name in WITHOUT else set()):
         stages = [selecting(path, "/Root", {"clip": variant}) for path in (source, out)]
-        one, other = (s.GetPrimAtPath("/Root/Skel").GetAttribute("restTransforms").Get() for s in stages)
+        one, other = (s.GetPrimAtPath(skel).GetAttribute("restTransforms").Get() for s in stages)
         assert one != other
 
 

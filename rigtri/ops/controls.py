@@ -17,7 +17,7 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import Limb, recognise
 from rigtri.matrices import nearest_rotation
 from rigtri.naming import Side, side
-from rigtri.ops.added import add, find, group, home, stand
+from rigtri.ops.added import add, find, group, home, noted, stand
 from rigtri.ops.aims import Aim, Rules, aim_of, limb_children
 from rigtri.ops.joints import Kind as EndKind
 from rigtri.ops.joints import add_joint, as_wanted, beside, move_joint
@@ -54,7 +54,9 @@ class Options:
     control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them.
     size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}.
     shapes: by kind of control (fk, ik, root, pole). colors: by side (left, right, "").
-    ends: whether IK ends and pole vectors are controls or joints; None keeps what is there.
+    ends: whether IK ends and pole vectors are controls or joints; None keeps what is there. soft: how
+    far before it is straight an IK limb slows down, as a share of its length; stretch: it grows to
+    reach its target; None keeps what is there.
     """
 
     selection: Selection = Selection()
@@ -69,6 +71,8 @@ class Options:
     root: str | None = None
     poles: PoleOptions = field(default_factory=PoleOptions)
     ends: EndKind | None = None
+    soft: float | None = None
+    stretch: bool | None = None
 
     def checked(self) -> Options:
         """UsageError for what fits no control."""
@@ -80,6 +84,8 @@ class Options:
         except (KeyError, IndexError, ValueError, AttributeError) as error:
             tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
             raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
+        if self.soft is not None and not 0 <= self.soft < 1:
+            raise UsageError("--soft is a share of the limb, from 0 to below 1")
         if not (self.selection.named or self.whole_character or self.root_control or self.ik or self.ik_auto):
             raise UsageError(
                 "say which joints get controls: --chain START END, --joints GLOB, --below NAME, "
@@ -184,6 +190,18 @@ class _Builder:
             self._ik_joint(limb, known, about)
         else:
             self._control(limb.end, "ik", about)
+        self._limits(about)
+
+    def _limits(self, about: Mapping[str, Any]) -> None:
+        """How an IK limb reaches, on its control's note; what says nothing is not stored."""
+        control = self._find("ik", about)
+        given = {"soft": self.options.soft, "stretch": self.options.stretch}
+        told = {word: value for word, value in given.items() if value is not None}
+        if control is None or not told:
+            return
+        note = {word: value for word, value in self.rig.notes[control].items() if word not in told}
+        note |= {word: value for word, value in told.items() if value}
+        self.rig = noted(self.rig, control, note)
 
     def _ik_joint(self, limb: Limb, known: int | None, about: Mapping[str, Any]) -> None:
         """A joint beside a limb, in the frame of its end; nothing is drawn, engines show bones themselves."""

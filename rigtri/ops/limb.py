@@ -98,6 +98,10 @@ def make_limb(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """
     report = report if report is not None else Report()
     options.checked()
+    for name in (options.name, *options.names):
+        if (plain := plain_name(name)) != name:
+            text = f"'{name}' becomes '{plain}': USD and three.js know only names of a to z, digits and"
+            report.warn("name-changed", f"{text} underscores that do not begin with a digit")
     shape = _shape(rig, options, report)
     known = _known(rig, options.title)
     if known:

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.ops.middle import parting, tell
 from rigtri.ops.mirroring.across import WHAT, Options, What, side
 from rigtri.ops.mirroring.controls import mirror_controls, mirror_poles
 from rigtri.ops.mirroring.limbs import mirror_limbs, mirror_twists
@@ -42,9 +43,14 @@ def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = 
     report = report if report is not None else Report()
     if not options.what or not set(options.what) <= set(WHAT):
         raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
-    joints = skeleton(rig, options.root).joints
-    if not any(side_of(rig, joint) for joint in joints) and not any(side(rig, node) for node in rig.notes):
+    tree = skeleton(rig, options.root)
+    if not any(side_of(rig, joint) for joint in tree.joints) and not any(
+        side(rig, node) for node in rig.notes
+    ):
         raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
+    parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)
+    tell(options.plane, options.plane_at, parted, report)
+    options = replace(options, across=parted.across)
     steps = {
         "limbs": mirror_limbs,
         "joints": _joints,
@@ -70,7 +76,7 @@ def _joints(rig: Rig, options: Options, report: Report) -> Rig:
         keep=True,
         mirror=options.mode,
         from_side=options.from_side,
-        plane=options.plane,
+        across=options.across,
         selection=both,
         on_nonuniform_scale=options.on_nonuniform_scale,
         on_constraint=options.on_constraint,

@@ -5,7 +5,7 @@ Source: "Matrix parent constraint" (twist distribution, announced); `rigtri.twis
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from rigtri.matrices import inverse, nearest_rotation, transform_points
 from rigtri.ops.added import find, noted
 from rigtri.ops.joints import add_joint, move_joint
 from rigtri.ops.twist_keys import BOUND, keyed
-from rigtri.records import Skin, Spread
+from rigtri.records import Mesh, Skin, Spread
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import ZERO_LENGTH
@@ -28,6 +28,8 @@ from rigtri.vectors import length
 COUNT, MOST = 2, 64
 NAME = "{joint}_twist_{number}"
 TOKENS = ("joint", "number")
+# The key of a note with {mesh, count} each: how many joints points had room for before the split.
+INFLUENCES = "influences"
 
 
 @dataclass(frozen=True)
@@ -151,8 +153,28 @@ def _build(rig: Rig, of: _Bone, options: Options, report: Report) -> Rig:
         rig, node = _joint(rig, of, number, line, options, report)
         made.append(node)
     if options.split_weights:
-        rig = replace(rig, spreads=(*rig.spreads, *_spreads(rig, of, line, options, report)))
+        found = _spreads(rig, of, line, options, report)
+        rig = _with_influences(replace(rig, spreads=(*rig.spreads, *found)), made[0], found)
     return rig
+
+
+def _with_influences(rig: Rig, node: int, spreads: Sequence[Spread]) -> Rig:
+    """Let the note of a bone's first twist joint say how many joints points could have, unless it does.
+
+    Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
+    """
+    if not rig.raw or INFLUENCES in rig.notes[node]:
+        return rig
+    skins = {spread.skin for spread in spreads}
+    widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}
+    if not widths:
+        return rig
+    said = [{"mesh": rig.address(mesh), "count": width} for mesh, width in widths.items()]
+    return noted(rig, node, {**rig.notes[node], INFLUENCES: said})
+
+
+def _roomy(mesh: Mesh) -> bool:
+    return bool(mesh.weights.shape[1] and not mesh.weights[:, -1].any())
 
 
 def _check_count(rig: Rig, of: _Bone, options: Options) -> None:
@@ -188,6 +210,7 @@ def _joint(
         name = options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
         rig, node = add_joint(rig, name, of.joint, note, place, axes)
     else:
+        note |= {key: rig.notes[node][key] for key in (INFLUENCES,) if key in rig.notes[node]}
         rig = move_joint(noted(rig, node, note), node, place, axes)
     rig, keys = _keys(rig, node, note, options, report)
     report.added.append(

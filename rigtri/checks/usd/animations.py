@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.checks.findings import listed
 from rigtri.checks.usd.scene import Scene, at_time
 from rigtri.formats.usd.animations import NON_UNIT, PROPERTIES
+from rigtri.formats.usd.samples import array_edits
 from rigtri.formats.usd.stage import DEFAULT
 from rigtri.quaternions import norm
 from rigtri.reframe import SAME_SCALE
@@ -55,6 +56,8 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...], users: list[
 def _check_property(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...], known: set[str]) -> None:
     said: set[str] = set()
     _check_times(scene, prim, name)
+    if _is_edited(scene, prim, name):
+        return
     for time, value in scene.keys(prim, name):
         array = scene.array(prim, name, value)
         if array is None:
@@ -76,6 +79,14 @@ def _check_times(scene: Scene, prim: Any, name: str) -> None:
     if lost:
         text = f"{len(lost)} of {len(times)} time samples of {name} {'is' if len(lost) == 1 else 'are'} "
         scene.add("usd.anim.time", prim, name, f"{text}{at_time(lost[0])}")
+
+
+def _is_edited(scene: Scene, prim: Any, name: str) -> bool:
+    """Whether array edits make the values of a property, which is noted; they have no values of their own."""
+    edits = array_edits(prim.GetAttribute(name)) if prim.HasAttribute(name) else ""
+    if edits:
+        scene.add("usd.anim.array-edits", prim, name, edits)
+    return bool(edits)
 
 
 def _check_values(
@@ -116,7 +127,7 @@ def _check_values(
 def _check_blend(scene: Scene, prim: Any) -> None:
     _check_times(scene, prim, "blendShapeWeights")
     names = scene.words(prim, "blendShapes")
-    if scene.has_other(prim, "blendShapes"):
+    if scene.has_other(prim, "blendShapes") or _is_edited(scene, prim, "blendShapeWeights"):
         return
     for time, value in scene.keys(prim, "blendShapeWeights"):
         weights = scene.array(prim, "blendShapeWeights", value)

@@ -187,6 +187,13 @@ RULES = (
         "Remove the sample, or give it a time.",
     ),
     Rule(
+        "usd.anim.array-edits",
+        "error",
+        "A layer edits single items of an array that moves over time. USD holds such arrays from sample to "
+        "sample, and orient-joints does not turn them.",
+        "Write whole arrays there, or flatten the stage.",
+    ),
+    Rule(
         "usd.anim.rotation-zero",
         "error",
         "A rotation is (0, 0, 0, 0), which is no rotation.",

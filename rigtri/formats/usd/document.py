@@ -26,6 +26,7 @@ from rigtri.formats.usd import (
     meshes,
     needed,
     package,
+    repeated,
     splice,
     splits,
     variant_edits,
@@ -111,7 +112,8 @@ class UsdDocument:
             edits += weights.weight_edits(source, rig, notices)
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)
-            self._write([*first, *routed, *last], part, target, notices)
+            every = [*first, *routed, *last]
+            self._write(every, part, target, notices, strips=bool(rig.removed))
             if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
@@ -148,6 +150,11 @@ class UsdDocument:
             return _over(layer, below, part, True)[0], layer
         return Usd.Stage.Open(layer), layer
 
+    def _in_place(self, layer: Any) -> Any:
+        """The stage of an anonymous layer that stands where the source stands."""
+        layers.rename_assets(layer, layers.anchored(self._source.path.parent, self._source.layer))
+        return Usd.Stage.Open(layer)
+
     @property
     def _trusting(self) -> Options:
         """Where the output lies in another folder, the source's files are outside it, but were allowed."""
@@ -181,7 +188,9 @@ class UsdDocument:
         path = os.path.relpath(self._source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
         return path if path.startswith("../") else f"./{path}"
 
-    def _write(self, edits: list[Edit], part: Path, target: Path, notices: list[Notice]) -> None:
+    def _write(
+        self, edits: list[Edit], part: Path, target: Path, notices: list[Notice], *, strips: bool
+    ) -> None:
         source, override = self._source, self._options.override
         if override and not self._is_override():
             layer = self._override(target) if override == "stage" else self._opinions(target)
@@ -196,6 +205,8 @@ class UsdDocument:
         layer = layers.copy_of(self._layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
         _apply(source.stage, edits, layer, notices)
+        if strips and not packed and not self._is_override():
+            repeated.without_repeated(source.stage, layer, edits, self._in_place)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             shutil.copyfile(source.path, part)

@@ -31,11 +31,13 @@ _SAME = 1e-6
 def time_samples(attribute: Any) -> Samples:
     """All samples in the stage's time; the value of a blocked one is None.
 
-    FileError where value clips jump in a way that samples cannot say.
+    FileError where value clips jump in a way that samples cannot say, and for array edits.
     """
     times = attribute.GetTimeSamples()
     if not times:
         return []
+    if edits := array_edits(attribute):
+        raise FileError(f"{edits}, which rigtri cannot turn. Write whole arrays there, or flatten the stage.")
     if from_clips(attribute, times):
         return _of_clips(attribute, times)
     for spec, offset in attribute.GetPropertyStackWithLayerOffsets(DEFAULT):
@@ -45,6 +47,25 @@ def time_samples(attribute: Any) -> Samples:
             found = [(time, None if _blocks(value) else value) for time, value in found]
             return sorted(found, key=lambda sample: sample[0])
     return [(time, attribute.Get(time)) for time in times]
+
+
+def array_edits(attribute: Any) -> str:
+    """Which opinion only says what is other in a weaker array although the attribute moves; "" for none.
+
+    USD holds the edited arrays between samples, which no samples say. Source: Usd.Attribute.Get (26.11).
+    """
+    if not attribute.GetTimeSamples():
+        return ""
+    for spec in attribute.GetPropertyStack(DEFAULT):
+        own = spec.layer.ListTimeSamplesForPath(spec.path)
+        values = [spec.layer.QueryTimeSample(spec.path, time) for time in own]
+        if not own and spec.HasDefaultValue():
+            values.append(spec.default)
+        if any(type(value).__name__.endswith("ArrayEdit") for value in values):
+            return f"<{spec.path}> of {spec.layer.identifier} edits an array that moves over time"
+        if own:
+            break  # what is weaker is not heard
+    return ""
 
 
 def from_clips(attribute: Any, times: Sequence[float]) -> bool:

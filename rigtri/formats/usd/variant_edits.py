@@ -114,7 +114,10 @@ def _route(turns: _Turns, trial: Trial, result: dict[Any, Setting], expected: Ex
     for attribute in [path for path in result if trial.depends.get(path)]:
         if attribute in base.shown:
             _put(result.pop(attribute), base, trial, result)
+    joints = Sdf.Path(trial.skeleton.path).AppendProperty("joints")
     for state in trial.states[1:]:
+        if joints not in state.shown:
+            continue  # a variant without the skeleton has nothing to be turned
         wanted = turns.settings(trial, state)
         expected.add(trial, state, wanted)
         for edit in wanted:

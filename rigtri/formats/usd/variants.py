@@ -13,6 +13,7 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.bound_animation import idle_above
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.stage import DEFAULT
 
@@ -113,12 +114,15 @@ class Trial:
         """An attribute may be there and move nothing; what counts is whether a set changes its values."""
         every = {path for step in steps for state in step[:2] for path in state.shown}
         found: dict[int, Origins] = {}
+        idle: dict[int, set[Any]] = {}
         for one, other, of in steps:
             for state in (one, other):
                 if id(state) not in found:
                     self.choose(state.chosen)
                     found[id(state)] = self._origins_of(every)
-            for path in _differing(found[id(one)], found[id(other)]):
+                    idle[id(state)] = {path for path in every if idle_above(self.stage, path.GetPrimPath())}
+            hidden = idle[id(one)] | idle[id(other)]
+            for path in _differing(found[id(one)], found[id(other)]) - hidden:
                 self.depends.setdefault(path, set()).add(of)
 
     def _look(self, chosen: Mapping[VariantSet, str]) -> State:
@@ -126,7 +130,7 @@ class Trial:
         prim = self.stage.GetPrimAtPath(self.skeleton.path)
         shown: Origins = {}
         targets = _targets(prim) if prim else []
-        if prim and prim.GetTypeName() == "Skeleton":
+        if prim and prim.GetTypeName() == "Skeleton" and prim.IsActive():
             paths = [path.AppendProperty(name) for path in (prim.GetPath(), *targets) for name in VALUES]
             shown = self._origins_of([*paths, prim.GetPath().AppendProperty(_SOURCE)])
         above = _prefixes([self.skeleton.path, *map(str, targets)])

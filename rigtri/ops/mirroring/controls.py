@@ -63,7 +63,8 @@ def _one_control(
         poles = PoleOptions(bends=_bends(rig, note, there, options))
         wanted: Kind = "joint" if joint else "locator"
         ends = wanted if before is None else None
-        made = ControlOptions(ik=(limb,), shapes=shapes, poles=poles, ends=ends)
+        soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
+        made = ControlOptions(ik=(limb,), shapes=shapes, poles=poles, ends=ends, soft=soft, stretch=stretch)
     rig = add_controls(rig, options=made, report=report)
     found = find(rig, type="control", kind=kind, joint=there["joint"])
     if found is None or rig.is_joint[found]:
@@ -81,8 +82,8 @@ def _bends(
     places = [rig.world[rig.find(name), 3, :3] for name in there["chain"]]
     if pole is None or bend_sine(*places) >= NO_PLANE:
         return {}
-    away = (rig.world[pole, 3, :3] - rig.world[rig.find(note["chain"][1]), 3, :3]) * options.across.reflect
-    x, y, z = away.tolist()
+    away = rig.world[pole, 3, :3] - rig.world[rig.find(note["chain"][1]), 3, :3]
+    x, y, z = options.across.directions(away).tolist()
     return {there["chain"][1]: (x, y, z)}
 
 
@@ -111,7 +112,7 @@ def mirror_poles(rig: Rig, options: Options, report: Report) -> Rig:
             continue
         world = unposed(rig, node)
         place = options.across.points(world[3, :3])
-        axes = mirrored_axes(orthonormal_axes(world), options.mode, options.across.reflect)
+        axes = mirrored_axes(orthonormal_axes(world), options.mode, options.across)
         found = find(rig, type="poleVector", chain=there["chain"])
         new = found is None
         name = twin_name(rig.names[node], f"{rig.names[rig.find(there['chain'][1])] or 'limb'}_pole")

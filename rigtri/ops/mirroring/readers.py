@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from rigtri.matrices import orthonormal_axes
 from rigtri.naming import twin
 from rigtri.ops.added import find
 from rigtri.ops.mirroring.across import Options, alike, direction, lone, of_side, other, size_of, twin_name
-from rigtri.ops.posereader import Goal, add_posereader
+from rigtri.ops.posereader import Goal, add_posereader, options_of
 from rigtri.ops.posereader import Options as ReaderOptions
 from rigtri.pose import worlds
 from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate
@@ -66,21 +67,15 @@ def _wanted(
         return None
     morphs, attributes = _outputs(rig, node, note, report)
     x, y, z = direction(rig, here, there, np.array(note["axis"], dtype=np.float64), options).tolist()
-    return ReaderOptions(
+    return replace(
+        options_of(note),
         driver=rig.address(there),
         axis=(x, y, z),
         frame=rig.address(frames[1]) if frames[1] >= 0 else "world",
-        reader=note["reader"],
         targets=goals,
         morphs=morphs,
         attributes=attributes,
-        inner=float(note.get("inner", 0.0)),
-        outer=float(note.get("outer", 90.0)),
-        kernel=note.get("kernel", "linear"),
-        mode=note.get("mode", "swing"),
         name=name,
-        within=float(note["within"]),
-        fps=note.get("fps"),
     )
 
 
@@ -118,7 +113,7 @@ def _goals(
             x, y, z, w = multiply(conjugate(there), multiply(turn, twins)).tolist()
             found.append(Goal(name, rotation=(x, y, z, w)))
         else:
-            seen = rotate(here, np.array(target["direction"], dtype=np.float64)) * options.across.reflect
+            seen = options.across.directions(rotate(here, np.array(target["direction"], dtype=np.float64)))
             x, y, z = seen.tolist()
             found.append(Goal(name, direction=(x, y, z)))
     return tuple(found)
