@@ -75,7 +75,7 @@ def reaches(rig: Rig) -> Floats:
     reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
     for posed in _stretched(rig):
         reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
-    return reach / size
+    return np.asarray(reach / size)
 
 
 def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
@@ -85,8 +85,7 @@ def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
         parents = rig.parents[level]
         bones = length(world[:, level, 3, :3] - world[:, parents, 3, :3])
         far = np.where(np.isfinite(bones), bones, 0.0) + reach[:, level]
-        for time in range(len(reach)):
-            np.maximum.at(reach[time], parents, far[time])
+        np.maximum.at(reach.T, parents, far.T)
     return reach
 
 
