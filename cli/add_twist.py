@@ -18,6 +18,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -147,7 +148,8 @@ def _summary(report: Report) -> str:
     new = [entry for entry in made if entry["new"]]
     bones = {(entry["joint"], entry["to"]) for entry in made}
     clips = {clip["clip"] for entry in made for clip in entry["clips"]}
-    keys = f", with keys in {len(clips)} clips" if clips else ""
+    keys = f", with keys in {counted(len(clips), 'clip')}" if clips else ""
     rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
     told = f"; rivets baked anew: {', '.join(rivets)}" if rivets else ""
-    return f"{len(made)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}{told}"
+    along = f"{counted(len(made), 'twist joint')} along {counted(len(bones), 'bone')}"
+    return f"{along}, {len(new)} of them new{keys}{told}"

@@ -32,6 +32,7 @@ _WHERE = {
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
     "check": "rigtri.checks",
+    "register_usd_schemas": "rigtri.formats.usd.schemas",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
@@ -56,6 +57,7 @@ __all__ = [
     "mirror",
     "orient_joints",
     "read",
+    "register_usd_schemas",
     "snap",
     "strip",
     "take_clips",
@@ -70,6 +72,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.formats.usd.schemas import register_usd_schemas
     from rigtri.ops.bake import bake
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls

@@ -157,15 +157,31 @@ def test_split_weights_come_back_in_their_places_and_width(name: str, samples: P
     assert comes_back(source, split_arm, tmp_path) == source.read_bytes()
 
 
-def test_rest_transforms_that_a_skeleton_did_not_have_go_again(samples: Path, tmp_path: Path) -> None:
-    source = in_format(".usda", samples, tmp_path)
+def test_rest_transforms_that_a_skeleton_did_not_have_go_again(tmp_path: Path) -> None:
+    source = arm_usd(tmp_path)
     layer = Sdf.Layer.FindOrOpen(str(source))
-    path = next(p.GetPath() for p in Usd.Stage.Open(layer).Traverse() if p.GetTypeName() == "Skeleton")
+    stage = Usd.Stage.Open(layer)
+    path = next(prim.GetPath() for prim in stage.Traverse() if prim.GetTypeName() == "Skeleton")
     del layer.GetPrimAtPath(path).properties["restTransforms"]
     layer.Save()
-    assert comes_back(source, split_arm, tmp_path) == source.read_bytes()
+
+    def step(rig: Rig, report: Report) -> Rig:
+        wanted = twist.Options(bones=(("a", "b"),), count=2, lower=True)
+        return twist.add_twist(rig, options=wanted, report=report)
+
+    assert comes_back(source, step, tmp_path) == source.read_bytes()
     built = Sdf.Layer.FindOrOpen(str(tmp_path / "built.usda"))
     assert built.GetAttributeAtPath(path.AppendProperty("restTransforms"))
+
+
+@pytest.mark.parametrize("name", ["split weights", "pole joints", "limbs", "everything"])
+def test_a_character_that_is_referred_to_keeps_no_opinions(name: str, samples: Path, tmp_path: Path) -> None:
+    in_format(".usda", samples, tmp_path)
+    source = tmp_path / "shot.usda"
+    stage = Usd.Stage.CreateNew(str(source))
+    stage.DefinePrim("/Shot/hero").GetReferences().AddReference("./biped.usda")
+    stage.Save()
+    assert comes_back(source, STEPS.get(name, everything), tmp_path) == source.read_bytes()
 
 
 def driven(rig: Rig, report: Report) -> Rig:

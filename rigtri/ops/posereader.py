@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 
 from rigtri import pose
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.fitting import fitted
 from rigtri.matrices import orthonormal_axes
 from rigtri.ops import kept_keys
 from rigtri.ops.added import add, find, group, noted
+from rigtri.ops.called import refuse_taken
 from rigtri.ops.remount import remounted
 from rigtri.quaternions import between, conjugate, from_axes, rotate
 from rigtri.quaternions import multiply as product
@@ -106,6 +108,7 @@ class Options:
             raise UsageError("rbf reads poses; a node is a target of dot and cone readers")
         if not np.isfinite(self.axis).all() or not any(self.axis):
             raise UsageError("the axis of the driver is a direction, e.g. x or 0,1,0")
+        refuse_unworkable("--fps", self.fps)
         if not self.within > 0 or (self.fps is not None and not self.fps > 0):
             raise UsageError("--within and --fps are numbers above 0")
         return self
@@ -220,6 +223,8 @@ class _Builder:
         rig, parent = group(self.rig)
         node = find(rig, type="poseReader", name=self.name)
         if node is None:
+            if self.options.name:
+                refuse_taken(rig, self.options.name)
             rig, node = add(rig, self.name, parent, self.note)
         self.note[kept_keys.KEY] = list(rig.notes[node].get(kept_keys.KEY, ()))
         self.rig = rig
@@ -313,7 +318,10 @@ class _Builder:
     def _target(self, goal: Goal, name: str) -> dict[str, Any]:
         """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
         if goal.node:
-            return {"name": name, "node": self.rig.address(self.rig.find(goal.node, "node"))}
+            node = self.rig.find(goal.node, "node")
+            if node == self.driver:
+                raise UsageError(f"--target {goal.node}: a joint does not point at itself; name another node")
+            return {"name": name, "node": self.rig.address(node)}
         if goal.pose or goal.rotation is not None:
             rotation = self._posed(goal.pose) if goal.rotation is None else np.array(goal.rotation)
             direction = rotate(rotation, self.axis)
@@ -339,6 +347,14 @@ class _Builder:
         timeline, time = moment(self.rig, text)
         if timeline is None:
             return self._resting
+        keys = pose.key_times(timeline.clip)
+        if len(keys) and not keys[0] <= time <= keys[-1]:
+            end = keys[0] if time < keys[0] else keys[-1]
+            self.report.warn(
+                "pose-clamped",
+                f"'{text}' lies outside its clip, which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
+                f"that at {end:g}",
+            )
         return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [time])))
 
     def _nodes(self) -> dict[str, int]:

@@ -145,8 +145,11 @@ def _gone(rig: Rig) -> frozenset[int]:
     for node in sorted(gone):
         for child in rig.children[node]:
             if child not in gone:
+                joint = rig.notes.get(node, {}).get("joint")
+                where = f"'{joint}' or another node that stays" if joint else "a node that stays"
                 raise GeometryError(
                     f"'{rig.title(child)}' hangs below '{rig.title(node)}', which is to go, and is not "
-                    "rigtri's. Take it out of there first"
+                    f"rigtri's. In the program that put it there, hang it below {where}, or remove it; then "
+                    "strip again"
                 )
     return gone

@@ -103,6 +103,7 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
     return [
         edit
         for path, columns in driven.items()
+        if columns or gone.get(path) or path in fewer
         for edit in _written(source, source.animations[path], columns, gone.get(path, set()), fewer.get(path))
     ]
 
