@@ -18,6 +18,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -143,8 +144,12 @@ def _weights(text: str | None) -> tuple[float, ...]:
 
 
 def _summary(report: Report) -> str:
-    new = [entry for entry in report.added if entry["new"]]
-    bones = {(entry["joint"], entry["to"]) for entry in report.added}
-    clips = {clip["clip"] for entry in report.added for clip in entry["clips"]}
-    keys = f", with keys in {len(clips)} clips" if clips else ""
-    return f"{len(report.added)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}"
+    made = [entry for entry in report.added if entry["type"] == "twist"]
+    new = [entry for entry in made if entry["new"]]
+    bones = {(entry["joint"], entry["to"]) for entry in made}
+    clips = {clip["clip"] for entry in made for clip in entry["clips"]}
+    keys = f", with keys in {counted(len(clips), 'clip')}" if clips else ""
+    rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
+    told = f"; rivets baked anew: {', '.join(rivets)}" if rivets else ""
+    along = f"{counted(len(made), 'twist joint')} along {counted(len(bones), 'bone')}"
+    return f"{along}, {len(new)} of them new{keys}{told}"

@@ -11,6 +11,7 @@ import click
 from rigtri.errors import UsageError
 
 from .options import (
+    Number,
     edit_options,
     given_options,
     output_options,
@@ -20,7 +21,7 @@ from .options import (
     source_argument,
     turn_options,
 )
-from .words import plain
+from .words import counted, plain
 
 if TYPE_CHECKING:
     from rigtri.ops.mirror import Options
@@ -68,7 +69,7 @@ MOST = 20
 )
 @click.option(
     "--plane-at",
-    type=float,
+    type=Number(),
     help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
 )
 @click.option(
@@ -94,14 +95,14 @@ MOST = 20
 @click.option("--pose", metavar="POSE", help="The pose that tells axes: bind, nodes or CLIP@TIME.  [bind]")
 @click.option(
     "--tolerance-distance",
-    type=click.FloatRange(min=0),
+    type=Number(min=0),
     default=1e-4,
     show_default=True,
     help="With --check: places this far off, as a share of the size, pass.",
 )
 @click.option(
     "--tolerance-degrees",
-    type=click.FloatRange(min=0),
+    type=Number(min=0),
     default=0.1,
     show_default=True,
     help="With --check: axes this far off pass.",
@@ -191,8 +192,8 @@ def _check(values: dict[str, Any], options: Options) -> None:
             plane, at = found.better
             click.echo(f"most pairs lie about another plane: --plane {plane} --plane-at {at:.6g}", err=True)
         where = f" about --plane {found.plane} --plane-at {found.at:g}" if found.at else ""
-        total = f"{len(found.pairs)} pairs, {len(worse)} not symmetric{where}"
-        total += f", {len(found.alone)} nodes without twin"
+        total = f"{counted(len(found.pairs), 'pair')}, {len(worse)} not symmetric{where}"
+        total += f", {counted(len(found.alone), 'node')} without twin"
         click.echo(total, err=True)
     if worse or found.alone:
         sys.exit(1)
@@ -202,4 +203,4 @@ def _summary(report: Report) -> str:
     turned = sum(entry["status"] == "turned" for entry in report.joints)
     new = sum(entry["new"] for entry in report.added)
     made = len(report.added)
-    return f"{turned} joints turned; {made} of what rigtri has built mirrored, {new} of them new"
+    return f"{counted(turned, 'joint')} turned; {made} of what rigtri has built mirrored, {new} of them new"

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from rigtri.bounds import fits, unfit
 from rigtri.errors import FileError, RigtriError, UsageError
 
 from . import failures
@@ -43,6 +44,18 @@ class Tolerance(click.FloatRange):
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
             self.fail(f"{value} is no number that differences can be compared with", param, ctx)
+        return number
+
+
+class Number(click.FloatRange):
+    """A finite number that files can work with, within bounds as click.FloatRange has them."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not fits(number):
+            self.fail(unfit(number), param, ctx)
         return number
 
 
@@ -133,12 +146,12 @@ def pole_options(command: F) -> F:
         ),
         click.option(
             "--reach",
-            type=click.FloatRange(min=0, min_open=True),
+            type=Number(min=0, min_open=True),
             help="Distance as a multiple of the limb's length. [0.5]",
         ),
         click.option(
             "--distance",
-            type=click.FloatRange(min=0, min_open=True),
+            type=Number(min=0, min_open=True),
             help="Distance in world units of the file.",
         ),
         click.option(

@@ -26,7 +26,7 @@ def shared(
     """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
 
     points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the spread's joints together
-    goes to the two nearest along the bone, linear between them: the first of the two in the skin takes
+    goes to the two nearest along the bone, linear between them: the first of the two takes
     the place that the first of them had, by which `folded` finds it again. units: weights are whole
     numbers and stay so. What was so already keeps its bits and its place.
     """
@@ -45,13 +45,8 @@ def shared(
     second = total - first
     out_joints = np.where(mine, 0, joints)
     out_weights = np.where(mine, 0.0, weights)
-    home = _first(joints, mine)
-    swapped = near > far
-    pairs = (
-        (np.where(swapped, far, near), np.where(swapped, second, first)),
-        (np.where(swapped, near, far), np.where(swapped, first, second)),
-    )
-    for joint, weight in pairs:
+    home = _first(spread, joints, mine)
+    for joint, weight in ((near, first), (far, second)):
         out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0), home)
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
 
@@ -98,12 +93,15 @@ def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
     return spread.joints[near], spread.joints[far], share
 
 
-def _first(joints: Integers, mine: Booleans) -> Integers:
-    """The column, (v,), of those that are ``mine`` whose joint comes first in the skin; 0 where none is."""
+def _first(spread: Spread, joints: Integers, mine: Booleans) -> Integers:
+    """The column, (v,), of those that are ``mine`` whose joint is first along the bone; 0 where none is."""
     if not joints.shape[1]:
         return np.zeros(len(joints), dtype=np.int64)
-    rows: Integers = np.where(mine, joints, np.iinfo(np.int64).max)
-    return np.asarray(rows.argmin(axis=1))
+    last = len(spread.joints)
+    place = np.full(joints.shape, last)
+    for number, joint in enumerate(spread.joints.tolist()):
+        place[mine & (joints == joint)] = number
+    return np.asarray(place.argmin(axis=1))
 
 
 def _put(

@@ -21,6 +21,8 @@ from rigtri.trigonometry import Floats
 SAME_VALUE = 1e-6
 # Formats that keep times as float32 can tell two keys this far apart, as a share of the time.
 _SINGLE = np.float32
+# Keys that evenly spaced times may come to in one clip.
+MOST_KEYS = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +142,7 @@ def _size(values: Floats) -> float:
 def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0) -> Floats:
     """The times to start from, (f,): all keys, and with ``fps`` so many evenly spaced ones a second.
 
-    per_second: units of the clip's time in a second.
+    per_second: units of the clip's time in a second. UsageError where that would be too many.
     """
     distinct = {id(track.times): track.times for track in timeline.clip.tracks if len(track.times) > 1}
     keys = np.unique(np.concatenate([*distinct.values(), np.zeros(0)]))
@@ -150,6 +152,12 @@ def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0)
         return np.array([min(firsts, default=0.0)])
     if fps is None:
         return np.asarray(keys)
+    wanted = (float(keys[-1]) - float(keys[0])) / per_second * fps
+    if not wanted <= MOST_KEYS:
+        raise UsageError(
+            f"--fps {fps:g}: that would be {wanted:.6g} keys in clip '{timeline.name}', and "
+            f"{MOST_KEYS} are the most"
+        )
     step = per_second / fps
     count = int((keys[-1] - keys[0]) / step)
     even = single(keys[0] + step * np.arange(1, count + 1))

@@ -17,13 +17,12 @@ from rigtri.compare import (
     Comparison,
     Source,
     Worst,
-    between_keys,
     denormalisation,
     self_check,
     verify,
 )
 from rigtri.errors import FileError
-from rigtri.pose import Motion, worlds
+from rigtri.pose import Motion, between_keys, worlds
 from rigtri.quaternions import from_axis_angle, multiply
 from rigtri.records import Mesh
 from rigtri.reframe import reframe

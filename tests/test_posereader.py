@@ -319,6 +319,8 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
         ({"attributes": (("side", "upper", "x"),)}, UsageError, "is no control"),
         ({"reader": "cone", "inner": 50.0, "outer": 40.0}, UsageError, "larger outer"),
         ({"reader": "rbf", "targets": (Goal("side", node="upper"),)}, UsageError, "reads poses"),
+        ({"targets": (Goal("side", node="lower"),)}, UsageError, "does not point at itself"),
+        ({"name": "upper"}, UsageError, "another node is called so"),
         (
             {"reader": "rbf", "targets": (SIDE, Goal("same", pose="bend@1"))},
             GeometryError,

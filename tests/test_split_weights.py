@@ -127,8 +127,9 @@ def test_what_a_split_puts_apart_a_fold_puts_back_in_its_place(own: int, most: i
     order.insert(own, 2)
     at = np.linspace(0, 1, 4)
     bone_of = Spread(0, np.array(order), at, np.zeros(3), np.array([0.0, 0, 1]), most)
-    rows = np.arange(12)
+    rows, along = np.arange(12), np.zeros(12)
     rows[9:] = 2
+    along[order] = at
     points = rng.uniform(-0.5, 1.5, (count, 3))
     joints = np.array([rng.permutation(6)[:4] for _ in range(count)])
     weights = rng.integers(1, 64, (count, 4)).astype(np.float64)
@@ -139,7 +140,7 @@ def test_what_a_split_puts_apart_a_fold_puts_back_in_its_place(own: int, most: i
     again = shared(bone_of, points, *apart, units=units)
     assert all(map(np.array_equal, again, apart))
     assert not np.array_equal(apart[1][:, :4], weights)
-    back_joints, back_weights = folded(rows, *apart)
+    back_joints, back_weights = folded(rows, along, *apart)
     assert np.array_equal(back_weights, weights)
     assert np.array_equal(back_joints[weights != 0], joints[weights != 0])
 

@@ -13,6 +13,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.followers import followed, followers, holding
@@ -71,7 +72,8 @@ class Options:
         """These options. UsageError for what cannot be."""
         if self.to not in DIRECTIONS:
             raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
-        if self.fps is not None and not 0 < self.fps <= 100_000:
+        refuse_unworkable("--fps", self.fps)
+        if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
         if not self.tolerance >= 0:
             raise UsageError("--tolerance is a share of the rig's size, 0 or more")

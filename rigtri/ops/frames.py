@@ -187,7 +187,9 @@ def mirrored_turns(
             continue
         source = twin_of(rig, joint)
         if source is None or source not in turns:
-            report.warn("no-twin", f"'{rig.title(joint)}' has no twin on the {from_side} side.")
+            why = f"has no twin on the {from_side} side" if source is None else "keeps its axes"
+            also = "" if source is None else f", as its twin '{rig.title(source)}' does not turn"
+            report.warn("no-twin", f"'{rig.title(joint)}' {why}{also}.")
             continue
         axes = transform_directions(to_axes(turns[source]), ref.world[source])
         result[joint] = onto(joint, mirrored_axes(axes, mirror, across))

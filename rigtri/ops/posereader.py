@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 
 from rigtri import pose
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.fitting import fitted
 from rigtri.matrices import orthonormal_axes
 from rigtri.ops import kept_keys
 from rigtri.ops.added import add, find, group, noted
+from rigtri.ops.called import refuse_taken
+from rigtri.ops.remount import remounted
 from rigtri.quaternions import between, conjugate, from_axes, rotate
 from rigtri.quaternions import multiply as product
 from rigtri.readers import KERNELS, KINDS, MODES, Kernel, Kind, Mode, Reader, relative, same_poses, weights
@@ -105,6 +108,7 @@ class Options:
             raise UsageError("rbf reads poses; a node is a target of dot and cone readers")
         if not np.isfinite(self.axis).all() or not any(self.axis):
             raise UsageError("the axis of the driver is a direction, e.g. x or 0,1,0")
+        refuse_unworkable("--fps", self.fps)
         if not self.within > 0 or (self.fps is not None and not self.fps > 0):
             raise UsageError("--within and --fps are numbers above 0")
         return self
@@ -130,13 +134,15 @@ def add_posereader(rig: Rig, *, options: Options, report: Report | None = None) 
     """Read how much a joint is in some poses, and drive morph targets or values by it, in every clip.
 
     What it drives has other weights on purpose: ``report.driven`` names it, and the self-check
-    compares all else. A second run finds the reader by its name.
+    compares all else. A second run finds the reader by its name. Rivets on meshes whose morph targets
+    it drives are baked anew.
 
     Raises NameNotFoundError, UsageError, GeometryError (no morphs, poses that coincide), FileError.
     """
     report = report if report is not None else Report()
     options.checked()
-    return _Builder(rig, options, report).build()
+    builder = _Builder(rig, options, report)
+    return remounted(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
 
 
 def options_of(note: Mapping[str, Any]) -> Options:
@@ -217,6 +223,8 @@ class _Builder:
         rig, parent = group(self.rig)
         node = find(rig, type="poseReader", name=self.name)
         if node is None:
+            if self.options.name:
+                refuse_taken(rig, self.options.name)
             rig, node = add(rig, self.name, parent, self.note)
         self.note[kept_keys.KEY] = list(rig.notes[node].get(kept_keys.KEY, ()))
         self.rig = rig
@@ -310,7 +318,10 @@ class _Builder:
     def _target(self, goal: Goal, name: str) -> dict[str, Any]:
         """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
         if goal.node:
-            return {"name": name, "node": self.rig.address(self.rig.find(goal.node, "node"))}
+            node = self.rig.find(goal.node, "node")
+            if node == self.driver:
+                raise UsageError(f"--target {goal.node}: a joint does not point at itself; name another node")
+            return {"name": name, "node": self.rig.address(node)}
         if goal.pose or goal.rotation is not None:
             rotation = self._posed(goal.pose) if goal.rotation is None else np.array(goal.rotation)
             direction = rotate(rotation, self.axis)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.bounds import refuse_points, refuse_unworkable
 from rigtri.carried import Carried
 from rigtri.errors import GeometryError, UsageError
 from rigtri.fitting import fitted
@@ -84,9 +85,8 @@ class Options:
         for weights in self.barycentric:
             if not all(0 <= w <= 1 for w in weights) or abs(weights[0] + weights[1] + weights[2] - 1) > 1e-6:
                 raise UsageError(f"--barycentric {_told(weights)}: three weights from 0 to 1 that sum to 1")
-        for point in self.at:
-            if not all(np.isfinite(point)):
-                raise UsageError(f"--at {_told(point)} is no place")
+        refuse_points("--at", self.at)
+        refuse_unworkable("--fps", self.fps)
         if len(self.names) > 1 and len(self.names) != self.count:
             raise UsageError(f"{len(self.names)} names for {self.count} rivets; give one for each, or one")
         if len(set(self.names)) < len(self.names):

@@ -14,8 +14,10 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import inverse, nearest_rotation, transform_points
-from rigtri.ops.added import find, noted
+from rigtri.ops.added import find, noted, plain_name
+from rigtri.ops.called import refuse_taken
 from rigtri.ops.joints import add_joint, move_joint
+from rigtri.ops.remount import remounted_on_spreads
 from rigtri.ops.twist_keys import BOUND, keyed
 from rigtri.records import Mesh, Skin, Spread
 from rigtri.report import Report
@@ -96,15 +98,35 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """Put twist joints along bones, with keys in every clip that turns their drivers.
 
     A second run finds them by the bone and their number and sets them anew. The record of each
-    goes to ``report.added``.
+    goes to ``report.added``. Rivets on meshes whose weights are split are baked anew.
 
     Raises NameNotFoundError, UsageError, GeometryError (a bone without length, a driver elsewhere).
     """
     report = report if report is not None else Report()
     options.checked()
-    for each in _bones(rig, options, report):
+    bones = _bones(rig, options, report)
+    if options.name != NAME:
+        _check_names(rig, bones, options)
+    for each in bones:
         rig = _build(rig, each, options, report)
-    return rig
+    return remounted_on_spreads(rig, report) if options.split_weights else rig
+
+
+def _check_names(rig: Rig, bones: list[_Bone], options: Options) -> None:
+    """UsageError where a user's rule gives two new twist joints one name, or that of another node."""
+    names: set[str] = set()
+    for of in bones:
+        for number in range(1, options.count + 1):
+            if find(rig, **_said(rig, of), number=number) is None:
+                name = _name(rig, of, number, options)
+                refuse_taken(rig, name)
+                if plain_name(name) in names:
+                    raise UsageError(f"--name {options.name}: several twist joints would be called '{name}'")
+                names.add(plain_name(name))
+
+
+def _name(rig: Rig, of: _Bone, number: int, options: Options) -> str:
+    return options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
 
 
 def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
@@ -207,7 +229,7 @@ def _joint(
     node = find(rig, **_said(rig, of), number=number)
     new = node is None
     if node is None:
-        name = options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
+        name = _name(rig, of, number, options)
         rig, node = add_joint(rig, name, of.joint, note, place, axes)
     else:
         note |= {key: rig.notes[node][key] for key in (INFLUENCES,) if key in rig.notes[node]}

@@ -37,6 +37,7 @@ from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.expressions import variables_of
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
+from rigtri.formats.usd.shapes import read_lines
 from rigtri.formats.usd.stage import open_stage, quiet
 from rigtri.formats.usd.text import UnknownTextError
 from rigtri.formats.usd.values import Edit, kind, parts
@@ -57,7 +58,8 @@ class UsdDocument:
         self._notices = list(source.warnings)
         # Of the source alone: a rig that held its document would keep the stage open in a ring.
         drawn = partial(_read_meshes, source, self._notices)
-        rig = replace(source.rig, drawn=drawn, read_meshes=drawn)
+        lines = partial(read_lines, source.stage)
+        rig = replace(source.rig, drawn=drawn, read_meshes=drawn, lines=lines)
         self._source, self._options, self._layer = replace(source, rig=rig), options, layer
 
     @classmethod

@@ -12,6 +12,7 @@ from rigtri.matrices import nearest_rotation
 from rigtri.naming import twin
 from rigtri.ops.middle import TOLERANCE, parting
 from rigtri.ops.mirroring.across import Options, other, side
+from rigtri.ops.mirroring.named import reader_twin
 from rigtri.ops.select import chosen
 from rigtri.ops.twins import PLANES, Plane, mirrored_axes
 from rigtri.pose import worlds
@@ -118,7 +119,9 @@ def _pairs(rig: Rig, nodes: Iterable[int], options: Options) -> tuple[dict[int, 
 def _twin(rig: Rig, node: int) -> int | None:
     """The twin of a node; of rivets and readers, which have names of their own, the one called so."""
     note = rig.notes.get(node, {})
-    if note.get("type") in ("rivet", "poseReader"):
+    if note.get("type") == "poseReader":
+        return reader_twin(rig, node)
+    if note.get("type") == "rivet":
         names = {str(n.get("name")): k for k, n in rig.notes.items() if n.get("type") == note["type"]}
         return names.get(twin(str(note["name"])))
     return other(rig, node)

@@ -12,8 +12,10 @@ from rigtri.errors import GeometryError
 from rigtri.limbs import given
 from rigtri.matrices import inverse, multiply, orthonormal_axes
 from rigtri.ops.added import add, find, group, noted, renamed, stand, stand_local, unposed
+from rigtri.ops.called import remembered
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
+from rigtri.ops.drawings import KEYS
 from rigtri.ops.joints import Kind, add_joint, beside, move_joint
 from rigtri.ops.mirroring.across import Options, lone, of_side, other, twin_name, twin_note
 from rigtri.ops.polevector import NO_PLANE
@@ -54,8 +56,9 @@ def _one_control(
     report: Report,
 ) -> Rig:
     kind, joint = str(note["kind"]), rig.is_joint[node]
-    shapes: Any = {kind: note["shape"]} if "shape" in note else {}
     before = find(rig, type="control", kind=kind, joint=there["joint"])
+    alike = before is not None and rig.notes[before].get("shape") == note.get("shape")
+    shapes: Any = {kind: note["shape"]} if "shape" in note and not alike else {}
     if kind == "fk":
         made = ControlOptions(selection=Selection(joints=(there["joint"],)), shapes=shapes)
     else:
@@ -70,7 +73,7 @@ def _one_control(
     if found is None or rig.is_joint[found]:
         return rig  # a joint has no offset above it: it stands where the limb ends
     if before is None:
-        rig = renamed(rig, found, twin_name(rig.names[node], rig.names[found]))
+        rig = remembered(renamed(rig, found, twin_name(rig.names[node], rig.names[found])), [found])
     return _edited(rig, node, found, options)
 
 
@@ -123,7 +126,9 @@ def mirror_poles(rig: Rig, options: Options, report: Report) -> Rig:
             rig, parent = _home(rig, node)
             rig, found = add(rig, name, parent, there)
             rig = _drawn_alike(rig, node, found)
-        rig = noted(rig, found, there)
+        # What is drawn at either is its own: another colour, and nothing where nothing was drawn.
+        drawing = {key: rig.notes[found][key] for key in KEYS if key in rig.notes[found]}
+        rig = noted(rig, found, {key: value for key, value in there.items() if key not in KEYS} | drawing)
         rig = (move_joint if rig.is_joint[found] else stand)(rig, found, place, axes)
         report.added.append({"node": rig.names[found], "type": "poleVector", "new": new})
     return rig
@@ -132,7 +137,7 @@ def mirror_poles(rig: Rig, options: Options, report: Report) -> Rig:
 def _drawn_alike(rig: Rig, node: int, found: int) -> Rig:
     """Draw at a new node what is drawn, in the same run, at its twin."""
     if node not in rig.shapes:
-        return rig
+        return noted(rig, found, {key: v for key, v in rig.notes[found].items() if key not in KEYS})
     return replace(rig, shapes={**rig.shapes, found: rig.shapes[node]})
 
 

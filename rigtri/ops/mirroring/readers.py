@@ -12,7 +12,8 @@ from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.matrices import orthonormal_axes
 from rigtri.naming import twin
 from rigtri.ops.added import find
-from rigtri.ops.mirroring.across import Options, alike, direction, lone, of_side, other, size_of, twin_name
+from rigtri.ops.mirroring.across import Options, alike, direction, lone, of_side, other, size_of
+from rigtri.ops.mirroring.named import reader_names
 from rigtri.ops.posereader import Goal, add_posereader, options_of
 from rigtri.ops.posereader import Options as ReaderOptions
 from rigtri.pose import worlds
@@ -25,8 +26,9 @@ from rigtri.trigonometry import Floats
 
 def mirror_readers(rig: Rig, options: Options, report: Report) -> Rig:
     """Read the twins' poses as this side's are read, and drive what is the twin of what these drive."""
+    names = reader_names(rig, options.from_side)
     for node, note in of_side(rig, options, "poseReader"):
-        wanted = _wanted(rig, node, note, options, report)
+        wanted = _wanted(rig, node, note, names[node], options, report)
         if wanted is None:
             continue
         heard = Report()
@@ -47,7 +49,7 @@ def mirror_readers(rig: Rig, options: Options, report: Report) -> Rig:
 
 
 def _wanted(
-    rig: Rig, node: int, note: Mapping[str, Any], options: Options, report: Report
+    rig: Rig, node: int, note: Mapping[str, Any], name: str, options: Options, report: Report
 ) -> ReaderOptions | None:
     """What add-posereader is to be told for the twin; None, and said so, where it cannot be."""
     here = rig.known(note["driver"])
@@ -55,11 +57,6 @@ def _wanted(
     frames = _frames(rig, note)
     if here is None or there is None or frames is None:
         lone(rig, node, report, "pose reader")
-        return None
-    name = twin_name(str(note["name"]), f"{rig.names[there] or 'joint'}_reader")
-    known = find(rig, type="poseReader", name=name)
-    if known is not None and rig.known(rig.notes[known]["driver"]) != there:
-        lone(rig, node, report, "pose reader", f"'{name}' reads another joint")
         return None
     goals = _goals(rig, note, (here, there), frames, options)
     if goals is None:

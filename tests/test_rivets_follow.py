@@ -1,0 +1,92 @@
+"""Rivets stay on the surface when something else changes how their mesh moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from morphs import arm, arm_usd
+
+from rigtri.carried import Carried
+from rigtri.formats import read
+from rigtri.ops import posereader, rivet, twist
+from rigtri.ops.strip import strip
+from rigtri.pipeline import edit
+from rigtri.pose import locals_at, worlds
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.timelines import timelines
+
+
+def off(path: Path) -> float:
+    """How far rivets are from their triangles, in all clips at 101 times, by the size of the mesh."""
+    rig = read(path).rig
+    worst = 0.0
+    for node, note in rig.notes.items():
+        if note["type"] != "rivet":
+            continue
+        mesh = next(mesh for mesh in rig.meshes if mesh.node == rig.known(note["mesh"]))
+        held = Carried(rig, mesh, np.array(note["vertices"], dtype=np.int64))
+        weights = np.array(note["barycentric"])[np.newaxis, :, np.newaxis]
+        for timeline in timelines(rig):
+            ends = np.concatenate([track.times for track in timeline.clip.tracks])
+            times = np.linspace(ends.min(), ends.max(), 101)
+            corners = held.sample(held.affecting(timeline), times)
+            now = worlds(rig, locals_at(rig, timeline.clip, times))[:, node, 3, :3]
+            worst = max(worst, float(np.abs((corners * weights).sum(axis=1) - now).max()))
+        worst /= float(np.ptp(mesh.points, axis=0).max())
+    return worst
+
+
+def riveted(rig: Rig, report: Report) -> Rig:
+    wanted = rivet.Options(mesh="Skin", triangles=(0,), names=("button",))
+    return rivet.add_rivet(rig, options=wanted, report=report)
+
+
+def read_by_pose(rig: Rig, report: Report) -> Rig:
+    joint = "lower" if "lower" in rig.names else "b"
+    goal = posereader.Goal("side", direction=(-0.3, 0.8, 0.1))
+    wanted = posereader.Options(driver=joint, targets=(goal,), morphs=(("side", "Skin", "other"),))
+    return posereader.add_posereader(rig, options=wanted, report=report)
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_a_pose_reader_takes_rivets_of_its_mesh_along(kind: str, tmp_path: Path) -> None:
+    source = arm().glb(tmp_path / "in.glb") if kind == "glb" else arm_usd(tmp_path)
+    held, driven, again = (tmp_path / f"{name}.{kind}" for name in ("held", "driven", "again"))
+    edit(source, held, riveted)
+    report = Report()
+    edit(held, driven, read_by_pose, report=report)
+    assert off(held) < 2e-5
+    assert off(driven) < 2e-5
+    assert {record["type"] for record in report.added} == {"poseReader", "rivet"}
+    edit(driven, again, read_by_pose)
+    assert again.read_bytes() == driven.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_split_weights_take_rivets_of_their_meshes_along(name: str, samples: Path, tmp_path: Path) -> None:
+    held, split, again, bare = (tmp_path / f"{step}_{name}" for step in ("held", "split", "again", "bare"))
+
+    def on_the_arms(rig: Rig, report: Report) -> Rig:
+        steps = (("upper_arm_", "forearm_"), ("forearm_", "hand_"))
+        bones = [(start + side, end + side) for side in "LR" for start, end in steps]
+        pairs = [(rig.world[rig.find(a), 3, :3], rig.world[rig.find(b), 3, :3]) for a, b in bones]
+        places = [(float(x), float(y), float(z)) for x, y, z in (0.5 * a + 0.5 * b for a, b in pairs)]
+        names = tuple(f"watch {number}" for number in range(4))
+        wanted = rivet.Options(mesh="body", at=tuple(places), names=names)
+        return rivet.add_rivet(rig, options=wanted, report=report)
+
+    def shared(rig: Rig, report: Report) -> Rig:
+        wanted = twist.Options(auto=True, split_weights=True)
+        return twist.add_twist(rig, options=wanted, report=report)
+
+    edit(samples / name, held, on_the_arms)
+    edit(held, split, shared)
+    assert off(held) < 2e-5
+    assert off(split) < 2e-5
+    edit(split, again, shared)
+    assert again.read_bytes() == split.read_bytes()
+    edit(split, bare, lambda rig, report: strip(rig, report=report))
+    assert bare.read_bytes() == (samples / name).read_bytes()
