@@ -112,13 +112,14 @@ class Fold:
     """Joints of a skin that go, and which ones take what their points have of them.
 
     skin: its number. rows: (m,), for each row that the file has, the row from now on: a joint that goes
-    has that of its heir. widths: how many joints each point of a mesh had room for before, by the node
-    that shows it. idle: no point of a mesh has
+    has that of its heir. at: where each stands along the bone that it shares, (m,). widths: how many
+    joints each point of a mesh had room for before, by the node that shows it. idle: no point of a mesh has
     weight of those that go, and no other changes its row.
     """
 
     skin: int
     rows: Integers
+    at: Floats
     widths: Mapping[int, int]
     idle: bool
 

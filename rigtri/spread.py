@@ -51,12 +51,14 @@ def shared(
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
 
 
-def folded(rows: Integers, joints: Integers, weights: Floats, width: int = 0) -> tuple[Integers, Floats]:
+def folded(
+    rows: Integers, at: Floats, joints: Integers, weights: Floats, width: int = 0
+) -> tuple[Integers, Floats]:
     """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
 
-    rows: as `Fold.rows`. What a point has of a joint and of those that it inherits is added up in
-    the place of the first of them in the skin, where a spread has put it. Of columns at the end, those
-    that held something and do no longer go, and those behind them, but for the first ``width``.
+    rows, at: as in `Fold`. What a point has of a joint and of those that it inherits is added up in
+    the place of the first of them along the bone, which a spread has put there. Of columns at the end,
+    those that held something and do no longer go, and those behind them, but for the first ``width``.
     """
     inside = np.clip(joints, 0, len(rows) - 1)
     live = weights != 0
@@ -67,7 +69,8 @@ def folded(rows: Integers, joints: Integers, weights: Floats, width: int = 0) ->
             both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)
             both &= (out_joints[:, first] == out_joints[:, later]) & (joints[:, first] != joints[:, later])
             both &= moved[:, first] | moved[:, later]
-            ahead = joints[:, first] < joints[:, later]
+            one, two = at[inside[:, first]], at[inside[:, later]]
+            ahead = (one < two) | ((one == two) & (joints[:, first] < joints[:, later]))
             total = out_weights[:, first] + out_weights[:, later]
             for into, from_, own in ((first, later, ahead), (later, first, ~ahead)):
                 out_weights[both & own, into] = total[both & own]

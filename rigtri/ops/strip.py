@@ -87,7 +87,7 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
         stays = _stays(skin, gone)
         if stays.all() or not (stays.any() or skin.drawn):
             continue
-        rows = np.cumsum(stays) - 1
+        rows, at = np.cumsum(stays) - 1, np.zeros(len(stays))
         lost, weighted = np.flatnonzero(~stays), _weighted(rig, number)
         for row in lost.tolist():
             heir = _heir(rig, int(skin.joints[row]), gone, skin) if weighted[row] else -1
@@ -97,8 +97,12 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
                     "Give their weight to a joint that stays first"
                 )
             rows[row] = rows[heir] if heir >= 0 else 0
+            if heir >= 0:
+                note = rig.notes[int(skin.joints[row])]
+                at[row] = float(note["at"])
+                at[heir] = 1.0 if rig.known(note["driver"]) == int(skin.joints[heir]) else 0.0
         idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
-        found.append(Fold(number, rows, _widths(rig, gone), idle))
+        found.append(Fold(number, rows, at, _widths(rig, gone), idle))
     return tuple(found)
 
 

@@ -134,7 +134,7 @@ class WeightWriter:
     def _folded(self, attributes: dict[str, int], sets: Sequence[str], fold: Fold) -> dict[str, int | None]:
         """The accessors of a primitive's influences after a fold, None for those of sets that go."""
         before = self._read(attributes, sets)
-        joints, weights = folded(fold.rows, before.joints, before.weights)
+        joints, weights = folded(fold.rows, fold.at, before.joints, before.weights)
         room = -joints.shape[1] % 4
         joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
         found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])

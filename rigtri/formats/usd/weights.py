@@ -76,7 +76,8 @@ def _unfolded(query: Any, tokens: Sequence[str], fold: Fold, width: int) -> list
     before = None if fold.idle or query.IsRigidlyDeformed() else _read(query, count)
     if before is not None:
         rows = np.array([left.index(heir) for heir in heirs], dtype=np.int64)
-        joints, weights = folded(rows, *before, width)
+        at = np.array([fold.at[tokens.index(token)] if token in tokens else 0.0 for token in order])
+        joints, weights = folded(rows, at, *before, width)
         if not (np.array_equal(joints, before[0]) and np.array_equal(weights, before[1])):
             _check(query)
             edits += _set(query, joints, weights)
