@@ -10,6 +10,7 @@ from rigtri.errors import UsageError
 from rigtri.shapes import KINDS
 
 from .options import (
+    Number,
     copy_ahead,
     edit_options,
     facing_option,
@@ -20,6 +21,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -61,10 +63,8 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
 )
 @click.option(
     "--size",
-    type=click.FloatRange(min=0, min_open=True),
-    default=1.0,
-    show_default=True,
-    help="Multiplies the shapes' sizes, which follow the bones' lengths.",
+    type=Number(min=0, min_open=True),
+    help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]",
 )
 @click.option(
     "--color",
@@ -75,13 +75,12 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
 )
 @click.option(
     "--name",
-    default="{joint}_{kind}",
-    show_default=True,
-    help="Names of the controls; {joint}, {side} and {kind} stand for what they say.",
+    help="Names of the controls: {joint} and {side} stand for what they say, {kind} for ctl, ik_ctl or "
+    "root_ctl. [{joint}_{kind}]",
 )
 @click.option(
     "--reach",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     default=0.5,
     show_default=True,
     help="Distance of pole vectors as a multiple of the limb's length.",
@@ -92,6 +91,17 @@ _SIDES = {"left": "left", "right": "right", "centre": ""}
     type=click.Choice(["locator", "joint"]),
     help="IK ends and pole vectors: nodes, or joints of the skin, which engines import. [locator]",
 )
+@click.option(
+    "--soft",
+    type=click.FloatRange(min=0, max=1, max_open=True),
+    metavar="SHARE",
+    help="How far before it is straight an IK limb slows down, as a share of its length. [as stored, or 0]",
+)
+@click.option(
+    "--stretch/--no-stretch",
+    default=None,
+    help="IK limbs grow to reach their target. [as stored, or not]",
+)
 @facing_option
 @reading_options
 @edit_options
@@ -101,8 +111,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
 
     Each control stands in its joint's frame with zero channels, below an offset, below the
-    control of the joint above. A second run finds its controls again and keeps the values
-    and shapes that were edited.
+    control of the joint above. A second run finds its controls again: those that nobody has
+    edited get the shape, size, colour and name that are asked for; edited ones stay, and are named.
 
     \b
     Examples:
@@ -138,6 +148,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             colors=colors,
             root=values["root"],
             ends=values["kind"],
+            soft=values["soft"],
+            stretch=values["stretch"],
             poles=PoleOptions(reach=values["reach"], facing=values["facing"]),
         )
         return add_controls(rig, options=options, report=report)
@@ -172,5 +184,5 @@ def _summary(report: Report) -> str:
     new = [entry for entry in report.added if entry["new"]]
     kinds = [entry["kind"] for entry in report.added]
     counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    poles = f"; {len(report.limbs)} pole vectors" if report.limbs else ""
-    return f"{len(report.added)} controls ({counts}), {len(new)} of them new{poles}"
+    poles = f"; {counted(len(report.limbs), 'pole vector')}" if report.limbs else ""
+    return f"{counted(len(report.added), 'control')} ({counts}), {len(new)} of them new{poles}"

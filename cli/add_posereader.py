@@ -10,6 +10,7 @@ import click
 from rigtri.errors import UsageError
 
 from .options import (
+    Number,
     Tolerance,
     direction,
     edit_options,
@@ -20,6 +21,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.ops.posereader import Goal
@@ -57,8 +59,8 @@ _NAMED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)=(.*)", re.S)
     show_default=True,
     help="dot: the cosine to each target. cone: 1 inside an angle, 0 outside another. rbf: several poses.",
 )
-@click.option("--inner", type=float, default=0.0, show_default=True, help="Cone: 1 up to here, in degrees.")
-@click.option("--outer", type=float, default=90.0, show_default=True, help="Cone: 0 from here, in degrees.")
+@click.option("--inner", type=Number(), default=0.0, show_default=True, help="Cone: 1 up to here (degrees).")
+@click.option("--outer", type=Number(), default=90.0, show_default=True, help="Cone: 0 from here (degrees).")
 @click.option(
     "--kernel",
     type=click.Choice(["linear", "gaussian"]),
@@ -97,7 +99,7 @@ _NAMED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)=(.*)", re.S)
     show_default=True,
     help="How far a weight may be off between keys.",
 )
-@click.option("--fps", type=click.FloatRange(min=0, min_open=True), help="Also so many keys a second.")
+@click.option("--fps", type=Number(min=0, min_open=True), help="Also so many keys a second.")
 @reading_options
 @edit_options
 @output_options
@@ -171,5 +173,5 @@ def _summary(report: Report) -> str:
     keys = sum(entry["keys"].values())
     return (
         f"{entry['reader']} reader of {entry['driver']}: at rest {rest}; {keys} keys in "
-        f"{len(entry['keys'])} clips, {entry['morphs']} morph targets driven"
+        f"{counted(len(entry['keys']), 'clip')}, {counted(entry['morphs'], 'morph target')} driven"
     )

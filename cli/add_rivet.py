@@ -9,6 +9,7 @@ import click
 from rigtri.errors import UsageError
 
 from .options import (
+    Number,
     Tolerance,
     edit_options,
     given_options,
@@ -18,6 +19,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -76,7 +78,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="How far what is tied to a rivet may be off between keys, as a share of the mesh's size.",
 )
-@click.option("--fps", type=click.FloatRange(min=0, min_open=True), help="Also so many keys a second.")
+@click.option("--fps", type=Number(min=0, min_open=True), help="Also so many keys a second.")
 @reading_options
 @edit_options
 @output_options
@@ -126,6 +128,6 @@ def _summary(report: Report) -> str:
     keys = sum(count for entry in report.added for count in entry["keys"].values())
     off = max((entry["deviation"] for entry in report.added), default=0.0)
     return (
-        f"{len(report.added)} rivets, {new} of them new, {keys} keys, "
+        f"{counted(len(report.added), 'rivet')}, {new} of them new, {counted(keys, 'key')}, "
         f"at most {off:.2g} of the mesh's size off the surface"
     )

@@ -18,6 +18,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -146,5 +147,6 @@ def _summary(report: Report) -> str:
     new = [entry for entry in report.added if entry["new"]]
     bones = {(entry["joint"], entry["to"]) for entry in report.added}
     clips = {clip["clip"] for entry in report.added for clip in entry["clips"]}
-    keys = f", with keys in {len(clips)} clips" if clips else ""
-    return f"{len(report.added)} twist joints along {len(bones)} bones, {len(new)} of them new{keys}"
+    keys = f", with keys in {counted(len(clips), 'clip')}" if clips else ""
+    made = f"{counted(len(report.added), 'twist joint')} along {counted(len(bones), 'bone')}"
+    return f"{made}, {len(new)} of them new{keys}"

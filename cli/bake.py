@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .options import (
+    Number,
     edit_options,
     given_options,
     output_options,
@@ -15,6 +16,7 @@ from .options import (
     source_argument,
     target_option,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -41,12 +43,12 @@ if TYPE_CHECKING:
 @click.option("--clip", "clips", multiple=True, metavar="GLOB", help="Only these clips. Repeatable.")
 @click.option(
     "--fps",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     help="Also so many samples a second, not only the keys.",
 )
 @click.option(
     "--soft",
-    type=click.FloatRange(min=0, max=1, max_open=True),
+    type=Number(min=0, max=1, max_open=True),
     metavar="SHARE",
     help="How far before it is straight an IK limb slows down, as a share of its length. [as stored, or 0]",
 )
@@ -100,7 +102,8 @@ def _summary(report: Report) -> str:
     if not clips:
         return "no clip has keys of controls or constraints; nothing was baked"
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
-    line = f"{len(clips)} clips, {frames} frames, {keys} keys for {max(e['nodes'] for e in clips)} nodes"
+    line = ", ".join([counted(len(clips), "clip"), counted(frames, "frame"), counted(keys, "key")])
+    line += f" for {counted(max(e['nodes'] for e in clips), 'node')}"
     if clips[0]["to"] == "controls":
         far = max(entry["deviation"] for entry in clips)
         turn = max(entry["residual_degrees"] for entry in clips)

@@ -71,7 +71,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     with Confined() as child:  # it starts with the first file that needs it
         every = {name: _check(name, values, child) for name in files}
     results = {name: _kept(findings, ignored, values["severity"]) for name, findings in every.items()}
-    left_out = {name: [item for item in every[name] if item not in results[name]] for name in files}
+    left_out = {name: _without(every[name], results[name]) for name in files}
     code = _exit_code(results, strict=values["strict"])
     if values["as_json"]:
         click.echo(json.dumps(as_json(results, left_out, code), indent=2, ensure_ascii=False))
@@ -113,6 +113,11 @@ def _kept(findings: list[Finding], ignored: set[str], severity: str) -> list[Fin
 
     shown = SEVERITIES[: [*SEVERITIES].index(severity) + 1]  # type: ignore[arg-type]
     return [item for item in findings if item.id not in ignored and item.severity in shown]
+
+
+def _without(findings: list[Finding], shown: list[Finding]) -> list[Finding]:
+    known = set(shown)
+    return [item for item in findings if item not in known]
 
 
 def _exit_code(results: dict[str, list[Finding]], *, strict: bool) -> int:

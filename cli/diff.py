@@ -9,8 +9,6 @@ from typing import Any
 
 import click
 
-from rigtri.errors import RigtriError
-
 from . import failures
 from .options import Tolerance, check_streams, json_option, read_options, reading_options, tell_root
 from .words import plain
@@ -51,22 +49,26 @@ def command(before: str, after: str, **values: Any) -> None:
     Example:
         rigtri diff hero.glb out.glb
     """
+    with failures.always(click.get_current_context(), ERROR):
+        same = _diff(before, after, values)
+    sys.exit(0 if same else DIFFERS)
+
+
+def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
+    """Print what differs; whether nothing does."""
     from rigtri.difference import diff
     from rigtri.inputs import opened
 
     check_streams(before, after)
-    try:
-        with opened(before) as one, opened(after) as other:
-            found = diff(
-                Path(one),
-                Path(other),
-                only=values["only"],
-                tolerance=values["tolerance"],
-                verify=values["verify"] and not values["brief"],
-                options=read_options(values),
-            )
-    except (RigtriError, OSError) as error:
-        failures.end(click.get_current_context(), error, ERROR)
+    with opened(before) as one, opened(after) as other:
+        found = diff(
+            Path(one),
+            Path(other),
+            only=values["only"],
+            tolerance=values["tolerance"],
+            verify=values["verify"] and not values["brief"],
+            options=read_options(values),
+        )
     if values["as_json"]:
         told = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
         click.echo(json.dumps(told, indent=2, ensure_ascii=False))
@@ -78,4 +80,4 @@ def command(before: str, after: str, **values: Any) -> None:
         tell_root(before, values["root"])
         for notice in found.notices:
             click.echo(plain(notice, one_line=True), err=True)
-    sys.exit(0 if found.same else DIFFERS)
+    return found.same

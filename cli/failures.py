@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import NoReturn
 
 import click
@@ -30,17 +34,77 @@ def answered(ctx: click.Context) -> None:
 
 
 def tell_json(ctx: click.Context, kind: str, message: str, code: int) -> None:
-    """Print what schemas/error.schema.json describes where JSON was asked for."""
-    if ctx.meta.get(_WANTED):
-        click.echo(json.dumps({"error": {"kind": kind, "message": message, "exit_code": code}}, indent=2))
+    """Print what schemas/error.schema.json describes where JSON was asked for and can be told."""
+    if ctx.meta.get(_WANTED) and _takes_more():
+        with suppress(OSError):  # the line on standard error has told it
+            click.echo(json.dumps({"error": {"kind": kind, "message": message, "exit_code": code}}, indent=2))
 
 
-def end(ctx: click.Context, error: Exception, code: int | None = None) -> NoReturn:
+def hold_streams() -> None:
+    """Give the standard streams that the caller has closed their places back.
+
+    Else the next file that is opened gets the number, and what is printed goes into it. What is
+    written to standard output then fails, for it would be lost.
+    """
+    held = os.open(os.devnull, os.O_RDONLY)
+    while held < 2:
+        held = os.dup(held)
+    if held > 2:
+        os.close(held)
+    if sys.stdout is None:
+        sys.stdout = os.fdopen(1, "w", encoding="utf-8")
+
+
+def _takes_more() -> bool:
+    """Whether standard output takes what waits for it; of one that does not, let the rest go.
+
+    The end of the program would try it once more, and say so in its own way.
+    """
+    try:
+        sys.stdout.flush()
+    except OSError:
+        with suppress(OSError):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, sys.stdout.fileno())
+            os.close(nowhere)
+        return False
+    return True
+
+
+def gone(code: int) -> NoReturn:
+    """The reader of our output has gone; nothing is left to tell it."""
+    if sys.stderr is not None:
+        sys.stderr.close()
+    sys.exit(code)
+
+
+@contextmanager
+def always(ctx: click.Context, code: int) -> Iterator[None]:
+    """Whatever fails ends with ``code``: for a command whose other codes are answers."""
+    try:
+        yield
+    except (click.ClickException, click.exceptions.Exit, click.Abort):
+        raise
+    except BrokenPipeError:
+        gone(code)
+    except (RigtriError, OSError, MemoryError) as error:
+        end(ctx, error, code)
+    except KeyboardInterrupt:
+        click.echo("Aborted!", err=True)
+        sys.exit(code)
+    except Exception as error:  # a mistake of ours: Python's own code for it would be an answer
+        traceback.print_exc()
+        raise SystemExit(code) from error
+
+
+def end(ctx: click.Context | None, error: Exception, code: int | None = None) -> NoReturn:
     """Tell an error of ours or of the system, and end with its exit code or ``code``."""
     kind, message, own = _said(error)
     message = plain(message, one_line=True)
     click.echo(f"rigtri: {message}", err=True)
-    tell_json(ctx, kind, message, own if code is None else code)
+    if ctx is not None:
+        tell_json(ctx, kind, message, own if code is None else code)
+    _takes_more()
     sys.exit(own if code is None else code)
 
 

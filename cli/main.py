@@ -29,6 +29,9 @@ COMMANDS = {
     "add-rivet": "Tie locators to the surface of a mesh, through skinning and morphs.",
     "mirror": "Give one side of a character the axes of the other, and all that rigtri has built there.",
     "bake": "Work controls and constraints out into joint keys, or joints' motion into controls.",
+    "take-clips": "Take the motion of an edited file home into the rig it was made of.",
+    "pose": "Print the pose of one moment, evaluated, or make it the rest pose.",
+    "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
     "strip": "Take out again what rigtri has put into a file.",
     "check": "Find all that is wrong with the skinned rigs in files.",
     "verify": "Measure how far two files look apart, in every pose.",
@@ -54,6 +57,13 @@ class Program(click.Group):
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
+    def main(self, *args: Any, **extra: Any) -> Any:
+        failures.hold_streams()
+        try:
+            return super().main(*args, **extra)
+        except OSError as error:  # of what is said before a command runs, such as --help
+            failures.end(None, error)
+
     def invoke(self, ctx: click.Context) -> Any:
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
@@ -66,9 +76,7 @@ class Program(click.Group):
             failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
             raise
         except BrokenPipeError:
-            # The reader of our output has gone; nothing is left to tell it.
-            sys.stderr.close()
-            sys.exit(1)
+            failures.gone(1)
         except (RigtriError, OSError, MemoryError) as error:
             failures.end(ctx, error)
 

@@ -12,6 +12,7 @@ from rigtri.errors import UsageError
 from rigtri.ops.presets import PRESETS, Style
 
 from .options import (
+    Number,
     edit_options,
     given_options,
     output_options,
@@ -117,13 +118,26 @@ def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[flo
 @click.option("--skin/--no-skin", default=True, show_default=True, help="Make the joints joints of a skin.")
 @click.option("--pole/--no-pole", default=True, show_default=True, help="Add the limb's pole vector.")
 @pole_options
+@click.option(
+    "--as",
+    "kind",
+    type=click.Choice(["locator", "joint"]),
+    help="The pole vector: a node, or a joint of the limb's skin, which engines import. [locator]",
+)
+@click.option(
+    "--pose",
+    default="nodes",
+    show_default=True,
+    metavar="POSE",
+    help="Where the locators are read: nodes (at rest), bind or CLIP@TIME.",
+)
 @click.option("--pole-name", help="Name of the pole vector. [MIDDLE_pole]")
 @click.option(
     "--up-axis", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Of a new USD file."
 )
 @click.option(
     "--meters-per-unit",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     default=0.01,
     show_default=True,
     help="Of a new USD file.",
@@ -180,10 +194,11 @@ def _options(values: dict[str, Any]) -> Options:
         reach_of=values["reach_of"],
         orientation=values["orientation"],
         name=values["pole_name"],
+        kind=values["kind"],
     )
     if not values["pole"]:
-        flags = ("method", "origin", "reach", "distance", "reach_of", "orientation", "pole_name")
-        names = {"origin": "--from"}
+        flags = ("method", "origin", "reach", "distance", "reach_of", "orientation", "pole_name", "kind")
+        names = {"origin": "--from", "kind": "--as"}
         given = {names.get(flag, f"--{flag.replace('_', '-')}"): flag for flag in flags}
         refuse_given(given, "is for the pole vector, and --no-pole leaves it out")
     return Options(
@@ -205,6 +220,7 @@ def _options(values: dict[str, Any]) -> Options:
         skin=values["skin"],
         pole=values["pole"],
         poles=poles,
+        pose=values["pose"],
     ).checked()
 
 

@@ -11,6 +11,7 @@ import click
 from rigtri.errors import UsageError
 
 from .options import (
+    Number,
     edit_options,
     given_options,
     output_options,
@@ -20,7 +21,7 @@ from .options import (
     source_argument,
     turn_options,
 )
-from .words import plain
+from .words import counted, plain
 
 if TYPE_CHECKING:
     from rigtri.ops.mirror import Options
@@ -64,14 +65,12 @@ MOST = 20
     type=click.Choice(["yz", "xz", "xy"]),
     default="yz",
     show_default=True,
-    help="The plane between the sides.",
+    help="The plane between the sides, of the space that the joints are in.",
 )
 @click.option(
     "--plane-at",
-    type=float,
-    default=0.0,
-    show_default=True,
-    help="Where the plane is on the axis across it, where not at the origin.",
+    type=Number(),
+    help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
 )
 @click.option(
     "--what",
@@ -96,14 +95,14 @@ MOST = 20
 @click.option("--pose", metavar="POSE", help="The pose that tells axes: bind, nodes or CLIP@TIME.  [bind]")
 @click.option(
     "--tolerance-distance",
-    type=click.FloatRange(min=0),
+    type=Number(min=0),
     default=1e-4,
     show_default=True,
     help="With --check: places this far off, as a share of the size, pass.",
 )
 @click.option(
     "--tolerance-degrees",
-    type=click.FloatRange(min=0),
+    type=Number(min=0),
     default=0.1,
     show_default=True,
     help="With --check: axes this far off pass.",
@@ -171,7 +170,7 @@ def _check(values: dict[str, Any], options: Options) -> None:
             "symmetric": not worse and not found.alone,
             "mode": options.mode,
             "plane": options.plane,
-            "plane_at": options.plane_at,
+            "plane_at": found.at,
             "better_plane": None
             if found.better is None
             else {"plane": found.better[0], "plane_at": found.better[1]},
@@ -192,7 +191,9 @@ def _check(values: dict[str, Any], options: Options) -> None:
         if found.better is not None:
             plane, at = found.better
             click.echo(f"most pairs lie about another plane: --plane {plane} --plane-at {at:.6g}", err=True)
-        total = f"{len(found.pairs)} pairs, {len(worse)} not symmetric, {len(found.alone)} nodes without twin"
+        where = f" about --plane {found.plane} --plane-at {found.at:g}" if found.at else ""
+        total = f"{counted(len(found.pairs), 'pair')}, {len(worse)} not symmetric{where}"
+        total += f", {counted(len(found.alone), 'node')} without twin"
         click.echo(total, err=True)
     if worse or found.alone:
         sys.exit(1)
@@ -202,4 +203,4 @@ def _summary(report: Report) -> str:
     turned = sum(entry["status"] == "turned" for entry in report.joints)
     new = sum(entry["new"] for entry in report.added)
     made = len(report.added)
-    return f"{turned} joints turned; {made} of what rigtri has built mirrored, {new} of them new"
+    return f"{counted(turned, 'joint')} turned; {made} of what rigtri has built mirrored, {new} of them new"

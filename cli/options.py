@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from rigtri.bounds import fits, unfit
 from rigtri.errors import FileError, RigtriError, UsageError
 
 from . import failures
@@ -43,6 +44,18 @@ class Tolerance(click.FloatRange):
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
             self.fail(f"{value} is no number that differences can be compared with", param, ctx)
+        return number
+
+
+class Number(click.FloatRange):
+    """A finite number that files can work with, within bounds as click.FloatRange has them."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not fits(number):
+            self.fail(unfit(number), param, ctx)
         return number
 
 
@@ -133,12 +146,12 @@ def pole_options(command: F) -> F:
         ),
         click.option(
             "--reach",
-            type=click.FloatRange(min=0, min_open=True),
+            type=Number(min=0, min_open=True),
             help="Distance as a multiple of the limb's length. [0.5]",
         ),
         click.option(
             "--distance",
-            type=click.FloatRange(min=0, min_open=True),
+            type=Number(min=0, min_open=True),
             help="Distance in world units of the file.",
         ),
         click.option(
@@ -310,18 +323,20 @@ def run_edit(
     step: Callable[[Any, Report], Any],
     options: dict[str, Any],
     summary: Callable[[Report], str],
+    besides: Callable[[], None] = lambda: None,
 ) -> Outcome:
-    """Run an edit with a command's shared options; print and write its report."""
-    from pathlib import Path
+    """Run an edit with a command's shared options; print and write its report.
 
-    from rigtri.outputs import write_text
+    besides: writes what the command writes more. All files are there before anything is printed: where
+    that fails, only the words are lost.
+    """
+
     from rigtri.pipeline import edit, report_json
     from rigtri.report import Report
 
     source, target, quiet = values["source"], values["target"], values["quiet"]
     if values["as_json"] and target == "-":
         raise UsageError("--json and -o - both want standard output; use --report FILE.json")
-    report_path = values["report_path"]
     if values["sidecar"] and target == "-":
         raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
     _check_format(values)
@@ -355,10 +370,8 @@ def run_edit(
         tolerance=values["tolerance"],
         dry_run=values["dry_run"],
     )
-    if report_path is not None:
-        write_text(Path(report_path), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
-    if values["sidecar"] and not values["dry_run"]:
-        _write_sidecar(values)
+    _write_beside(values, document)
+    besides()
     if values["as_json"]:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     if not quiet:
@@ -410,14 +423,18 @@ def _sidecar(values: dict[str, Any]) -> Path:
     return Path(values["target"]).with_suffix(SUFFIX)
 
 
-def _write_sidecar(values: dict[str, Any]) -> None:
-    """Describe OUT as it is on disk, so that the names are those that the format has left."""
+def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
+    """The report; and what rigtri has stored in OUT as it is on disk, by the names that it has there."""
     from pathlib import Path
 
     from rigtri.description import description
     from rigtri.formats import read
     from rigtri.outputs import write_text
 
+    if values["report_path"] is not None:
+        write_text(Path(values["report_path"]), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+    if not values["sidecar"] or values["dry_run"]:
+        return
     rig = read(Path(values["target"]), read_options(values)).rig
     write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
 
@@ -427,6 +444,7 @@ def check_side_files(values: dict[str, Any]) -> None:
     from pathlib import Path
 
     from rigtri.delivery import same_file
+    from rigtri.outputs import destination
 
     read = {"IN": values["source"], "--like": values.get("like"), "--frames": values.get("frames")}
     known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
@@ -440,6 +458,7 @@ def check_side_files(values: dict[str, Any]) -> None:
         if any(same_file(path, other) for other in known.values()):
             raise UsageError(f"{flag} {path} names a file that is needed for something else")
         known[flag] = path
+        path = destination(path)
         if path.exists() and not values["overwrite"]:
             raise UsageError(f"{path} exists; it is replaced only with --overwrite")
         if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):

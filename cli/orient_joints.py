@@ -239,10 +239,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         saved["frames"] = frames_json(report)
         return turned
 
-    run_edit("orient-joints", values, step, given_options(ctx), _summary)
-    if values["save_frames"]:
-        from rigtri.outputs import write_text
+    run_edit("orient-joints", values, step, given_options(ctx), _summary, lambda: _save_frames(values, saved))
 
+
+def _save_frames(values: dict[str, Any], saved: dict[str, Any]) -> None:
+    from rigtri.outputs import write_text
+
+    if values["save_frames"]:
         write_text(Path(values["save_frames"]), json.dumps(saved["frames"], indent=1) + "\n")
 
 

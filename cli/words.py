@@ -19,6 +19,15 @@ def plain(text: str, *, one_line: bool = False) -> str:
     return "".join(letter if letter in kept or not _controls(letter) else _escape(letter) for letter in text)
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "clip"), counted(2, "clip")
+    ('1 clip', '2 clips')
+    """
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def _controls(letter: str) -> bool:
     # Format characters join letters of scripts; only those that change direction are kept out.
     if unicodedata.category(letter) in ("Cc", "Zl", "Zp"):

@@ -24,11 +24,15 @@ _WHERE = {
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
     "bake": "rigtri.ops.bake",
+    "take_clips": "rigtri.ops.take_clips",
+    "take_pose": "rigtri.ops.posing",
+    "snap": "rigtri.ops.snap",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.describe",
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
     "check": "rigtri.checks",
+    "register_usd_schemas": "rigtri.formats.usd.schemas",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
@@ -53,7 +57,11 @@ __all__ = [
     "mirror",
     "orient_joints",
     "read",
+    "register_usd_schemas",
+    "snap",
     "strip",
+    "take_clips",
+    "take_pose",
     "verify",
 ]
 
@@ -64,6 +72,7 @@ if TYPE_CHECKING:
     from rigtri.difference import diff
     from rigtri.errors import RigtriError
     from rigtri.formats import read
+    from rigtri.formats.usd.schemas import register_usd_schemas
     from rigtri.ops.bake import bake
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
@@ -72,8 +81,11 @@ if TYPE_CHECKING:
     from rigtri.ops.orient import orient_joints
     from rigtri.ops.polevector import add_polevector
     from rigtri.ops.posereader import add_posereader
+    from rigtri.ops.posing import take_pose
     from rigtri.ops.rivet import add_rivet
+    from rigtri.ops.snap import snap
     from rigtri.ops.strip import strip
+    from rigtri.ops.take_clips import take_clips
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit
     from rigtri.report import Report

@@ -30,9 +30,9 @@ from rigtri.reach import fits, size_of
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
-from rigtri.trigonometry import Floats
 from rigtri.watched import (
     Moment,
+    Points,
     Rows,
     Watched,
     frames,
@@ -54,8 +54,8 @@ _BLOCK = 1 << 16
 # A deep rig is evaluated level by level, so that each step should have some matrices to multiply:
 # this many numbers of a level, in a block of at most so many.
 _LEVEL, _DEEP_BLOCK = 1 << 11, 1 << 19
-# Points moved in one matrix product.
-_CHUNK = 4096
+# Numbers of the points and morph weights of one mesh at all times of a block: 64 MB.
+_POINTS_BLOCK = 1 << 23
 
 
 class Source(Protocol):
@@ -125,6 +125,12 @@ class Comparison:
         worse = not self.deviation >= self.raw_deviation  # also where the latter is not a number
         return self.raw_deviation if self.raw_counts and worse else self.deviation
 
+    @property
+    def identical(self) -> bool:
+        """Whether all that was there is the same to the bit, so that no pose had to be evaluated."""
+        apart = self.poses or self.moved is not None or self.driven
+        return not (apart or self.lost or self.changed or self.different)
+
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
         return not self.lost and not self.different and self.shown <= tolerance
@@ -146,6 +152,7 @@ class Comparison:
             "changed": list(self.changed),
             "different": list(self.different),
             "poses": self.poses,
+            "identical": self.identical,
             "boxed": list(self.boxed),
             **({} if self.moved is None else {"moved": _finite(self.moved)}),
             **(
@@ -158,6 +165,8 @@ class Comparison:
     def summary(self) -> str:
         """One line: the number, where it is, what rotations that are not unit show, and what is lost."""
         line = f"max deviation {self.deviation:.2g} of the size"
+        if self.identical:
+            line += ": nothing that was there has changed"
         if self.worst is not None and self.deviation > 0:
             line += f" ({self.worst})"
         if self.denormalisation > WORTH_SAYING or self.shown > max(self.deviation, TOLERANCE):
@@ -202,7 +211,12 @@ class Comparison:
 
 
 def self_check(
-    before: Source, after: Source, *, closely: bool = False, driven: Driven | None = None
+    before: Source,
+    after: Source,
+    *,
+    closely: bool = False,
+    points: bool = False,
+    driven: Driven | None = None,
 ) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
@@ -210,8 +224,10 @@ def self_check(
     each joint moves. Nodes whose rest, tracks, ancestors and inverse binds are
     the same to the bit are not evaluated. Meshes that cannot be read are bounded
     by the box of their skin's joints. closely: look at every point also of very large
-    meshes, where else the box that the file states for all stands for what any joint moves. driven:
-    morph weights that are meant to be other ones: they are set aside in both and told apart.
+    meshes, where else the box that the file states for all stands for what any joint moves. points:
+    move the points themselves, at the weights that their morphs have; a box has room for what all
+    morphs add at once, which may be far more. driven: morph weights that are meant to be other ones:
+    they are set aside in both and told apart.
     """
     rigs = before.rig, after.rig
     if driven:
@@ -222,12 +238,21 @@ def self_check(
     added = theirs.holders.difference(matching.node.tolist())
     if any(added.intersection(skin.joints.tolist()) for skin in theirs.skins):
         return verify(before, after)  # a split has counted the joints anew: look at the points themselves
-    meshes = _fitting(before, lambda: before.outlines(closely=closely))
+    meshes = _fitting(before, before.meshes if points else lambda: before.outlines(closely=closely))
     diagonal = size_of(mine, meshes)
     moving = moving_nodes(mine, theirs, matching)
-    watched: list[Watched] = [
+    bodies: list[Watched] = [
         *skin_corners(mine, theirs, matching, meshes, moving),
         *rigid_corners(mine, matching, meshes, moving),
+    ]
+    if points and bodies:
+        others = _fitting(after, after.meshes)
+        bodies, lost = _bodies(mine, theirs, matching, meshes, others)
+        if len(meshes) < len(_fitting(before, before.outlines)):
+            lost.append("a mesh that is too large to move its points")
+        matching = replace(matching, lost=(*matching.lost, *lost))
+    watched: list[Watched] = [
+        *bodies,
         *frames(mine, matching, meshes, moving, diagonal),
         origins(mine, matching, moving),
     ]
@@ -256,25 +281,35 @@ def verify(before: Source, after: Source) -> Comparison:
     meshes, others = _fitting(before, before.meshes), _fitting(after, after.meshes)
     diagonal = size_of(mine, meshes)
     everything = np.ones(len(mine), dtype=bool)
-    pairs, lost = _mesh_pairs(mine, matching, meshes, others)
+    bodies, lost = _bodies(mine, theirs, matching, meshes, others)
     watched: list[Watched] = [
-        *(points_of(mine, theirs, a, b) for a, b in pairs),
+        *bodies,
         *frames(mine, matching, meshes, everything, diagonal),
         origins(mine, matching, everything),
     ]
-    # Skins whose points nobody can read (Draco), by the places of their joints.
-    read = {mesh.skin for mesh in meshes}
-    hidden = [k not in read and (skin.drawn or not meshes) for k, skin in enumerate(mine.skins)]
-    unseen = replace(matching, skin=np.where(hidden, matching.skin, -1))
-    watched += skin_corners(mine, theirs, unseen, [], everything)
     shown, now = before.scenery(closely=True), after.scenery(closely=True)
     different, changed = compare_scenery((mine, theirs), shown, now, matching)
     if shown.format == now.format:
         different += compare_attached(mine, theirs, matching)
+        pairs, _ = _mesh_pairs(mine, matching, meshes, others)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
     matching = replace(matching, lost=(*matching.lost, *lost), changed=(*matching.changed, *changed))
     seen = side_by_side(mine, theirs, matching, added=True)
     return _compare(*seen, matching, [w for w in watched if len(w.titles)], diagonal, different)
+
+
+def _bodies(
+    mine: Rig, theirs: Rig, m: Matching, meshes: Sequence[Mesh], others: Sequence[Mesh]
+) -> tuple[list[Watched], list[str]]:
+    """The points of the meshes of both, and the meshes that the second lacks."""
+    pairs, lost = _mesh_pairs(mine, m, meshes, others)
+    watched: list[Watched] = [points_of(mine, theirs, a, b) for a, b in pairs]
+    # Skins whose points nobody can read (Draco), by the places of their joints.
+    read = {mesh.skin for mesh in meshes}
+    hidden = [k not in read and (skin.drawn or not meshes) for k, skin in enumerate(mine.skins)]
+    unseen = replace(m, skin=np.where(hidden, m.skin, -1))
+    watched += skin_corners(mine, theirs, unseen, [], np.ones(len(mine), dtype=bool))
+    return watched, lost
 
 
 @dataclass
@@ -351,10 +386,10 @@ def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
     (before, after), tally.watched = _needed(before, after, tally.watched)
     still = [pose.worlds(rig, pose.rest(rig, normalised=normalised))[np.newaxis] for rig in (before, after)]
     tally.add(Moment(still[0], still[1], (None, None), np.zeros(1)), "")
-    size = max(map(_times_at_once, (before, after)))
+    size = min(max(map(_times_at_once, (before, after))), _times_of_points(tally.watched))
     for clips in zip(before.clips, after.clips, strict=True):
         motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
-        times = between_keys(np.concatenate([pose.key_times(clip) for clip in clips]))
+        times = pose.between_keys(np.concatenate([pose.key_times(clip) for clip in clips]))
         for start in range(0, len(times), size):
             some = times[start : start + size]
             worlds = [
@@ -370,6 +405,13 @@ def _times_at_once(rig: Rig) -> int:
     return max(1, max(_BLOCK, wanted) // numbers)
 
 
+def _times_of_points(watched: Sequence[Watched]) -> int:
+    """At how many times the largest of the meshes can be moved at once."""
+    meshes = [mesh for w in watched if isinstance(w, Points) for mesh in w.meshes]
+    largest = max((3 * len(mesh.points) + len(mesh.morphs) for mesh in meshes), default=1)
+    return max(1, _POINTS_BLOCK // max(largest, 1))
+
+
 def _needed(before: Rig, after: Rig, watched: Sequence[Watched]) -> tuple[tuple[Rig, Rig], list[Watched]]:
     """The parts of both rigs that what is watched depends on, and the watched in their terms."""
     if not all(type(w) is Rows for w in watched):
@@ -378,20 +420,6 @@ def _needed(before: Rig, after: Rig, watched: Sequence[Watched]) -> tuple[tuple[
     (mine, place), (theirs, there) = part_of(before, sides[0]), part_of(after, sides[1])
     rows = [w for w in watched if isinstance(w, Rows)]
     return (mine, theirs), [replace(w, nodes=(place[w.nodes[0]], there[w.nodes[1]])) for w in rows]
-
-
-def between_keys(keys: Floats) -> Floats:
-    """Where to look at a clip: its keys, (k,), two places between each two, and beyond both ends.
-
-    The middle is where two interpolations part most; 0.29 is where they do not happen to meet.
-    """
-    keys = pose.each_once(keys[np.isfinite(keys)])
-    if not len(keys):
-        return np.zeros(1)
-    span = np.diff(keys)
-    beyond = max(1e-3, 0.1 * float(keys[-1] - keys[0]))
-    ends = keys[[0, -1]] + [-beyond, beyond]
-    return pose.each_once(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
 
 
 def denormalisation(rig: Rig) -> float:

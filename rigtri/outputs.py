@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rigtri.ahead import Ahead, copied
-from rigtri.delivery import beside, commit, discard_stale, replacing, same_file, stale_parts
+from rigtri.delivery import aimed, beside, commit, discard_stale, replacing, same_file, stale_parts
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion
 
@@ -160,8 +160,25 @@ def as_file_error(path: Path) -> Iterator[None]:
         raise FileError(f"{path} cannot be written: {reason}") from error
 
 
+def destination(path: Path) -> Path:
+    """Where what is to be named ``path`` is written: a link stays a link, and what it leads to is replaced.
+
+    UsageError for a device or a pipe, FileError for links in a circle.
+    """
+    with as_file_error(path):
+        place = aimed(path)
+        # Asked of the name itself: what a link in /proc says it leads to need be no name.
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise UsageError(
+                f"{path} is a device or a pipe; give the name of a plain file "
+                "(-o - and --json write to standard output)"
+            )
+        return place
+
+
 def write_text(path: Path, text: str) -> None:
-    """Write a small text file beside and rename it; FileError when that fails."""
+    """Write a small text file beside and rename it, as `destination` says; FileError when that fails."""
+    path = destination(path)
     with as_file_error(path):
         discard_stale(path)
         with replacing(path) as part:

@@ -115,6 +115,20 @@ def each_once(times: Floats) -> Floats:
     return times[fresh]
 
 
+def between_keys(keys: Floats) -> Floats:
+    """Where to look at a clip: its keys, (k,), two places between each two, and beyond both ends.
+
+    The middle is where two interpolations part most; 0.29 is where they do not happen to meet.
+    """
+    keys = each_once(keys[np.isfinite(keys)])
+    if not len(keys):
+        return np.zeros(1)
+    span = np.diff(keys)
+    beyond = max(1e-3, 0.1 * float(keys[-1] - keys[0]))
+    ends = keys[[0, -1]] + [-beyond, beyond]
+    return each_once(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
+
+
 def skin_matrices(skin: Skin, world: Floats) -> Floats:
     """``inverse_bind · world`` of a skin's joints, (..., m, 4, 4): bind-pose points to world."""
     return multiply(skin.inverse_bind, world[..., skin.joints, :, :])

@@ -6,21 +6,23 @@ more than e times its reach, in any pose that bends joints and does not stretch 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.matrices import multiply, transform_directions, transform_points
-from rigtri.pose import deformed, morph_weights, rest, worlds
+from rigtri.matrices import inverse, multiply, transform_directions, transform_points
+from rigtri.pose import Motion, between_keys, deformed, key_times, morph_weights, rest, worlds
 from rigtri.records import Integers, Mesh
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
-from rigtri.vectors import length
+from rigtri.vectors import dot, length
 
 # Relative to the size of what is seen. Random axes on every joint of real files, stored as
 # float32, move points by less than 8.7e-6; a visible fault by far more.
 TOLERANCE = 1e-5
+# Numbers of matrices in one block of times.
+_BLOCK = 1 << 20
 
 
 def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
@@ -55,7 +57,8 @@ def fits(mesh: Mesh, rig: Rig) -> bool:
 def reaches(rig: Rig) -> Floats:
     """How far from each node the farthest point, joint or frame that hangs at it can get, (n,).
 
-    As a share of the size of what is seen; bones below it as if they were all in one line.
+    As a share of the size of what is seen; bones below it as if they were all in one line, at rest and
+    wherever clips stretch them.
     What is no mesh (cameras, lights) counts as its frame, of axes as long as that size, as it
     is judged. Meshes that cannot be read count for nothing more.
     """
@@ -63,17 +66,52 @@ def reaches(rig: Rig) -> Floats:
         meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
     except FileError:
         meshes = []
-    reach, world = np.zeros(len(rig)), worlds(rig, rest(rig))
+    own, world = np.zeros(len(rig)), worlds(rig, rest(rig))
     for mesh in meshes:
-        _own(rig, world, mesh, reach)
+        _own(rig, world, mesh, own)
     size = size_of(rig, meshes)
     framed = frames_shown(rig, meshes)
-    reach[framed] = np.maximum(reach[framed], _corner(world[framed, :3, :3]) * size)
+    own[framed] = np.maximum(own[framed], _corner(world[framed, :3, :3]) * size)
+    reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
+    for posed in _stretched(rig):
+        reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
+    return reach / size
+
+
+def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
+    """How far from each node what hangs at it or below can get, (f, n), at times, (f, n, 4, 4)."""
+    reach = own.copy()
     for level in reversed(rig.levels[1:]):
         parents = rig.parents[level]
-        bones = length(world[level, 3, :3] - world[parents, 3, :3])
-        np.maximum.at(reach, parents, np.where(np.isfinite(bones), bones, 0.0) + reach[level])
-    return reach / size
+        bones = length(world[:, level, 3, :3] - world[:, parents, 3, :3])
+        far = np.where(np.isfinite(bones), bones, 0.0) + reach[:, level]
+        for time in range(len(reach)):
+            np.maximum.at(reach[time], parents, far[time])
+    return reach
+
+
+def _stretched(rig: Rig) -> Iterator[Floats]:
+    """The worlds of the clips that move or scale nodes, (f, n, 4, 4), a block of times at once."""
+    many = max(1, _BLOCK // (16 * max(len(rig), 1)))
+    for clip in rig.clips:
+        if any(track.path in ("translation", "scale") for track in clip.tracks):
+            times, motion = between_keys(key_times(clip)), Motion(rig, clip)
+            for start in range(0, len(times), many):
+                yield worlds(rig, motion.locals_at(times[start : start + many]))
+
+
+def _stretch(rest: Floats, posed: Floats) -> Floats:
+    """By how much the frames of nodes are longer at most, (f, n), than at rest, (n, 4, 4).
+
+    The largest stretch of A = rest⁻¹·posed is the root of the largest eigenvalue of A·Aᵀ, and that
+    is no more than the largest sum of a row. 1 where the rest is flat.
+    """
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        change = multiply(inverse(rest), posed)[..., :3, :3]
+        square = [length(change[..., i, :]) ** 2 for i in range(3)]
+        mixed = [np.abs(dot(change[..., i, :], change[..., (i + 1) % 3, :])) for i in range(3)]
+        most = np.sqrt(np.max([square[i] + mixed[i] + mixed[i - 1] for i in range(3)], axis=0))
+    return np.where(np.isfinite(most), most, 1.0)
 
 
 def frames_shown(rig: Rig, meshes: Sequence[Mesh]) -> list[int]:

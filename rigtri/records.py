@@ -24,7 +24,8 @@ class Track:
 
     times: shape (k,), increasing. values: (k, c), for CUBICSPLINE (k, 3, c):
     in-tangent, value, out-tangent. Tracks of a clip that share their times
-    share the array, which is what makes sampling them together cheap.
+    share the array, which is what makes sampling them together cheap. unlisted: columns of weights
+    that the file has no word for, which are what they are at rest.
     """
 
     node: int
@@ -33,6 +34,7 @@ class Track:
     times: Floats
     values: Floats
     key: Hashable = None
+    unlisted: frozenset[int] = frozenset()
 
 
 def key_values(track: Track) -> Floats:
@@ -110,11 +112,15 @@ class Fold:
     """Joints of a skin that go, and which ones take what their points have of them.
 
     skin: its number. rows: (m,), for each row that the file has, the row from now on: a joint that goes
-    has that of its heir. idle: no point of a mesh has weight of those that go, and no other changes its row.
+    has that of its heir. at: where each stands along the bone that it shares, (m,). widths: how many
+    joints each point of a mesh had room for before, by the node that shows it. idle: no point of a mesh has
+    weight of those that go, and no other changes its row.
     """
 
     skin: int
     rows: Integers
+    at: Floats
+    widths: Mapping[int, int]
     idle: bool
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
 from rigtri.records import Booleans, Bound, Clip, Constraint, Fold, Integers, Mesh, Skin, Spread, Track
-from rigtri.shapes import Shape
+from rigtri.shapes import Lines, Shape, nothing
 from rigtri.trigonometry import Floats
 
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
@@ -71,6 +71,7 @@ class Rig:
     removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
     raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
+    lines: reads the lines that the file draws at the node of a key, None where it draws something else.
     drawn: reads what is drawn, to measure; asked only when needed. read_meshes: the same with all
     points, as `meshes`. shelf: the node that a new group of ours goes under, −1 where it is a root.
     per_second: units of clips' time in a second.
@@ -100,6 +101,7 @@ class Rig:
     shapes: Mapping[int, Shape] = field(default_factory=dict)
     spreads: tuple[Spread, ...] = ()
     folds: tuple[Fold, ...] = ()
+    lines: Callable[[Hashable], Lines | None] = nothing
     removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)

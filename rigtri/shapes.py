@@ -8,10 +8,10 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger" (one shape p
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -24,6 +24,8 @@ Kind = Literal[
 # Left blue, right red, centre yellow: what Maya's and Blender's riggers expect.
 COLORS = {"left": (0.05, 0.2, 1.0), "right": (1.0, 0.05, 0.05), "": (1.0, 0.8, 0.0)}
 _SEGMENTS = 24
+# Lines of ours as a file gives them back: a share of their size, and of a colour.
+_SAME_POINT, _SAME_COLOR = 1e-5, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,40 @@ class Shape:
         ends = [np.roll(strip, -1, axis=0) if self.closed else strip[1:] for strip in self.strips]
         starts = [strip if self.closed else strip[:-1] for strip in self.strips]
         return np.stack([np.concatenate(starts), np.concatenate(ends)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """What a file draws at a node: the ends of every line, (s, 2, 3), in its space; colour linear RGB."""
+
+    segments: Floats
+    color: tuple[float, ...]
+
+    def are(self, kind: str, size: float, color: Sequence[float]) -> bool:
+        """Whether `drawn` draws these lines, however they are turned; up to the rounding of float32."""
+        if kind not in _STRIPS or len(color) != len(self.color):
+            return False
+        off = max(abs(a - b) for a, b in zip(self.color, color, strict=True))
+        return off <= _SAME_COLOR and any(self._match(shape, size) for shape in _placed(kind, size))
+
+    def _match(self, shape: Shape, size: float) -> bool:
+        other = shape.segments
+        same = other.shape == self.segments.shape
+        return same and bool(np.abs(other - self.segments).max() <= _SAME_POINT * size)
+
+
+def nothing(key: object) -> Lines | None:
+    """What is drawn at the nodes of a rig that no file was read for."""
+    return None
+
+
+def _placed(kind: Any, size: float) -> Iterator[Shape]:
+    """A shape in every way that `drawn` can turn it."""
+    ways = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
+    for normal in ways:
+        for ahead in (None, *ways):
+            if ahead is None or not (normal * ahead).any():
+                yield drawn(kind, size=size, normal=normal, color=COLORS[""], ahead=ahead)
 
 
 def drawn(

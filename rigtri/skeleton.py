@@ -67,6 +67,11 @@ def skeleton(
         elif not joints and plain:
             joints = [node for node in range(len(rig)) if rig.payload[node] < 0]
     joints = [joint for joint in joints if joint not in rig.holders]
+    if not joints and root is not None:
+        raise FileError(
+            f"At and below '{root}' there is no joint: all nodes there show something themselves, a mesh, "
+            "camera or light. Name another top node with --root, or leave it out for the joints of the skins"
+        )
     if not joints:
         raise FileError(
             "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "

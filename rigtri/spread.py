@@ -26,8 +26,9 @@ def shared(
     """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
 
     points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the spread's joints together
-    goes to the two nearest along the bone, linear between them. units: weights are whole numbers
-    and stay so. What was so already keeps its bits and its place.
+    goes to the two nearest along the bone, linear between them: the first of the two in the skin takes
+    the place that the first of them had, by which `folded` finds it again. units: weights are whole
+    numbers and stay so. What was so already keeps its bits and its place.
     """
     mine = np.isin(joints, spread.joints) & (weights != 0)
     touched = mine.any(axis=1)
@@ -44,18 +45,25 @@ def shared(
     second = total - first
     out_joints = np.where(mine, 0, joints)
     out_weights = np.where(mine, 0.0, weights)
-    home = mine.argmax(axis=1) if joints.shape[1] else np.zeros(len(joints), dtype=np.int64)
-    for joint, weight in ((near, first), (far, second)):
+    home = _first(joints, mine)
+    swapped = near > far
+    pairs = (
+        (np.where(swapped, far, near), np.where(swapped, second, first)),
+        (np.where(swapped, near, far), np.where(swapped, first, second)),
+    )
+    for joint, weight in pairs:
         out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0), home)
     return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
 
 
-def folded(rows: Integers, joints: Integers, weights: Floats) -> tuple[Integers, Floats]:
+def folded(
+    rows: Integers, at: Floats, joints: Integers, weights: Floats, width: int = 0
+) -> tuple[Integers, Floats]:
     """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
 
-    rows: as `Fold.rows`. What a point has of a joint and of those that it inherits is added up in
-    the place of the first of them in the skin, where a spread has put it. Of columns at the end, those
-    that held something and do no longer go, and those behind them.
+    rows, at: as in `Fold`. What a point has of a joint and of those that it inherits is added up in
+    the place of the first of them along the bone, which a spread has put there. Of columns at the end,
+    those that held something and do no longer go, and those behind them, but for the first ``width``.
     """
     inside = np.clip(joints, 0, len(rows) - 1)
     live = weights != 0
@@ -66,14 +74,15 @@ def folded(rows: Integers, joints: Integers, weights: Floats) -> tuple[Integers,
             both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)
             both &= (out_joints[:, first] == out_joints[:, later]) & (joints[:, first] != joints[:, later])
             both &= moved[:, first] | moved[:, later]
-            ahead = joints[:, first] < joints[:, later]
+            one, two = at[inside[:, first]], at[inside[:, later]]
+            ahead = (one < two) | ((one == two) & (joints[:, first] < joints[:, later]))
             total = out_weights[:, first] + out_weights[:, later]
             for into, from_, own in ((first, later, ahead), (later, first, ~ahead)):
                 out_weights[both & own, into] = total[both & own]
                 out_weights[both & own, from_], out_joints[both & own, from_] = 0.0, 0
-    width, now = _width(weights), _width(out_weights)
-    width = max(now, 1) if now < width else joints.shape[1]
-    return out_joints[:, :width], out_weights[:, :width]
+    now = _width(out_weights)
+    kept = max(now, width, 1) if now < _width(weights) else joints.shape[1]
+    return out_joints[:, :kept], out_weights[:, :kept]
 
 
 def _width(weights: Floats) -> int:
@@ -90,6 +99,14 @@ def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
     share = np.where(span > 0, (t - spread.at[near]) / np.where(span > 0, span, 1.0), 0.0)
     share = np.where(share < WHOLE, 0.0, np.where(share > 1.0 - WHOLE, 1.0, share))
     return spread.joints[near], spread.joints[far], share
+
+
+def _first(joints: Integers, mine: Booleans) -> Integers:
+    """The column, (v,), of those that are ``mine`` whose joint comes first in the skin; 0 where none is."""
+    if not joints.shape[1]:
+        return np.zeros(len(joints), dtype=np.int64)
+    rows: Integers = np.where(mine, joints, np.iinfo(np.int64).max)
+    return np.asarray(rows.argmin(axis=1))
 
 
 def _put(

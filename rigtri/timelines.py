@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rigtri.errors import GeometryError, UsageError
 from rigtri.pose import sample
 from rigtri.records import Clip, Interpolation, Path, Track
 from rigtri.rig import Rig
@@ -20,6 +21,8 @@ from rigtri.trigonometry import Floats
 SAME_VALUE = 1e-6
 # Formats that keep times as float32 can tell two keys this far apart, as a share of the time.
 _SINGLE = np.float32
+# Keys that evenly spaced times may come to in one clip.
+MOST_KEYS = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +55,28 @@ def timelines(rig: Rig) -> list[Timeline]:
         members = (first, *(k for k in together if k != first))
         found.append(Timeline(Clip(rig.clips[first].name, tuple(tracks.values())), members))
     return found
+
+
+def moment(rig: Rig, text: str) -> tuple[Timeline | None, float]:
+    """The timeline and the time that ``CLIP@TIME`` names, the last @ splits; None and 0 for ``rest``.
+
+    Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
+    """
+    if text == "rest":
+        return None, 0.0
+    name, mark, time = text.rpartition("@")
+    try:
+        at = float(time)
+    except ValueError:
+        at = float("nan")
+    if not mark or not np.isfinite(at):
+        raise UsageError(f"'{text}' is no pose: give CLIP@TIME, e.g. walk@0.5, or rest")
+    clip = rig.clip(name)
+    number = next((k for k, known in enumerate(rig.clips) if known is clip or known.played is clip), -1)
+    found = next((t for t in timelines(rig) if number in t.members), None)
+    if found is None:
+        raise GeometryError(f"Clip '{name}' has no keys")
+    return found, at
 
 
 def _is_default(clip: Clip) -> bool:
@@ -117,7 +142,7 @@ def _size(values: Floats) -> float:
 def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0) -> Floats:
     """The times to start from, (f,): all keys, and with ``fps`` so many evenly spaced ones a second.
 
-    per_second: units of the clip's time in a second.
+    per_second: units of the clip's time in a second. UsageError where that would be too many.
     """
     distinct = {id(track.times): track.times for track in timeline.clip.tracks if len(track.times) > 1}
     keys = np.unique(np.concatenate([*distinct.values(), np.zeros(0)]))
@@ -127,6 +152,12 @@ def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0)
         return np.array([min(firsts, default=0.0)])
     if fps is None:
         return np.asarray(keys)
+    wanted = (float(keys[-1]) - float(keys[0])) / per_second * fps
+    if not wanted <= MOST_KEYS:
+        raise UsageError(
+            f"--fps {fps:g}: that would be {wanted:.6g} keys in clip '{timeline.name}', and "
+            f"{MOST_KEYS} are the most"
+        )
     step = per_second / fps
     count = int((keys[-1] - keys[0]) / step)
     even = single(keys[0] + step * np.arange(1, count + 1))
@@ -193,7 +224,8 @@ def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Fl
     rows = sample(was, together)
     new = Track(was.node, "weights", "LINEAR", times, values)
     rows[:, list(columns)] = sample(new, together)
-    return replace(was, interpolation=_linear(together), times=together, values=rows)
+    unlisted = was.unlisted.difference(columns)
+    return replace(was, interpolation=_linear(together), times=together, values=rows, unlisted=unlisted)
 
 
 def _linear(times: Floats) -> Interpolation:

@@ -17,6 +17,10 @@ from rigtri.formats.usd.notes import api_name
 HERE = Path(__file__).resolve().parent
 # Types of notes that stand on prims; those of joints are texts on a Skeleton.
 ON_JOINTS = frozenset({"frame"})
+# What only USD has, by type of note: relationships, which its tools follow.
+RELATIONS = {
+    "constraint": {"source": "Its drivers that are prims; joints are none, and stand in drivers alone"},
+}
 _TYPES = {"string": "string", "number": "double", "integer": "int", "boolean": "bool"}
 
 
@@ -49,6 +53,7 @@ def generated(schema: dict[str, Any]) -> tuple[str, str]:
 def _class(kind: str, schema: dict[str, Any]) -> str:
     about = schema["$defs"][kind]
     members = [_property(key, value, schema) for key, value in about["properties"].items()]
+    members += [f"    rel rigtri:{name}{_doc(doc)}\n" for name, doc in RELATIONS.get(kind, {}).items()]
     return f'class "{api_name(kind)}" (\n    doc = "{about["title"]}"\n)\n{{\n{"".join(members)}}}\n'
 
 
@@ -56,8 +61,11 @@ def _property(key: str, about: Any, schema: dict[str, Any]) -> str:
     said = _resolved(about if about is not True else schema["properties"].get(key, {}), schema)
     name, kind = _type_of(key, said)
     title = (about.get("title") if isinstance(about, dict) else None) or said.get("title", "")
-    doc = f' (\n        doc = "{title}"\n    )' if title else ""
-    return f"    uniform {kind} rigtri:{name}{doc}\n"
+    return f"    uniform {kind} rigtri:{name}{_doc(title)}\n"
+
+
+def _doc(title: str) -> str:
+    return f' (\n        doc = "{title}"\n    )' if title else ""
 
 
 def _resolved(about: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:

@@ -298,6 +298,10 @@ GLTF: dict[str, list[Make]] = {
     ],
     "gltf.buffer.outside": [buffer("../x.bin"), buffer("https://example.com/x.bin"), buffer("%2e%2e/x.bin")],
     "gltf.buffer.missing": [buffer("gone.bin")],
+    "gltf.file.missing": [
+        spoiled(lambda g, b: g.update(images=[{"uri": "gone.png"}])),
+        spoiled(lambda g, b: g.update(images=[{"uri": "https://example.com/x.png"}])),
+    ],
     "gltf.buffer.broken": [buffer("data:;base64,AAAA"), buffer("data:;base64,!"), buffer("")],
     "gltf.accessor.broken": [
         spoiled(

@@ -80,11 +80,15 @@ def _twist(rig: Rig, report: Report) -> Rig:
 
 
 def _split(rig: Rig, report: Report) -> Rig:
+    """Upper and lower bones; in the lower ones the bone's own joint is the first, in the upper the last."""
     known = [t for t in recognise(rig) if t.middle not in rig.own]
     if not known:
         raise GeometryError("no limb is known by its name")
-    wanted = twist.Options(limbs=tuple(known), lower=True, split_weights=True)
-    return twist.add_twist(rig, options=wanted, report=report)
+    wanted = twist.Options(limbs=tuple(known), split_weights=True)
+    try:
+        return twist.add_twist(rig, options=wanted, report=report)
+    except RigtriError:
+        return twist.add_twist(rig, options=replace(wanted, lower=True), report=report)
 
 
 def _rivet(rig: Rig, report: Report) -> Rig:

@@ -13,9 +13,14 @@ import pytest
 from hypothesis import settings
 from places import ASSETS, GOLDENS, NO_ASSETS, SAMPLES
 
+from rigtri import register_usd_schemas
+
 # A slow machine is no failure, and a law that fails should fail the same way tomorrow.
 settings.register_profile("rigtri", deadline=None, derandomize=True)
 settings.load_profile("rigtri")
+
+# Tests open stages of their own.
+register_usd_schemas()
 
 # Blender's own Python runs it.
 collect_ignore_glob = ["engines/blender_*.py"]

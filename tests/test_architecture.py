@@ -22,6 +22,7 @@ pytestmark = pytest.mark.skipif(
 # Each module may import from lines above its own, and from its own line what the comment says.
 ORDER = """
 errors
+bounds
 trigonometry
 vectors
 quaternions
@@ -44,7 +45,7 @@ playing
 moving scenery attached
 watched
 compare describe description changes
-advice stilled
+advice stilled intended
 delivery
 ahead ops formats
 inputs outputs

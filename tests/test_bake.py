@@ -25,6 +25,10 @@ from rigtri.quaternions import from_axis_angle
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.solve.at_work import keyed_in
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.posed import sampled
+from rigtri.timelines import timelines
 from rigtri.trigonometry import Floats
 
 WHOLE = ControlOptions(whole_character=True)
@@ -292,3 +296,20 @@ def test_real_motion_comes_home(path: Path) -> None:
         clip = rig.clip(name)
         times = pose.key_times(clip)
         assert apart(rig, home, name, times[:: max(1, len(times) // 100)]) < BOUND
+
+
+@pytest.mark.parametrize("block", [1, 7, 64])
+def test_blocks_of_frames_change_no_bit(block: int) -> None:
+    rig = rigged()
+    rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
+    up = bake(constrain(rig, options=rule), options=Options(to="controls", fps=120.0))
+    for timeline in timelines(up):
+        solver = Solver(up, keyed_in(up, timeline))
+        times = np.linspace(0.0, 1.0, 100)
+        parts = sampled(up, timeline.clip, times)
+        whole, some = solver.solved(parts), solver.solved(parts, block)
+        assert whole.keys() == some.keys()
+        for node in whole:
+            for one, other in zip(whole[node], some[node], strict=True):
+                rows = np.broadcast_to(one, (len(times), one.shape[1]))
+                assert np.broadcast_to(other, rows.shape).tobytes() == rows.tobytes()

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import time
 import tracemalloc
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from broken_gltf import GLTF, Make, sparse_texture
@@ -14,6 +17,7 @@ from broken_gltf import clean as clean_gltf
 from broken_usd import USD
 from broken_usd import clean as clean_usd
 from broken_vrm import VRM, avatar_0, avatar_1, motion
+from click.testing import CliRunner
 from places import sample_files
 from usd_files import save
 
@@ -206,3 +210,43 @@ def test_bare_opinions_of_ours_are_checked_over_what_they_are_for(tmp_path: Path
         'over "Root"\n{\nover "Skel"\n{\nuniform token[] joints = ["a", "a", "a/b"]\n}\n}\n'
     )
     assert "usd.skel.joint-twice" in ids(check(save(tmp_path, text, "over.usda")))
+
+
+def with_children(path: Path, *children: list[int]) -> Path:
+    """A glTF whose nodes have these children."""
+    nodes = [{"name": f"n{k}", **({"children": below} if below else {})} for k, below in enumerate(children)]
+    path.write_text(json.dumps({"asset": {"version": "2.0"}, "nodes": nodes}))
+    return path
+
+
+def test_a_child_that_is_named_many_times_is_one_finding_with_a_count(tmp_path: Path) -> None:
+    path = with_children(tmp_path / "a.gltf", [1] * 5, [], [1, 1, 1])
+    found = [(item.place, item.pointer, item.message) for item in check(path) if item.pointer]
+    assert found == [
+        ("node 'n1' (#1)", "/nodes/0/children/1", "is 5 times among the children of node 'n0' (#0)"),
+        (
+            "node 'n1' (#1)",
+            "/nodes/2/children/0",
+            "is below two parents, node 'n0' (#0), node 'n2' (#2) (3 times)",
+        ),
+    ]
+
+
+def test_a_second_parent_that_is_below_the_node_is_a_cycle(tmp_path: Path) -> None:
+    path = with_children(tmp_path / "a.gltf", [1, 3], [2], [1, 1], [0])
+    found = {(item.id, item.pointer) for item in check(path) if item.pointer}
+    # 0 and 3 are below each other; 1 is below 0, and a child of 2, which is below it.
+    assert found == {("gltf.node.cycle", "/nodes/0"), ("gltf.node.cycle", "/nodes/2/children/0")}
+
+
+@pytest.mark.parametrize("count", [50_000])
+def test_findings_of_many_children_take_no_more_than_their_number(
+    count: int, tmp_path: Path, app: click.Group
+) -> None:
+    """A chain each of whose nodes is a parent of the first, too, and one that names a child very often."""
+    chain = [[k + 1, 0] for k in range(count)]
+    path = with_children(tmp_path / "a.gltf", [1] * count, *chain[1:], [])
+    start = time.process_time()
+    result = CliRunner().invoke(app, ["check", str(path), "-q"])
+    assert result.exit_code == 1
+    assert time.process_time() - start < 20.0  # 4 s; it would be an hour if each looked at all others

@@ -12,6 +12,7 @@ import click
 import pytest
 from click.testing import CliRunner, Result
 from conftest import Golden
+from gltf_files import small
 from second_opinions import schema, validator
 
 from rigtri.cli import main
@@ -406,3 +407,43 @@ def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(
     assert json.loads(result.stdout)["passes"] is False
     result = CliRunner().invoke(app, ["--no-such", "inspect", "--json"])
     assert json.loads(result.stdout)["error"]["kind"] == "usage"
+
+
+def test_a_root_that_shows_something_itself_is_not_told_to_give_a_root(run: Any, tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["nodes"][-1]["name"] = "body"
+    source = builder.glb(tmp_path / "in.glb")
+    result = run("orient-joints", source, "-o", tmp_path / "out.glb", "--root", "body", code=3)
+    assert "At and below 'body' there is no joint" in result.stderr
+    assert "no skin lists joints" not in result.stderr
+
+
+MANY = "1e+09 keys in clip 'walk'"
+NAN, HUGE = "not a finite number", "is the most"
+UNWORKABLE = [
+    (["add-polevector", "--limbs", "auto", "--reach", "nan"], NAN),
+    (["add-polevector", "--limbs", "auto", "--distance", "inf"], NAN),
+    (["add-controls", "--whole-character", "--size", "1e30"], HUGE),
+    (["add-controls", "--whole-character", "--reach", "nan"], NAN),
+    (["mirror", "--plane-at", "nan"], NAN),
+    (["add-posereader", "--driver", "hand_L", "--target", "rest", "--fps", "inf"], NAN),
+    (
+        ["add-posereader", "--driver", "hand_L", "--target", "rest", "--fps", "1e9"],
+        "1e+09 keys in clip 'walk'",
+    ),
+    (["add-rivet", "--mesh", "body", "--triangle", "1", "--fps", "1e9"], MANY),
+    (["add-rivet", "--mesh", "body", "--at", "1e30,0,0"], HUGE),
+    (["make-limb", "--points", "1e30,0,0", "0,1,0", "0,0,1"], HUGE),
+]
+
+
+@pytest.mark.parametrize(("words", "told"), UNWORKABLE)
+def test_numbers_that_no_file_can_work_with_are_refused(
+    words: list[str], told: str, app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    command, *options = words
+    arguments = [command, str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb"), *options]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 2, result.output
+    assert told in result.output
+    assert not (tmp_path / "out.glb").exists()

@@ -17,13 +17,12 @@ from rigtri.compare import (
     Comparison,
     Source,
     Worst,
-    between_keys,
     denormalisation,
     self_check,
     verify,
 )
 from rigtri.errors import FileError
-from rigtri.pose import Motion, worlds
+from rigtri.pose import Motion, between_keys, worlds
 from rigtri.quaternions import from_axis_angle, multiply
 from rigtri.records import Mesh
 from rigtri.reframe import reframe
@@ -299,7 +298,13 @@ def test_only_the_branch_that_changed_is_evaluated(monkeypatch: pytest.MonkeyPat
     self_check(before, replace(before, rig=nudged(before.rig, ARM)))
     assert max(seen) == 6  # hips, spine, arm and what hangs on it; not body and face
     seen.clear()
-    assert self_check(before, replace(before, rig=replace(before.rig))).poses == 0
+    result = self_check(before, replace(before, rig=replace(before.rig)))
+    assert result.poses == 0
+    assert result.identical
+    assert result.summary() == "max deviation 0 of the size: nothing that was there has changed"
+    assert result.as_json()["identical"] is True
+    assert not replace(result, poses=1).identical
+    assert not replace(result, changed=("node a",)).identical
     assert not seen
 
 

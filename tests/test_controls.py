@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
-from places import asset_files, leave_out_refused, sample_files
+from places import SAMPLES, asset_files, leave_out_refused, sample_files
 from rigs import chain
 from second_opinions import khronos_errors, usd_errors, validator
 
+from rigtri.cli.main import program
 from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import Options as ReadOptions
@@ -263,3 +264,174 @@ def test_controls_made_before_those_above_them_stay_where_they_are_and_say_so(
         assert len(fk) == len(set(fk)) > 10  # one for each joint
         edit(whole, again, all_of_it)
         assert again.read_bytes() == whole.read_bytes()
+
+
+HAND = Selection(joints=("forearm_L", "hand_L"))
+
+
+def redone(path: Path, out: Path, **told: Any) -> Report:
+    options = Options(selection=HAND, **told)
+    return edit(path, out, lambda rig, report: add_controls(rig, options=options, report=report)).report
+
+
+def lines(rig: Rig, joint: str) -> Any:
+    return rig.lines(rig.keys[controls(rig)[joint]])
+
+
+@pytest.mark.parametrize("suffix", ["glb", "usda", "usdz"])
+def test_what_is_asked_for_later_is_drawn_anew_where_nobody_has_edited(
+    suffix: str, samples: Path, tmp_path: Path
+) -> None:
+    one, two, three, four, five = (tmp_path / f"{k}.{suffix}" for k in range(5))
+    redone(samples / f"biped.{suffix}", one)
+    report = redone(one, two, size=2.0, shapes={"fk": "cube"}, colors={"left": (0.25, 0.5, 1.0)})
+    assert not report.warnings
+    redone(one, four)
+    assert four.read_bytes() == one.read_bytes()  # nothing asked for, nothing changed
+    before, after = (read(path).rig for path in (one, two))
+    for joint in ("forearm_L", "hand_L"):
+        was, now = (rig.notes[controls(rig)[joint]] for rig in (before, after))
+        assert (was["shape"], now["shape"]) == ("circle", "cube")
+        assert now["size"] == pytest.approx(2 * was["size"])
+        assert np.abs(lines(after, joint).segments).max() == pytest.approx(now["size"])
+        assert lines(after, joint).color == pytest.approx((0.25, 0.5, 1.0))
+        validator("node").validate(now)
+    redone(two, three, size=2.0, shapes={"fk": "cube"}, colors={"left": (0.25, 0.5, 1.0)})
+    assert three.read_bytes() == two.read_bytes()
+    # One thing asked for leaves the others as they are.
+    redone(two, five, colors={"left": (1.0, 0.0, 0.0)})
+    note = read(five).rig.notes[controls(read(five).rig)["hand_L"]]
+    assert (note["shape"], note["color"]) == ("cube", [1.0, 0.0, 0.0])
+    assert note["size"] == pytest.approx(2 * before.notes[controls(before)["hand_L"]]["size"])
+
+
+def test_lines_that_a_user_has_edited_stay_and_are_named(samples: Path, tmp_path: Path) -> None:
+    from pxr import Sdf
+
+    one, two = tmp_path / "one.usda", tmp_path / "two.usda"
+    redone(samples / "biped.usda", one)
+    layer = Sdf.Layer.FindOrOpen(str(one))
+    path = read(one).rig.labels[controls(read(one).rig)["hand_L"]]
+    points = layer.GetAttributeAtPath(f"{path}/shape.points")
+    points.default = [3 * point for point in points.default]
+    layer.Save()
+    was = lines(read(one).rig, "hand_L").segments
+    (notice,) = redone(one, two, size=0.5).warnings
+    assert notice.code == "shape-kept"
+    assert "'hand_L_ctl'" in notice.text
+    assert_allclose(lines(read(two).rig, "hand_L").segments, was)
+    small = lines(read(two).rig, "forearm_L").segments
+    assert_allclose(small, 0.5 * lines(read(one).rig, "forearm_L").segments, rtol=1e-5, atol=1e-9)
+
+
+def test_a_pole_vector_is_drawn_anew_too(samples: Path, tmp_path: Path) -> None:
+    one, two, three = (tmp_path / f"{k}.glb" for k in range(3))
+    edit(samples / "biped.glb", one, whole)
+
+    def cubes(rig: Rig, report: Report) -> Rig:
+        options = replace(WHOLE, size=3.0, shapes={"pole": "cube"})
+        return add_controls(rig, options=options, report=report)
+
+    assert not edit(one, two, cubes).report.warnings
+    drawn = {note["shape"] for note in read(two).rig.notes.values() if note["type"] == "poleVector"}
+    assert drawn == {"cube"}
+    edit(two, three, cubes)
+    assert three.read_bytes() == two.read_bytes()
+
+
+@pytest.mark.parametrize("suffix", ["glb", "usda"])
+def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
+    suffix: str, samples: Path, tmp_path: Path
+) -> None:
+    from rigtri.ops.constrain import Options as Constraint
+    from rigtri.ops.constrain import constrain
+
+    one, two, three, four = (tmp_path / f"{k}.{suffix}" for k in range(4))
+    redone(samples / f"biped.{suffix}", one)
+
+    def follow(rig: Rig, report: Report) -> Rig:
+        rule = Constraint("parent", "head", (("hand_L_ctl", 1.0),))
+        return constrain(rig, options=rule, report=report)
+
+    edit(one, two, follow)
+    warnings = redone(two, three, name="{joint}_anim").warnings
+    assert {notice.code for notice in warnings} <= {"text-respelled"}
+    rig = read(three).rig
+    assert rig.names[controls(rig)["hand_L"]] == "hand_L_anim"
+    assert rig.names[rig.parents[controls(rig)["hand_L"]]] == "hand_L_anim_offset"
+    (constraint,) = (note for note in rig.notes.values() if note["type"] == "constraint")
+    assert constraint["drivers"] == ["hand_L_anim"]
+    if suffix == "usda":
+        from pxr import Usd
+
+        stage = Usd.Stage.Open(str(three))
+        (found,) = (p for p in stage.Traverse() if p.HasRelationship("rigtri:source"))
+        (target,) = found.GetRelationship("rigtri:source").GetTargets()
+        assert target.name == "hand_L_anim"
+        assert stage.GetPrimAtPath(target)
+    redone(three, four, name="{joint}_anim")
+    assert four.read_bytes() == three.read_bytes()
+
+
+def test_a_control_that_a_user_has_renamed_keeps_its_name_and_is_named() -> None:
+    options = Options(selection=Selection(joints=("b", "c")))
+    rig = add_controls(FINGER, options=options)
+    names = list(rig.names)
+    names[rig.find("b_ctl", "node")] = "grip"
+    told = Report()
+    known = replace(rig, names=tuple(names), keys=tuple(range(len(rig))))
+    again = add_controls(known, options=replace(options, name="{joint}_x"), report=told)
+    assert {"grip", "c_x", "c_x_offset"} <= {*again.names}
+    (notice,) = [notice for notice in told.warnings if notice.code == "name-kept"]
+    assert "'grip'" in notice.text
+
+
+@pytest.mark.parametrize(
+    ("joints", "name", "words"),
+    [
+        (("b", "c"), "same", "2 controls would be called 'same'"),
+        (("b",), "c", "another node is called 'c'"),
+    ],
+)
+def test_a_rule_that_gives_no_name_of_its_own_is_refused(
+    joints: tuple[str, ...], name: str, words: str
+) -> None:
+    with pytest.raises(UsageError, match=words):
+        add_controls(FINGER, options=Options(selection=Selection(joints=joints), name=name))
+
+
+def test_as_is_refused_where_nothing_could_be_a_joint_or_is_one_of_the_other_kind(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    with pytest.raises(UsageError, match="--as is for IK ends"):
+        add_controls(rig, options=Options(selection=Selection(joints=("hips",)), ends="joint"))
+    kinds: tuple[Any, Any] = ("joint", "locator")
+    for first, second in (kinds, kinds[::-1]):
+        made = add_controls(rig, options=Options(ik_auto=True, ends=first))
+        with pytest.raises(UsageError, match=f"is a {first} since an earlier run"):
+            add_controls(made, options=Options(ik_auto=True, ends=second))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) -> None:
+    once, twice, across, plain = (tmp_path / f"{k}{Path(name).suffix}" for k in range(4))
+    limb = ("--ik", "upper_arm_L", "forearm_L", "hand_L")
+
+    def run(*arguments: Any) -> None:
+        result = CliRunner().invoke(program, [str(argument) for argument in arguments])
+        assert result.exit_code == 0, result.output
+
+    def note(path: Path, joint: str) -> Any:
+        notes = read(path).rig.notes.values()
+        return next(
+            n for n in notes if n.get("kind") == "ik" and n["type"] == "control" and n["joint"] == joint
+        )
+
+    run("add-controls", SAMPLES / name, "-o", once, *limb, "--soft", "0.125", "--stretch")
+    assert (note(once, "hand_L")["soft"], note(once, "hand_L")["stretch"]) == (0.125, True)
+    validator("node").validate(dict(note(once, "hand_L")))
+    run("add-controls", once, "-o", twice, *limb)
+    assert once.read_bytes() == twice.read_bytes()
+    run("mirror", once, "-o", across, "--what", "controls", "--what", "polevectors")
+    assert (note(across, "hand_R")["soft"], note(across, "hand_R")["stretch"]) == (0.125, True)
+    run("add-controls", once, "-o", plain, *limb, "--soft", "0", "--no-stretch")
+    assert not {"soft", "stretch"} & set(note(plain, "hand_L"))

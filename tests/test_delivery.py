@@ -20,8 +20,9 @@ from typing import Any
 import pytest
 
 from rigtri import delivery
+from rigtri.compare import verify
 from rigtri.errors import DeviationError, FileError, UsageError
-from rigtri.formats import Options
+from rigtri.formats import Options, read
 from rigtri.ops.orient import orient_joints
 from rigtri.outputs import write_text
 from rigtri.pipeline import edit
@@ -288,7 +289,7 @@ def test_pipes_and_devices_are_neither_read_nor_replaced(samples: Path, tmp_path
         edit(samples / "biped.glb", pipe, orient, overwrite=True)
     assert stat.S_ISFIFO(pipe.stat().st_mode)
     os.mkfifo(tmp_path / "bare")
-    with pytest.raises(UsageError, match="pipe"):
+    with pytest.raises(UsageError, match="bare is a device or a pipe"):
         edit(samples / "biped.glb", tmp_path / "bare", orient)
 
 
@@ -400,3 +401,142 @@ def test_a_reader_that_goes_away_ends_the_program_quietly(samples: Path) -> None
         process.stdout.close()
         assert process.wait() == 1
         assert b"Traceback" not in process.stderr.read()
+
+
+def run(*words: str | Path, **streams: Any) -> subprocess.CompletedProcess[bytes]:
+    """The program in a process of its own."""
+    code = "from rigtri.cli.main import program; program()"
+    return subprocess.run([sys.executable, "-c", code, *map(str, words)], check=False, **streams)
+
+
+SIDE_FILES = ["--report", "--save-frames", "--sidecar"]
+
+
+def oriented(flag: str, side: Path, source: Path) -> list[str | Path]:
+    """A command that writes ``side`` besides its output."""
+    named = [flag] if flag == "--sidecar" else [flag, side]
+    return ["orient-joints", source, "-o", side.with_name("out.glb"), "--overwrite", *named]
+
+
+@POSIX
+@pytest.mark.parametrize("flag", SIDE_FILES)
+@pytest.mark.parametrize("there", [True, False])
+def test_a_side_file_that_is_a_link_stays_one(flag: str, there: bool, samples: Path, tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    real, link = tmp_path / "far" / "real.json", tmp_path / "out.rig.json"
+    if there:
+        real.write_text("old")
+    link.symlink_to(Path("far", "real.json"))
+    assert run(*oriented(flag, link, samples / "biped.glb"), capture_output=True).returncode == 0
+    assert link.is_symlink()
+    assert real.read_bytes()[:1] == b"{"
+    assert set(contents(tmp_path)) == {"out.glb", "out.rig.json", "far/real.json"}
+
+
+@POSIX
+@pytest.mark.parametrize("flag", SIDE_FILES)
+def test_a_side_file_that_is_a_pipe_is_refused_before_anything_is_done(
+    flag: str, samples: Path, tmp_path: Path
+) -> None:
+    pipe = tmp_path / "out.rig.json"
+    os.mkfifo(pipe)
+    done = run(*oriented(flag, pipe, samples / "biped.glb"), capture_output=True)
+    assert done.returncode == 2
+    assert b"is a device or a pipe; give the name of a plain file" in done.stderr
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert [path.name for path in tmp_path.iterdir()] == [pipe.name]
+
+
+@POSIX
+def test_text_is_never_written_over_a_pipe_or_a_link(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    for name in ("pipe", "link"):
+        with pytest.raises(UsageError, match="pipe"):
+            write_text(tmp_path / name, "{}")
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+    assert (tmp_path / "link").is_symlink()
+
+
+# --- standard output that takes nothing
+
+
+@pytest.fixture
+def full(tmp_path: Path) -> Iterator[int]:
+    """A device that is full, made for the test; where only root may make one, the system's own."""
+    place = tmp_path / "full"
+    try:
+        os.mknod(place, stat.S_IFCHR | 0o600, os.makedev(1, 7))
+        device = os.open(place, os.O_WRONLY)
+    except OSError:
+        device = os.open("/dev/full", os.O_WRONLY)
+    place.unlink(missing_ok=True)
+    yield device
+    os.close(device)
+
+
+def talking(name: str, samples: Path, out: Path) -> list[str | Path]:
+    """A command that prints something, by its first word or words."""
+    biped = samples / "biped.glb"
+    return {
+        "inspect": ["inspect", biped],
+        "check": ["check", biped],
+        "verify": ["verify", biped, biped],
+        "diff": ["diff", biped, samples / "tpose.glb"],
+        "orient-joints": ["orient-joints", biped, "-o", out, "--save-frames", out.with_suffix(".frames")],
+        "-o -": ["orient-joints", biped, "-o", "-"],
+        "--help": ["--help"],
+        "inspect --help": ["inspect", "--help"],
+    }[name]
+
+
+CASES = [
+    *(
+        (name, machine)
+        for name in ("inspect", "check", "verify", "diff", "orient-joints")
+        for machine in (True, False)
+        if machine or name != "orient-joints"
+    ),
+    ("-o -", False),
+    ("--help", False),
+    ("inspect --help", False),
+]
+
+
+@POSIX
+@pytest.mark.parametrize(("name", "machine"), CASES)
+def test_a_full_standard_output_is_said_in_one_line(
+    name: str, machine: bool, samples: Path, full: int, tmp_path: Path
+) -> None:
+    words = [*talking(name, samples, tmp_path / "out.glb"), *(["--json"] if machine else [])]
+    done = run(*words, stdout=full, stderr=subprocess.PIPE)
+    assert done.stderr.decode().splitlines()[-1] == "rigtri: output: No space left on device"
+    assert b"Traceback" not in done.stderr
+    assert b"Exception" not in done.stderr
+    assert done.returncode == (2 if name == "diff" else 3)
+    # What was written was so before the words were: it is whole.
+    names = {"out.glb", "out.frames"} if name == "orient-joints" else set()
+    assert set(contents(tmp_path)) == names
+    if names:
+        assert not read(tmp_path / "out.glb").warnings
+
+
+@POSIX
+@pytest.mark.parametrize(("name", "machine"), CASES)
+def test_a_closed_standard_output_is_no_success(
+    name: str, machine: bool, samples: Path, tmp_path: Path
+) -> None:
+    words = [*talking(name, samples, tmp_path / "out.glb"), *(["--json"] if machine else [])]
+    done = run(*words, stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1))
+    assert done.stderr.decode().splitlines()[-1] == "rigtri: output: Bad file descriptor"
+    assert done.returncode == (2 if name == "diff" else 3)
+
+
+@POSIX
+def test_who_prints_nothing_needs_no_standard_output(samples: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    done = run(
+        "orient-joints", samples / "biped.glb", "-o", out, "-q", preexec_fn=lambda: os.closerange(0, 3)
+    )
+    assert done.returncode == 0
+    assert verify(read(samples / "biped.glb"), read(out)).passes()

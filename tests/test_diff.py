@@ -618,3 +618,26 @@ def _calls(before: Rig, after: Rig) -> int:
     finally:
         sys.setprofile(known)
     return count
+
+
+@pytest.mark.parametrize("nodes", [0, 1])
+def test_files_without_nodes_or_anything_else_differ_from_nothing_in_themselves(
+    nodes: int, tmp_path: Path, app: click.Group
+) -> None:
+    path = tmp_path / "empty.gltf"
+    path.write_text(json.dumps({"asset": {"version": "2.0"}, **({"nodes": [{}] * nodes} if nodes else {})}))
+    assert diff(path, path).same
+    result = CliRunner().invoke(app, ["diff", str(path), str(path)])
+    assert (result.exit_code, result.output) == (0, "")
+
+
+def test_a_mistake_of_ours_in_diff_is_no_answer(
+    monkeypatch: pytest.MonkeyPatch, samples: Path, app: click.Group
+) -> None:
+    def broken(*_: Any, **__: Any) -> None:
+        raise AssertionError("a mistake of ours")
+
+    monkeypatch.setattr("rigtri.difference.diff", broken)
+    result = CliRunner().invoke(app, ["diff", str(samples / "biped.glb"), str(samples / "biped.glb")])
+    assert result.exit_code == 2
+    assert "a mistake of ours" in result.stderr

@@ -6,6 +6,7 @@ import json
 import os
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import pytest
 from gltf_files import small
@@ -76,7 +77,7 @@ def test_a_missing_image_is_told_where_a_file_moves_and_only_there(options: Opti
     source = referring(tmp_path / "in", image="skin%20of.png")
     (warning,) = moved(source, tmp_path / "out", options).report.warnings
     assert warning.code == "file-missing"
-    assert warning.text.startswith("images.0.uri: there is no file 'skin%20of.png' beside hero.gltf")
+    assert warning.text.startswith("images.0.uri: the file 'skin of.png' is missing; put it beside hero.gltf")
     assert edit(source, tmp_path / "in" / "out.gltf", nothing, options=options).report.warnings == []
     (tmp_path / "in" / "skin of.png").write_bytes(b"image")
     assert moved(source, tmp_path / "again", options).report.warnings == []
@@ -90,3 +91,54 @@ def test_a_file_cut_off_at_once_is_a_fault_of_the_file(content: bytes, suffix: s
     with pytest.raises(FileError, match="empty" if not content else None):
         edit(source, out, nothing)
     assert not out.exists()
+
+
+IMAGES = {
+    "gone.png": "the file 'gone.png' is missing",
+    "pipe.png": "'pipe.png' is no plain file but a folder, a device or a pipe",
+    "link.png": "'link.png' is no plain file but a folder, a device or a pipe",
+    "https://example.com/x.png": "rigtri fetches nothing from 'https://example.com/x.png'",
+}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+@pytest.mark.parametrize("image", list(IMAGES))
+def test_check_and_edits_say_the_same_of_an_image_that_cannot_be_had(image: str, tmp_path: Path) -> None:
+    source = referring(tmp_path / "in", image=image)
+    os.mkfifo(tmp_path / "in" / "pipe.png")
+    (tmp_path / "in" / "link.png").symlink_to("pipe.png")
+    (warning,) = moved(source, tmp_path / "out", Options()).report.warnings
+    assert warning.text.startswith(f"images.0.uri: {IMAGES[image]}")
+    (finding,) = [item for item in check(source) if item.id == "gltf.file.missing"]
+    assert (finding.severity, finding.pointer) == ("warning", "/images/0/uri")
+    assert finding.message.startswith(IMAGES[image])
+
+
+@pytest.mark.parametrize("uri", ["sub/../{}", "./{}", "a/b/../../{}"])
+def test_steps_down_and_up_again_stay_inside(uri: str, tmp_path: Path) -> None:
+    """Whether the folders are there or not, as where URIs are resolved (RFC 3986, 5.2.4)."""
+    source = referring(tmp_path / "in")
+    name = json.loads(source.read_text("utf-8"))["buffers"][0]["uri"]
+    source = referring(tmp_path / "in", buffer=uri.format(name))
+    moved(source, tmp_path / "out", Options())
+    assert len(read(tmp_path / "out" / "out.gltf").rig) == len(read(source).rig)
+    assert not [item for item in check(source) if item.severity == "error"]
+
+
+@pytest.mark.parametrize("uri", ["sub/../../{}", "../{}", "sub/../link/../../{}", "..\\{}", "sub/..\\..\\{}"])
+def test_steps_that_end_outside_are_refused_and_nothing_is_read(uri: str, tmp_path: Path) -> None:
+    source = referring(tmp_path / "in")
+    name = json.loads(source.read_text("utf-8"))["buffers"][0]["uri"]
+    (tmp_path / "in" / unquote(name)).rename(tmp_path / unquote(name))
+    (tmp_path / "in" / "link").symlink_to("..")
+    with pytest.raises(FileError, match="lies outside"):
+        read(_with(source, uri.format(name)))
+    with pytest.raises(FileError, match="lies outside"):
+        read(_with(source, f"link/{name}"))
+
+
+def _with(source: Path, uri: str) -> Path:
+    document = json.loads(source.read_text("utf-8"))
+    document["buffers"][0]["uri"] = uri
+    source.write_text(json.dumps(document), "utf-8")
+    return source

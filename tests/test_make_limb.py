@@ -25,7 +25,7 @@ from rigtri.ops.limb import Options, make_limb
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.presets import PRESETS, Style
 from rigtri.pipeline import edit
-from rigtri.pose import worlds
+from rigtri.pose import locals_at, worlds
 from rigtri.quaternions import from_axis_angle
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -352,3 +352,38 @@ def test_a_users_mistake_is_told_and_nothing_written(
     assert result.exit_code == code, result.output
     assert told in result.output
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("name", "plain"), [("1-2", "_1_2"), ("Ärm", "rm"), ("my limb", "my_limb")])
+def test_a_name_that_cannot_be_as_given_is_told(name: str, plain: str, samples: Path) -> None:
+    report = Report()
+    points = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
+    out = make_limb(read(samples / "biped.glb").rig, options=Options(points=points, name=name), report=report)
+    assert out.has(f"{plain}_1")
+    told = [notice.text for notice in report.warnings if notice.code == "name-changed"]
+    assert len(told) == 1
+    assert f"'{name}' becomes '{plain}'" in told[0]
+
+
+def test_the_pole_vector_can_be_a_joint_of_the_limbs_skin(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    points = ((0.0, 1.0, -0.2), (0.0, 0.8, -0.3), (0.0, 0.6, -0.2))
+    wanted = Options(points=points, name="tail", parent="hips", poles=PoleOptions(kind="joint"))
+    out = make_limb(rig, options=wanted)
+    pole = out.find("tail_2_pole")
+    assert out.is_joint[pole]
+    assert make_limb(out, options=wanted).names == out.names
+
+
+def test_locators_are_read_in_the_pose_that_is_named(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    names = ("upper_arm_L", "forearm_L", "hand_L")
+    found = {}
+    for pose in ("nodes", "walk@0.5"):
+        out = make_limb(rig, options=Options(locators=names, name="copy", pose=pose))
+        found[pose] = worlds(out)[[out.find(f"copy_{k}") for k in (1, 2, 3)], 3, :3]
+    there = worlds(rig, locals_at(rig, rig.clip("walk"), [0.5]))[0]
+    assert_allclose(found["walk@0.5"], there[[rig.find(name) for name in names], 3, :3], atol=1e-9)
+    assert np.abs(found["walk@0.5"] - found["nodes"]).max() > 0.01
+    with pytest.raises(UsageError, match="--pose says where locators stand"):
+        Options(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind").checked()

@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
 from places import asset_files, leave_out_refused, sample_files
+from pxr import Gf, Usd, UsdGeom
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
@@ -19,6 +21,7 @@ from rigtri.formats import Options as Reading
 from rigtri.formats import read
 from rigtri.limbs import given
 from rigtri.matrices import from_frame, nearest_rotation
+from rigtri.matrices import multiply as matmul
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
 from rigtri.ops.mirror import Options, mirror
@@ -26,7 +29,7 @@ from rigtri.ops.mirroring.asymmetry import asymmetry
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.polevector import add_polevector
 from rigtri.ops.select import Selection
-from rigtri.ops.twins import Mirror, mirrored_axes, reflection, side_of, twin_of
+from rigtri.ops.twins import Across, Mirror, mirrored_axes, side_of, twin_of
 from rigtri.pipeline import edit
 from rigtri.pose import worlds
 from rigtri.quaternions import from_axis_angle, multiply, to_axes, unit
@@ -36,7 +39,7 @@ from rigtri.skeleton import skeleton
 
 TRUSTING = Reading(lenient=True, allow_external_paths=True)
 MODES: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
-REFLECT = reflection("yz")
+REFLECT = np.array([-1.0, 1.0, 1.0])
 
 
 def mirrored(rig: Rig, report: Report) -> Rig:
@@ -53,14 +56,14 @@ def mirrored(rig: Rig, report: Report) -> Rig:
     ],
 )
 def test_the_twin_of_the_world_s_axes_by_hand(mode: Mirror, x: list[int], y: list[int], z: list[int]) -> None:
-    assert_allclose(mirrored_axes(np.eye(3), mode, REFLECT), [x, y, z])
+    assert_allclose(mirrored_axes(np.eye(3), mode, Across()), [x, y, z])
 
 
 @pytest.mark.parametrize("mode", MODES)
 def test_mirroring_twice_gives_the_axes_back(mode: Mirror) -> None:
     axes = to_axes(unit(np.random.default_rng(1).normal(size=(9, 4))))
-    once = mirrored_axes(axes, mode, REFLECT)
-    assert_allclose(mirrored_axes(once, mode, REFLECT), axes)
+    once = mirrored_axes(axes, mode, Across())
+    assert_allclose(mirrored_axes(once, mode, Across()), axes)
     assert_allclose(np.linalg.det(once), 1.0)
 
 
@@ -159,7 +162,7 @@ def test_what_an_animator_has_set_is_mirrored(samples: Path) -> None:
     for name in ("upper_arm_{}_ctl", "forearm_{}_ctl", "hand_{}_ctl"):
         here, there = (posed[out.find(name.format(s), "node")] for s in "LR")
         assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
-        wanted = mirrored_axes(nearest_rotation(here), "behavior", REFLECT)
+        wanted = mirrored_axes(nearest_rotation(here), "behavior", Across())
         assert_allclose(nearest_rotation(there), wanted, atol=1e-6)
     assert posed[control, 3, 0] != rig.world[control, 3, 0]
     again = mirror(out)
@@ -169,8 +172,8 @@ def test_what_an_animator_has_set_is_mirrored(samples: Path) -> None:
 
 def test_the_other_way_round_and_in_another_plane() -> None:
     frame = from_frame(np.eye(3), np.array([1.0, 2.0, 3.0]))
-    assert_allclose(frame[3, :3] * reflection("xz"), [1, -2, 3])
-    assert_allclose(frame[3, :3] * reflection("xy"), [1, 2, -3])
+    assert_allclose(Across((0.0, 1.0, 0.0)).points(frame[3, :3]), [1, -2, 3])
+    assert_allclose(Across((0.0, 0.0, 1.0), 0.5).points(frame[3, :3]), [1, 2, -2])
 
 
 def test_from_the_right_the_left_is_turned(samples: Path) -> None:
@@ -218,3 +221,86 @@ def test_a_run_says_where_to_write_or_checks(samples: Path, tmp_path: Path) -> N
     assert CliRunner().invoke(program, ["mirror", plain]).exit_code == 2
     both = ["mirror", plain, "--check", "-o", str(tmp_path / "out.glb")]
     assert CliRunner().invoke(program, both).exit_code == 2
+
+
+def moved(name: str, folder: Path, samples: Path) -> Path:
+    """The biped, turned by 40° about an oblique axis and carried away by the node above its joints."""
+    turn = from_axis_angle(np.array([0.3, 1.0, -0.4]) / np.sqrt(1.25), np.radians(40.0))
+    path = folder / name
+    if name.endswith(".glb"):
+        gltf, binary = glb_parts(samples / name)
+        top = next(node for node in gltf["nodes"] if node["name"] == "biped")
+        top |= {"translation": [3.0, -1.0, 0.5], "rotation": turn.tolist(), "scale": [2.0, 2.0, 2.0]}
+        path.write_bytes(glb_bytes(gltf, binary))
+        return path
+    stage = Usd.Stage.Open(str(samples / name))
+    ops = UsdGeom.Xformable(stage.GetDefaultPrim())
+    ops.ClearXformOpOrder()
+    ops.AddTranslateOp(opSuffix="away").Set((3.0, -1.0, 0.5))
+    ops.AddOrientOp(opSuffix="away").Set(Gf.Quatf(float(turn[3]), *map(float, turn[:3])))
+    stage.Export(str(path))
+    return path
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("mode", MODES)
+def test_a_character_that_stands_elsewhere_is_mirrored_in_its_own_space(
+    name: str, mode: Mirror, samples: Path, tmp_path: Path
+) -> None:
+    """As the same character at the origin is, seen from the node that carries it."""
+    options = Options(mode=mode)
+    here = mirror(left_arm(read(samples / name).rig), options=options)
+    report = Report()
+    there = mirror(left_arm(read(moved(name, tmp_path, samples)).rig), options=options, report=report)
+    assert not report.warnings
+    joint = there.find("hips")
+    space = there.world[int(there.parents[joint])]
+    assert np.abs(space - np.eye(4)).max() > 0.5
+    for node in ("upper_arm_R", "forearm_R", "hand_R", "forearm_R_pole"):
+        wanted = matmul(worlds(here)[here.find(node, "node")], space)
+        found = worlds(there)[there.find(node, "node")]
+        assert_allclose(found[3, :3], wanted[3, :3], atol=4e-6)
+        if not node.endswith("pole"):
+            assert_allclose(nearest_rotation(found), nearest_rotation(wanted), atol=4e-6)
+    found_ = asymmetry(there, options=options)
+    assert (found_.plane, found_.at, found_.better) == ("yz", 0.0, None)
+    assert not found_.worse(tolerance=1e-5, degrees=1e-3)
+
+
+def carried(rig: Rig, away: float) -> Rig:
+    """The same with its root joint that far along x."""
+    translation = rig.translation.copy()
+    translation[rig.find("hips"), 0] += away
+    return replace(rig, translation=translation, skins=())
+
+
+def test_the_plane_is_found_between_most_pairs_and_told(samples: Path) -> None:
+    rig, report = carried(left_arm(read(samples / "biped.glb").rig), 2.5), Report()
+    out = mirror(rig, options=Options(what=("polevectors",), root="biped"), report=report)
+    here, there = (worlds(out)[out.find(f"forearm_{s}_pole", "node"), 3, :3] for s in "LR")
+    joint = worlds(out)[out.find("forearm_L"), 3, :3] - (2.5, 0, 0)
+    assert_allclose(here * REFLECT + (5.0, 0, 0), there, atol=1e-9)
+    assert joint[0] > 0.1
+    assert [notice.code for notice in report.warnings] == ["mirror-plane"]
+    assert "--plane yz --plane-at 2.5 in its own space" in report.warnings[0].text
+    told = Report()
+    asked = Options(what=("polevectors",), root="biped", plane_at=2.5)
+    again = mirror(rig, options=asked, report=told)
+    assert np.array_equal(again.translation, out.translation)
+    assert not told.warnings
+    assert asymmetry(rig, options=Options(root="biped")).at == 2.5
+
+
+def test_sides_that_lie_about_no_plane_are_a_warning_and_strict_refuses(
+    samples: Path, tmp_path: Path
+) -> None:
+    rig, report = read(samples / "biped.glb").rig, Report()
+    mirror(rig, options=Options(plane="xy"), report=report)
+    assert [(n.code, n.geometry) for n in report.warnings if "plane" in n.code] == [("no-mirror-plane", True)]
+    assert asymmetry(rig, options=Options(plane="xy")).better == ("yz", 0.0)
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return mirror(rig, options=Options(plane="xy"), report=report)
+
+    with pytest.raises(GeometryError, match="lie about no xy plane"):
+        edit(samples / "biped.glb", tmp_path / "out.glb", step, strict=True)

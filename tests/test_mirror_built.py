@@ -33,7 +33,7 @@ from rigtri.ops.posereader import Options as Reading
 from rigtri.ops.rivet import Options as Rivet
 from rigtri.ops.rivet import add_rivet
 from rigtri.ops.select import Selection
-from rigtri.ops.twins import MIRRORS, Mirror, mirrored_axes, reflection
+from rigtri.ops.twins import MIRRORS, Across, Mirror, mirrored_axes
 from rigtri.ops.twist import Options as Twist
 from rigtri.ops.twist import add_twist
 from rigtri.pipeline import edit
@@ -46,7 +46,7 @@ from rigtri.rules import rules_of
 from rigtri.trigonometry import Floats
 
 FILES = ["biped.glb", "biped.usda"]
-REFLECT = reflection("yz")
+REFLECT = np.array([-1.0, 1.0, 1.0])
 WING = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
 
 
@@ -143,7 +143,7 @@ def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, sample
     for part in (1, 2, 3):
         here, there = (world[out.find(f"wing_{part}_{side}")] for side in "LR")
         assert_allclose(there[3, :3], np.array(WING[part - 1]) * [-1, 1, 1], atol=1e-7)
-        wanted = mirrored_axes(nearest_rotation(here), mode, REFLECT)
+        wanted = mirrored_axes(nearest_rotation(here), mode, Across())
         assert_allclose(nearest_rotation(there), wanted, atol=1e-6)
     assert said(out, "wing_1_R")["chain"] == ["wing_1_R", "wing_2_R", "wing_3_R"]
     assert ("aim" in said(out, "wing_1_R")) == (mode != "orientation")
@@ -185,7 +185,7 @@ def test_mirrored_drivers_give_mirrored_children_by_the_mirrored_constraint(buil
         found.append(after(at[0], above))
     here, there = found
     assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
-    wanted = mirrored_axes(nearest_rotation(here), "behavior", REFLECT)
+    wanted = mirrored_axes(nearest_rotation(here), "behavior", Across())
     assert_allclose(nearest_rotation(there), wanted, atol=1e-5)  # the biped's sides differ by 1e-7
     moved = here - worlds(built)[built.find(f"{child}_L")]
     assert np.abs(moved).max() > 1e-2
@@ -207,6 +207,47 @@ def test_a_mirrored_reader_reads_the_same_of_the_mirrored_pose(built: Rig) -> No
         read_out.append(both_sides[0])
     assert read_out[0] == pytest.approx(1.0)
     assert read_out[1] == pytest.approx(np.cos(0.7))
+
+
+def readers(rig: Rig) -> dict[str, str]:
+    """The pose readers and their drivers."""
+    return {n["name"]: n["driver"] for n in rig.notes.values() if n["type"] == "poseReader"}
+
+
+def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path: Path) -> None:
+    def read_twice(rig: Rig, report: Report) -> Rig:
+        for name, target in (("bend", (0, 1, 0)), ("tw", (1, 0, 0)), ("bend_L", (0, 0, 1)), ("", (1, 1, 0))):
+            goal = Goal("up", direction=target)
+            rig = add_posereader(rig, options=Reading(driver="forearm_L", targets=(goal,), name=name))
+        return rig
+
+    one, two, three, back = (tmp_path / f"{k}.glb" for k in range(4))
+    edit(samples / "biped.glb", one, read_twice)
+    edit(one, two, both)
+    made = readers(read(two).rig)
+    # "bend" makes room for the twin of "bend_L".
+    twins = {"bend_R", "bend_R_2", "tw_R", "forearm_R_reader"}
+    assert {name for name, driver in made.items() if driver == "forearm_R"} == twins
+    assert len(made) == 8
+    edit(two, three, both)
+    assert three.read_bytes() == two.read_bytes()
+    assert not asymmetry(read(two).rig).alone
+    assert not asymmetry(read(two).rig, options=Options(from_side="right")).alone
+    edit(two, back, lambda rig, report: mirror(rig, options=Options(from_side="right"), report=report))
+    assert readers(read(back).rig) == made
+    targets = {n["name"]: n["targets"] for n in read(two).rig.notes.values() if n["type"] == "poseReader"}
+    for a, b in (("bend", "bend_R_2"), ("bend_L", "bend_R"), ("tw", "tw_R")):
+        lead, follow = (np.array(targets[name][0]["direction"]) for name in (a, b))
+        world = worlds(read(two).rig)
+        here, there = (nearest_rotation(world[read(two).rig.find(f"upper_arm_{s}")]) for s in "LR")
+        assert_allclose((lead @ here) * REFLECT, follow @ there, atol=1e-5)
+
+
+def test_a_reader_alone_on_one_side_is_named_by_check(samples: Path) -> None:
+    goal = Goal("up", direction=(0, 1, 0))
+    rig = read(samples / "biped.glb").rig
+    rig = add_posereader(rig, options=Reading(driver="forearm_L", targets=(goal,), name="bend"))
+    assert any("bend" in text for text in asymmetry(rig).alone)
 
 
 def test_a_rivet_sits_at_the_mirrored_place(built: Rig) -> None:
@@ -267,3 +308,27 @@ def test_check_names_what_only_one_side_has_and_its_json_is_as_the_schema_says(
         assert name in alone
     assert documents[1]["symmetric"]
     assert not validator("mirror").is_valid(documents[1] | {"symmetric": "yes"})
+
+
+def test_a_mode_that_keeps_vrm_constraints_is_named_where_another_loses_them(
+    assets: Path, tmp_path: Path
+) -> None:
+    one = tmp_path / "one.vrm"
+    roll = Constraint("orient", "hand.L", (("lower_arm.L", 1.0),), roll="y", vrm=True)
+    avatar = assets / "vrm" / "addon_look_at_preview_enabled.vrm"
+    edit(avatar, one, lambda rig, report: constrain(rig, options=roll, report=report))
+    lost = []
+    for mode in MIRRORS:
+        report = Report()
+        out = mirror(read(one).rig, options=Options(mode=mode), report=report)
+        told = {notice.code: notice.text for notice in report.warnings}
+        kinds = [note.get("vrm") for note in out.notes.values() if note.get("child") == "hand.R"]
+        assert ("constraint-not-vrm" in told) == (kinds == [None])
+        if kinds == [None]:
+            lost.append(mode)
+            (other,) = [text for code, text in told.items() if code == "mode-keeps-vrm"]
+            kept = mirror(read(one).rig, options=Options(mode=other.split()[1]))  # type: ignore[arg-type]
+            assert [n.get("vrm") for n in kept.notes.values() if n.get("child") == "hand.R"] == ["roll"]
+        # A twin that keeps its axes for a reason of its own is a twin all the same.
+        assert "'hand.R' keeps its axes, as its twin 'hand.L' does not turn" in told["no-twin"]
+    assert 0 < len(lost) < len(MIRRORS)

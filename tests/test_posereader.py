@@ -319,6 +319,8 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
         ({"attributes": (("side", "upper", "x"),)}, UsageError, "is no control"),
         ({"reader": "cone", "inner": 50.0, "outer": 40.0}, UsageError, "larger outer"),
         ({"reader": "rbf", "targets": (Goal("side", node="upper"),)}, UsageError, "reads poses"),
+        ({"targets": (Goal("side", node="lower"),)}, UsageError, "does not point at itself"),
+        ({"name": "upper"}, UsageError, "another node is called so"),
         (
             {"reader": "rbf", "targets": (SIDE, Goal("same", pose="bend@1"))},
             GeometryError,
@@ -381,3 +383,17 @@ def test_options_of_another_kind_of_reader_are_refused(app: click.Group, tmp_pat
     result = CliRunner().invoke(app, [*map(str, line), "--outer", "40"])
     assert result.exit_code == 2
     assert "--outer is for --reader cone" in result.stderr
+
+
+def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> None:
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    readers = []
+    for time, told in (("1", 0), ("500", 1)):
+        report = Report()
+        goal = Goal("side", pose=f"bend@{time}")
+        out = add_posereader(rig, options=Options(driver="lower", targets=(goal,)), report=report)
+        texts = [notice.text for notice in report.warnings if notice.code == "pose-clamped"]
+        assert len(texts) == told
+        assert all("runs from 0 to 1: its pose is that at 1" in text for text in texts)
+        readers.append(next(note for note in out.notes.values() if note["type"] == "poseReader")["targets"])
+    assert readers[0] == readers[1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,11 @@ from rigtri.ops.orient import Options as Orient
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.presets import Style
 from rigtri.pipeline import Outcome, edit
-from rigtri.reach import reaches
+from rigtri.reach import reaches, size_of
+from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.vectors import length
 
 ONE, MIRROR = (1, 1, 1), (-1, 1, 1)
 AXES = ("x", "-x", "y", "-y", "z", "-z")
@@ -103,3 +106,32 @@ def test_what_is_refused_for_a_nearly_uniform_scale_names_its_joint(tmp_path: Pa
     assert nearly_uniform(rig, turned, 1e-5) == [rig.find("elbow")]
     assert nearly_uniform(rig, rig, 1e-5) == []
     assert why_near(rig, rig, verify(read(source), read(source)), 1e-5).startswith(" Numbers in the file are")
+
+
+@pytest.mark.parametrize("path", ["scale", "translation"])
+def test_what_a_clip_stretches_reaches_further(path: Any, tmp_path: Path) -> None:
+    """A scale of two doubles what hangs at a joint; a bone of twice the length adds its length once more."""
+    rig = read(gltf(tmp_path / "in.glb", Limb())).rig
+    elbow, wrist = rig.find("elbow"), rig.find("wrist")
+    node, value = (elbow, np.full(3, 2.0)) if path == "scale" else (wrist, 2.0 * rig.translation[wrist])
+    track = Track(node, path, "LINEAR", np.zeros(1), value[np.newaxis])
+    still, moved = reaches(replace(rig, clips=())), reaches(replace(rig, clips=(Clip("long", (track,)),)))
+    longer = float(length(rig.translation[wrist])) / size_of(rig, rig.drawn())
+    assert moved[elbow] == pytest.approx(2 * still[elbow] if path == "scale" else still[elbow] + longer)
+    assert moved[wrist] == pytest.approx(still[wrist] * (2.0 if path == "scale" else 1.0))
+
+
+@pytest.mark.parametrize("policy", ["snap", "split", "skip"])
+@pytest.mark.parametrize("noise", [3e-6, 6e-6, 7e-6, 1e-5])
+def test_noise_that_a_clip_makes_visible_counts_as_a_scale_that_is_not_uniform(
+    policy: str, noise: float, tmp_path: Path
+) -> None:
+    """The wrist is three times as far away in the clip as at rest."""
+    limb = Limb(
+        rest={"shoulder": (1 + 0.3 * noise, 1, 1), "elbow": (1, 1 + noise, 1 - noise)},
+        keys={"wrist": [(4, 4, 4)] * 5, "elbow": [(1, 1 + noise, 1 - noise)] * 5},
+    )
+    source, out = gltf(tmp_path / "in.glb", limb), tmp_path / "out.glb"
+    for style in STYLES[:6]:
+        oriented(source, out, policy, style)
+        assert verify(read(source), read(out)).deviation < 0.95e-5

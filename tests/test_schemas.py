@@ -127,3 +127,29 @@ for prim in stage.Traverse():
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert {"group", "control", "offset", "poleVector"} <= set(done.stdout.split())
+
+
+def test_schemas_that_come_before_the_first_stage_are_known_and_too_late_is_a_warning(tmp_path: Path) -> None:
+    out = tmp_path / "out.usda"
+    arms = "Options('point', child='hand_L', drivers=(('head', 1.0),))"
+    make = f"""
+from pathlib import Path
+from rigtri import constrain, edit
+from rigtri.ops.constrain import Options
+edit(Path({str(SAMPLES / "biped.usda")!r}), Path({str(out)!r}), lambda rig, _: constrain(rig, options={arms}))
+"""
+    subprocess.run([sys.executable, "-c", make], check=True, capture_output=True)
+    look = f"""
+from pxr import Usd
+stage = Usd.Stage.Open({str(out)!r})
+prim = next(p for p in stage.Traverse() if p.GetAttribute("rigtri:type").Get() == "constraint")
+print([name for name in prim.GetAppliedSchemas() if name.startswith("Rigtri")])
+print(bool(prim.GetPrimDefinition().GetSchemaRelationshipSpec("rigtri:source")))
+"""
+    first = "import rigtri\nrigtri.register_usd_schemas()\n"
+    done = subprocess.run([sys.executable, "-c", first + look], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[:2] == ["['RigtriConstraintAPI']", "True"]
+    late = f"{look}\nimport rigtri\nfrom pathlib import Path\nrigtri.read(Path({str(out)!r}))"
+    done = subprocess.run([sys.executable, "-c", late], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("[]")
+    assert "Call rigtri.register_usd_schemas() before the first stage" in done.stderr

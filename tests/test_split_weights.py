@@ -19,10 +19,13 @@ from rigtri.errors import FileError
 from rigtri.formats import Document, read
 from rigtri.ops.controls import Options as Controls
 from rigtri.ops.controls import add_controls
+from rigtri.ops.strip import strip
 from rigtri.ops.twist import Options, add_twist
 from rigtri.pipeline import edit
+from rigtri.records import Spread
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.spread import folded, shared
 
 # A bone of three twist joints, and a triangle with points at 0, 0.5 and 1 of it.
 POINTS = [[0, 1, 0], [1, 1.5, 0], [0, 2, 0]]
@@ -112,6 +115,50 @@ def test_more_than_256_joints_need_larger_numbers(tmp_path: Path) -> None:
     primitive["attributes"]["POSITION"] = builder.points(POINTS)
     result(builder, tmp_path)
     assert layouts(tmp_path / "out.glb")["JOINTS_0"] == (5123, False)
+
+
+@pytest.mark.parametrize("own", [0, 3], ids=["first", "last"])
+@pytest.mark.parametrize("most", [0, 2])
+@pytest.mark.parametrize("units", [False, True])
+def test_what_a_split_puts_apart_a_fold_puts_back_in_its_place(own: int, most: int, units: bool) -> None:
+    """The bone's joint, row 2, may stand at either end of the bone: its twist joints are rows 9, 10, 11."""
+    rng = np.random.default_rng(4)
+    count, order = 500, [9, 10, 11]
+    order.insert(own, 2)
+    at = np.linspace(0, 1, 4)
+    bone_of = Spread(0, np.array(order), at, np.zeros(3), np.array([0.0, 0, 1]), most)
+    rows = np.arange(12)
+    rows[9:] = 2
+    points = rng.uniform(-0.5, 1.5, (count, 3))
+    joints = np.array([rng.permutation(6)[:4] for _ in range(count)])
+    weights = rng.integers(1, 64, (count, 4)).astype(np.float64)
+    weights[np.arange(4) >= rng.integers(1, 5, count)[:, None]] = 0.0
+    if not units:
+        weights = (weights / 255).astype(np.float32).astype(np.float64)
+    apart = shared(bone_of, points, joints, weights, units=units)
+    again = shared(bone_of, points, *apart, units=units)
+    assert all(map(np.array_equal, again, apart))
+    assert not np.array_equal(apart[1][:, :4], weights)
+    back_joints, back_weights = folded(rows, *apart)
+    assert np.array_equal(back_weights, weights)
+    assert np.array_equal(back_joints[weights != 0], joints[weights != 0])
+
+
+def test_meshes_with_the_same_influences_get_each_its_own_back(tmp_path: Path) -> None:
+    builder = bone([[0.75, 0.25, 0, 0]] * 3, joints=[[0, 2, 0, 0]] * 3)
+    gltf = builder.gltf
+    twin = {
+        "POSITION": builder.points(POINTS),
+        "JOINTS_0": builder.accessor([[0, 2, 0, 0]] * 3, "u1"),
+        "WEIGHTS_0": builder.accessor([[0.75, 0.25, 0, 0]] * 3),
+    }
+    gltf["meshes"].append({"primitives": [{"attributes": twin}]})
+    gltf["nodes"].append({"mesh": 1, "skin": 0})
+    gltf["scenes"][0]["nodes"].append(5)
+    source, built, bare = (tmp_path / f"{name}.glb" for name in ("in", "built", "bare"))
+    edit(builder.glb(source), built, split)
+    edit(built, bare, lambda rig, report: strip(rig, report=report))
+    assert bare.read_bytes() == source.read_bytes()
 
 
 def test_what_other_meshes_share_stays(tmp_path: Path) -> None:

@@ -6,18 +6,20 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from avatars import avatar
 from builds import STEPS, Step, everything
 from morphs import arm, arm_usd
 from places import USD, asset_files, leave_out_refused, sample_files
-from pxr import Sdf
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 from rigtri import diff, verify
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Options as Reading
 from rigtri.formats import read
-from rigtri.ops import orient, posereader
+from rigtri.limbs import given
+from rigtri.ops import orient, posereader, twist
 from rigtri.ops.presets import Style
 from rigtri.ops.select import Selection
 from rigtri.ops.strip import strip
@@ -130,6 +132,88 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
         return posereader.add_posereader(rig, options=wanted, report=report)
 
     assert comes_back(source, step, tmp_path) == source.read_bytes()
+
+
+def split_arm(rig: Rig, report: Report) -> Rig:
+    """Both bones of an arm: the upper one's own joint takes the last of its points, not the first."""
+    arm_ = given(rig, "upper_arm_L", "forearm_L", "hand_L")
+    wanted = twist.Options(limbs=(arm_,), count=3, split_weights=True)
+    return twist.add_twist(rig, options=wanted, report=report)
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "wide.usda"])
+def test_split_weights_come_back_in_their_places_and_width(name: str, samples: Path, tmp_path: Path) -> None:
+    source = in_format(Path(name).suffix, samples, tmp_path)
+    if name == "wide.usda":  # room for more joints than points have
+        layer = Sdf.Layer.FindOrOpen(str(source))
+        stage = Usd.Stage.Open(layer)
+        mesh = next(prim for prim in stage.Traverse() if prim.GetTypeName() == "Mesh")
+        for key, kind in (("jointIndices", Vt.IntArray), ("jointWeights", Vt.FloatArray)):
+            primvar = UsdGeom.Primvar(mesh.GetAttribute(f"primvars:skel:{key}"))
+            rows = np.array(primvar.Get()).reshape(-1, primvar.GetElementSize())
+            primvar.Set(kind.FromNumpy(np.pad(rows, ((0, 0), (0, 3))).reshape(-1)))
+            primvar.SetElementSize(rows.shape[1] + 3)
+        layer.Save()
+    assert comes_back(source, split_arm, tmp_path) == source.read_bytes()
+
+
+def test_rest_transforms_that_a_skeleton_did_not_have_go_again(tmp_path: Path) -> None:
+    source = arm_usd(tmp_path)
+    layer = Sdf.Layer.FindOrOpen(str(source))
+    stage = Usd.Stage.Open(layer)
+    path = next(prim.GetPath() for prim in stage.Traverse() if prim.GetTypeName() == "Skeleton")
+    del layer.GetPrimAtPath(path).properties["restTransforms"]
+    layer.Save()
+
+    def step(rig: Rig, report: Report) -> Rig:
+        wanted = twist.Options(bones=(("a", "b"),), count=2, lower=True)
+        return twist.add_twist(rig, options=wanted, report=report)
+
+    assert comes_back(source, step, tmp_path) == source.read_bytes()
+    built = Sdf.Layer.FindOrOpen(str(tmp_path / "built.usda"))
+    assert built.GetAttributeAtPath(path.AppendProperty("restTransforms"))
+
+
+@pytest.mark.parametrize("name", ["split weights", "pole joints", "limbs", "everything"])
+def test_a_character_that_is_referred_to_keeps_no_opinions(name: str, samples: Path, tmp_path: Path) -> None:
+    in_format(".usda", samples, tmp_path)
+    source = tmp_path / "shot.usda"
+    stage = Usd.Stage.CreateNew(str(source))
+    stage.DefinePrim("/Shot/hero").GetReferences().AddReference("./biped.usda")
+    stage.Save()
+    assert comes_back(source, STEPS.get(name, everything), tmp_path) == source.read_bytes()
+
+
+def driven(rig: Rig, report: Report) -> Rig:
+    """The shape ``bulge``, which the clip does not list, driven from 0 to 1."""
+    wanted = posereader.Options(
+        driver="b",
+        axis=(0.0, 1.0, 0.0),
+        targets=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
+        morphs=(("side", "/Root/Skin", "bulge"),),
+    )
+    return posereader.add_posereader(rig, options=wanted, report=report)
+
+
+def test_a_shape_that_the_clip_did_not_list_goes_from_it_again(tmp_path: Path) -> None:
+    source = arm_usd(tmp_path)
+    edit(source, tmp_path / "built.usda", driven)
+    built = Sdf.Layer.FindOrOpen(str(tmp_path / "built.usda"))
+    assert list(built.GetAttributeAtPath("/Root/Anim.blendShapes").default) == ["other", "bulge"]
+    comes_back(source, driven, tmp_path)
+    texts = [Sdf.Layer.FindOrOpen(str(path)).ExportToString() for path in (source, tmp_path / "bare.usda")]
+    assert texts[0] == texts[1]  # but for the spelling of the samples
+
+
+def test_keys_whose_clip_is_gone_are_named(tmp_path: Path) -> None:
+    source, built = arm_usd(tmp_path), tmp_path / "built.usda"
+    edit(source, built, driven)
+    text = built.read_text().replace('SkelAnimation "Anim"', 'SkelAnimation "Other"')
+    built.write_text(text.replace("/Anim>", "/Other>"))
+    outcome = edit(built, tmp_path / "bare.usda", stripped)
+    told = [notice.text for notice in outcome.report.warnings if notice.code == "keys-gone"]
+    assert len(told) == 1
+    assert "of 'Skin' in 'Anim'" in told[0]
 
 
 def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_path: Path) -> None:

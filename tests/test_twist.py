@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from rigs import chain, random_rig
 from strategies import directions, quaternions
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.formats import read
 from rigtri.limbs import Limb
 from rigtri.ops.twist import Options, add_twist
 from rigtri.ops.twist_keys import BOUND
@@ -290,3 +292,12 @@ def test_where_a_point_may_have_no_more_joints_the_nearest_takes_all() -> None:
     assert new_joints.shape == (2, 4)
     assert (new[0] > 0).sum() == 4
     assert (new[1] > 0).sum() == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("hand_L", "another node is called so"), ("tw", "several twist joints")]
+)
+def test_a_name_that_is_taken_or_given_twice_is_refused(name: str, words: str, samples: Path) -> None:
+    options = Options(bones=(("forearm_L", "hand_L"),), count=2, name=name)
+    with pytest.raises(UsageError, match=words):
+        add_twist(read(samples / "biped.glb").rig, options=options)

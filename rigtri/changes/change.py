@@ -87,7 +87,8 @@ def same_numbers(before: Any, after: Any, tolerance: float) -> bool:
 
 def same_rows(before: Floats, after: Floats, tolerance: float) -> Booleans:
     """`same_numbers` for each row of two arrays of one shape, (k, ...) → (k,)."""
-    one, other = before.reshape(len(before), -1), after.reshape(len(after), -1)
+    width = int(np.prod(before.shape[1:]))  # of no rows -1 would say nothing
+    one, other = before.reshape(len(before), width), after.reshape(len(after), width)
     if tolerance:
         near = np.asarray(np.isclose(one, other, rtol=0.0, atol=tolerance, equal_nan=True))
         return np.asarray(near.all(axis=1))

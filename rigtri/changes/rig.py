@@ -114,7 +114,8 @@ def _pairs(m: Matching) -> tuple[Integers, Integers]:
 
 def _equal(one: Floats, other: Floats) -> Booleans:
     """Which rows hold the same numbers, NaN being one, whatever the sign of zero."""
-    return np.asarray(((one == other) | (np.isnan(one) & np.isnan(other))).reshape(len(one), -1).all(axis=1))
+    same = (one == other) | (np.isnan(one) & np.isnan(other))
+    return np.asarray(same.all(axis=tuple(range(1, same.ndim))))
 
 
 def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:

@@ -5,7 +5,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); doc
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -13,16 +13,19 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
+from rigtri.ops.followers import followed, followers, holding
+from rigtri.ops.posing import at_rest
 from rigtri.ops.twist_keys import keyed
 from rigtri.pose import sample
-from rigtri.quaternions import conjugate, turn_angle, unit
-from rigtri.quaternions import multiply as product
+from rigtri.quaternions import unit
 from rigtri.records import Interpolation, Path, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.rules import rules_of
+from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed
 from rigtri.solve.match import Matched, matched
@@ -44,9 +47,9 @@ from rigtri.vectors import length
 
 Direction = Literal["joints", "controls"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
-# Channels of controls that differ from zero by less are zero: float32 readers see no difference.
-_NOTHING = 1e-6
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+# Notes of nodes whose keys follow joints, and are made anew after them.
+_FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,8 @@ class Options:
         """These options. UsageError for what cannot be."""
         if self.to not in DIRECTIONS:
             raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
-        if self.fps is not None and not 0 < self.fps <= 100_000:
+        refuse_unworkable("--fps", self.fps)
+        if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
         if not self.tolerance >= 0:
             raise UsageError("--tolerance is a share of the rig's size, 0 or more")
@@ -110,24 +114,46 @@ class _Baker:
         self.rig, self.options, self.report = rig, options, report
         self.solvers: dict[frozenset[int] | None, Solver] = {}
         self.reference = Reference(rig)
-        if not (self.reference.fk or self.reference.limbs or self.reference.roots or rules_of(rig)):
+        follows = options.to == "joints" and followers(rig)
+        if not (
+            self.reference.fk or self.reference.limbs or self.reference.roots or rules_of(rig) or follows
+        ):
             raise GeometryError(
                 "There is nothing to bake: the file has no controls and no constraints of rigtri. "
                 "Add some with: rigtri add-controls, or name a file that has them with --rig"
             )
 
     def baked(self) -> Rig:
-        start = self.rig
+        if self.options.to == "controls":
+            for timeline in self._chosen():
+                self._to_controls(timeline)
+            return self.rig
+        self.report.reposed = True
+        held = holding(self.rig)
+        told = len(self.report.added)
+        # What follows a rivet comes to rest once everything before it in the chain has: one pass each.
+        for _ in range(len(held) + 2):
+            before = self.rig
+            del self.report.added[told:]
+            self._once()
+            if not held or _same_motion(before, self.rig):
+                return self.rig
+        names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
+        raise GeometryError(
+            f"Constraints follow {names}, on a mesh that they move themselves: they go round in a circle"
+        )
+
+    def _once(self) -> None:
+        """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
+        self.reference, self.solvers = Reference(self.rig), {}
         chosen = self._chosen()
-        work = self._to_joints if self.options.to == "joints" else self._to_controls
         for timeline in chosen:
-            work(timeline)
-        if self.options.to == "joints":
-            self.report.reposed = True
-            self._rest(start)
-            for twist in twists(self.rig):
-                self.rig, _ = keyed(self.rig, twist)
-        return self.rig
+            self._to_joints(timeline)
+        self._rest(self.rig)
+        for twist in twists(self.rig):
+            self.rig, _ = keyed(self.rig, twist)
+        clips = frozenset(member for timeline in chosen for member in timeline.members)
+        self.rig = followed(self.rig, clips, self.report)
 
     def _chosen(self) -> list[Timeline]:
         """The timelines of the clips that were asked for."""
@@ -155,12 +181,7 @@ class _Baker:
     @cached_property
     def size(self) -> float:
         """The diagonal of the box of the joints at rest, in file units."""
-        points = (
-            self.rig.world[self.rig.is_joint, 3, :3] if self.rig.is_joint.any() else self.rig.world[:, 3, :3]
-        )
-        points = points[np.isfinite(points).all(axis=1)]
-        size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
-        return size or 1.0
+        return size_of(self.rig)
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
@@ -189,8 +210,21 @@ class _Baker:
     @cached_property
     def movers(self) -> frozenset[int]:
         """The nodes whose keys say that a control is at work: controls and poles."""
-        kinds = ("control", "poleVector")
-        return frozenset(node for node, note in self.rig.notes.items() if note.get("type") in kinds)
+        return movers(self.rig)
+
+    def _telling(self, timeline: Timeline, told: Collection[tuple[int, Path]]) -> Timeline:
+        """The timeline without what is found anew, ``told``, and what follows it: the rest says when.
+
+        So a second run, which reads keys that were thinned, looks at the same times.
+        """
+        held = holding(self.rig)
+        follow = {node for node, note in self.rig.notes.items() if note.get("type") in _FOLLOW} - held
+        kept = tuple(
+            t
+            for t in timeline.clip.tracks
+            if t.path != "weights" and t.node not in follow and (t.node, t.path) not in told
+        )
+        return replace(timeline, clip=replace(timeline.clip, tracks=kept))
 
     def _times(self, timeline: Timeline) -> Floats:
         """Where joints, or controls, get keys."""
@@ -212,21 +246,41 @@ class _Baker:
     # --- to joints
 
     def _to_joints(self, timeline: Timeline) -> None:
-        driven = frozenset(t.node for t in timeline.clip.tracks) & self.movers
-        solver = self._solver(driven)
+        solver = self._solver(keyed_in(self.rig, timeline))
         nodes = [node for node in solver.sets if not is_twist(self.rig.notes.get(node))]
         if not solver.steps or not nodes:
             return
-        times = self._times(timeline)
-        posed = solver.run(sampled(self.rig, timeline.clip, times))
-        tracks = [track for node in nodes for track in self._tracks(timeline, times, node, posed.parts[node])]
+        told = {
+            (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
+        }
+        told |= {(node, path) for node in solver.offsets for path in _PATHS}
+        telling = self._telling(timeline, told)
+        times = self._times(telling)
+        held = self._jumps(telling, times)
+        parts = solver.solved(sampled(self.rig, timeline.clip, times))
+        tracks = [
+            track
+            for node in nodes
+            for track in self._tracks(timeline, times, held, node, parts[node])
+            if track.path in {path for path, _ in solver.writes[node]}
+        ]
         self.rig = placed(self.rig, timeline, tracks)
         self._record(timeline, solver, times, tracks, nodes)
 
     def _tracks(
-        self, timeline: Timeline, times: Floats, node: int, parts: Parts, *, rest: Parts | None = None
+        self,
+        timeline: Timeline,
+        times: Floats,
+        held: Floats,
+        node: int,
+        parts: Parts,
+        *,
+        rest: Parts | None = None,
     ) -> list[Track]:
-        """Keys for what is moved of a node: what stays at rest, and nothing drove, gets none."""
+        """Keys for what is moved of a node: what stays at rest, and nothing drove, gets none.
+
+        held: the times up to which values may be held.
+        """
         moves, turns = self.bounds
         rest = rest or Posed(self.rig).part(node)
         found = []
@@ -236,78 +290,38 @@ class _Baker:
             )
             values = single(_one_way_round(values) if path == "rotation" else values)
             if path != "rotation" and timeline.track(node, path) is None:
-                noise = _NOTHING * (1.0 if path == "scale" else self.size)
+                noise = NOTHING * (1.0 if path == "scale" else self.size)
                 if np.abs(values - still).max() <= min(noise, max(float(bound), 1e-30)):
                     continue
-            found.append(self._track(timeline, node, path, times, values, float(bound)))
+            found.append(_track(node, path, times, held, values, float(bound)))
         return found
-
-    def _track(
-        self, timeline: Timeline, node: int, path: Path, times: Floats, values: Floats, bound: float
-    ) -> Track:
-        if len(values) == 1:
-            return Track(node, path, "STEP", times[:1], values)
-        fresh = np.append(True, (values[1:] != values[:-1]).any(axis=1))
-        if fresh.any() and np.isin(times[fresh][1:], self._jumps(timeline, times)).all():
-            return Track(node, path, "STEP", times[fresh], values[fresh])
-        keys = needed(times, values, bound)
-        way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
-        return Track(node, path, way, times if len(keys) == len(times) else times[keys], values[keys])
 
     def _rest(self, start: Rig) -> None:
         """Joints at rest where controls at rest were moved, and where constraints put their children."""
         rig = start
-        zero = Parts(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
-        still = Posed(rig)
-        moved = set()
-        for node in self.movers:
-            note = rig.notes[node]
-            if note.get("type") == "control" and not rig.is_joint[node]:
-                own = still.part(node)
-                turned = float(turn_angle(product(conjugate(zero.rotation), own.rotation))[0])
-                if (
-                    np.abs(own.translation).max() > _NOTHING * self.size
-                    or turned > _NOTHING
-                    or np.abs(own.scale - 1.0).max() > _NOTHING
-                ):
-                    moved.add(node)
-        solver = self._solver(frozenset(moved))
+        solver = self._solver(moved_at_rest(rig, self.size))
         if not solver.steps:
             return
         posed = solver.run({})
-        translation, rotation, scale = (
-            self.rig.translation.copy(),
-            self.rig.rotation.copy(),
-            self.rig.scale.copy(),
-        )
-        changed = False
-        for node in solver.sets:
-            if rig.has_matrix[node] or is_twist(rig.notes.get(node)):
-                continue
-            was, now = still.part(node), posed.parts[node]
-            moves, _ = self.bounds
-            if np.abs(now.translation - was.translation).max() > min(
-                float(moves[node]), _NOTHING * self.size
-            ):
-                translation[node], changed = now.translation[0], True
-            if float(turn_angle(product(conjugate(was.rotation), now.rotation))[0]) > _NOTHING:
-                rotation[node], changed = now.rotation[0], True
-            if np.abs(now.scale - was.scale).max() > _NOTHING:
-                scale[node], changed = now.scale[0], True
-        if changed:
-            self.rig = replace(self.rig, translation=translation, rotation=rotation, scale=scale)
+        moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
+        moves, _ = self.bounds
+        least = np.minimum(moves, NOTHING * self.size)
+        self.rig, _ = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
 
     # --- to controls
 
     def _to_controls(self, timeline: Timeline) -> None:
         solver = self._solver(None)
-        times = self._times(timeline)
+        made = self.movers | solver.offsets
+        telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
+        times = self._times(telling)
+        held = self._jumps(telling, times)
         tracks: list[Track] = []
 
         def keep(node: int, parts: Parts) -> Parts:
             """Tracks for a control, and what they say at all times."""
             at_zero = Posed(self.rig).part(node)
-            own = self._tracks(timeline, times, node, parts, rest=at_zero)
+            own = self._tracks(timeline, times, held, node, parts, rest=at_zero)
             tracks.extend(own)
             read = dict(zip(_PATHS, at_zero, strict=True))
             for track in own:
@@ -316,9 +330,7 @@ class _Baker:
 
         joints = replace(
             timeline,
-            clip=replace(
-                timeline.clip, tracks=tuple(t for t in timeline.clip.tracks if t.node not in self.movers)
-            ),
+            clip=replace(timeline.clip, tracks=tuple(t for t in timeline.clip.tracks if t.node not in made)),
         )
         parts = sampled(self.rig, joints.clip, times)
         found = matched(solver, parts, keep)
@@ -362,6 +374,26 @@ class _Baker:
                 **(more or {}),
             }
         )
+
+
+def _same_motion(a: Rig, b: Rig) -> bool:
+    """Whether two states of a rig have the same clips and, but for rounding, the same rest pose."""
+    clips = all(one is other for one, other in zip(a.clips, b.clips, strict=True))
+    return clips and bool(
+        np.abs(a.world - b.world).max(initial=0.0) <= 1e-9 * np.abs(a.world).max(initial=1.0)
+    )
+
+
+def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, bound: float) -> Track:
+    """Keys, thinned out within a bound, for the values of one path of a node; see `_Baker._tracks`."""
+    if len(values) == 1:
+        return Track(node, path, "STEP", times[:1], values)
+    fresh = np.append(True, (values[1:] != values[:-1]).any(axis=1))
+    if fresh.any() and np.isin(times[fresh][1:], held).all():
+        return Track(node, path, "STEP", times[fresh], values[fresh])
+    keys = needed(times, values, bound)
+    way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
+    return Track(node, path, way, times if len(keys) == len(times) else times[keys], values[keys])
 
 
 def _one_way_round(turns: Floats) -> Floats:

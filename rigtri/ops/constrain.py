@@ -43,6 +43,9 @@ from rigtri.vectors import cross, length, normalise
 _DEGREE = np.pi / 180.0
 Vector = tuple[float, float, float]
 
+# The notice of a rule that VRM has no words for.
+UNTOLD = "constraint-not-vrm"
+
 
 @dataclass(frozen=True)
 class Options:
@@ -286,7 +289,7 @@ def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) 
         note |= {"vrm": said} if said else {}
         if said is None:
             report.warn(
-                "constraint-not-vrm",
+                UNTOLD,
                 f"'{rig.title(rule.child)}': VRMC_node_constraint cannot say this {rule.kind} constraint "
                 f"({why}); it is stored in extras alone",
             )

@@ -13,12 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import Limb, recognise
 from rigtri.matrices import nearest_rotation
 from rigtri.naming import Side, side
-from rigtri.ops.added import add, find, group, home, stand
+from rigtri.ops.added import add, find, group, home, noted, stand
 from rigtri.ops.aims import Aim, Rules, aim_of, limb_children
+from rigtri.ops.called import call, remembered
+from rigtri.ops.drawings import Drawing, draw, draw_anew
 from rigtri.ops.joints import Kind as EndKind
 from rigtri.ops.joints import add_joint, as_wanted, beside, move_joint
 from rigtri.ops.polevector import Options as PoleOptions
@@ -27,7 +30,7 @@ from rigtri.ops.select import Selection, chosen
 from rigtri.pose import world_of, worlds
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.shapes import COLORS, KINDS, Kind, drawn
+from rigtri.shapes import COLORS, KINDS, Kind
 from rigtri.skeleton import Reference, Skeleton, reference, skeleton
 from rigtri.stature import forward, girths
 from rigtri.trigonometry import Floats
@@ -52,9 +55,12 @@ class Options:
 
     selection: the joints that get FK controls. whole_character: all that carry weight, a root
     control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them.
-    size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}.
-    shapes: by kind of control (fk, ik, root, pole). colors: by side (left, right, "").
-    ends: whether IK ends and pole vectors are controls or joints; None keeps what is there.
+    size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}, which is
+    ctl, ik_ctl or root_ctl. shapes: by kind of control (fk, ik, root, pole). colors: by side (left,
+    right, ""). What of these is given, controls that are there already get too, unless edited.
+    ends: whether IK ends and pole vectors are controls or joints; None keeps what is there. soft: how
+    far before it is straight an IK limb slows down, as a share of its length; stretch: it grows to
+    reach its target; None keeps what is there.
     """
 
     selection: Selection = Selection()
@@ -62,24 +68,33 @@ class Options:
     root_control: bool = False
     ik: tuple[Limb, ...] = ()
     ik_auto: bool = False
-    size: float = 1.0
-    name: str = NAME
+    size: float | None = None
+    name: str | None = None
     shapes: Mapping[str, Kind] = field(default_factory=dict)
     colors: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     root: str | None = None
     poles: PoleOptions = field(default_factory=PoleOptions)
     ends: EndKind | None = None
+    soft: float | None = None
+    stretch: bool | None = None
 
     def checked(self) -> Options:
         """UsageError for what fits no control."""
         for kind in self.shapes.values():
             if kind not in KINDS:
                 raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
+        refuse_unworkable("--size", self.size)
+        if self.size is not None and not self.size > 0:
+            raise UsageError(f"--size {self.size:g}: a size is a number above 0")
+        if self.ends is not None and not (self.ik or self.ik_auto or self.whole_character):
+            raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
         try:
-            self.name.format(**dict.fromkeys(TOKENS, "x"))
+            (self.name or NAME).format(**dict.fromkeys(TOKENS, "x"))
         except (KeyError, IndexError, ValueError, AttributeError) as error:
             tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
             raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
+        if self.soft is not None and not 0 <= self.soft < 1:
+            raise UsageError("--soft is a share of the limb, from 0 to below 1")
         if not (self.selection.named or self.whole_character or self.root_control or self.ik or self.ik_auto):
             raise UsageError(
                 "say which joints get controls: --chain START END, --joints GLOB, --below NAME, "
@@ -116,6 +131,8 @@ class _Builder:
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
         self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)
         self.controls: dict[int, int] = {}
+        # The controls of this run: node, kind and joint.
+        self.made: list[tuple[int, str, int]] = []
 
     @property
     def _all_limbs(self) -> bool:
@@ -132,7 +149,17 @@ class _Builder:
             chain = [self.rig.address(node) for node in limb.triple]
             self._ik(limb, {"joint": chain[-1], "chain": chain})
         self._poles()
+        self._give_names()
+        for control, kind, joint in self.made:
+            self._record(control, kind, joint)
         return self.rig
+
+    def _give_names(self) -> None:
+        """Names by the user's rule, and a note of those that new controls have."""
+        if self.options.name is not None:
+            wanted = {c: self._name(joint, kind, self.options.name) for c, kind, joint in self.made}
+            self.rig = call(self.rig, wanted, self.options.name, self.report)
+        self.rig = remembered(self.rig, [c for c, _, _ in self.made if self.rig.keys[c] is None])
 
     def _joints(self) -> list[int]:
         """The joints that get FK controls, parents first; twist joints follow by themselves."""
@@ -152,12 +179,15 @@ class _Builder:
         place = place + up * (low - float(dot(place, up)))
         note = {"joint": self.rig.address(top)}
         control = self._find("root", note)
+        front = forward(self.rig, self.limbs or recognise(self.rig), self.ref.world)
+        drawing = self._drawing("root", top, self.ref.extent * 0.25, up, front)
         if control is None:
             self.rig, parent = group(self.rig)
-            front = forward(self.rig, self.limbs or recognise(self.rig), self.ref.world)
-            control = self._new("root", top, parent, note, self.ref.extent * 0.25, up, front)
+            control = self._new("root", top, parent, note, drawing)
+        else:
+            self._again(control, "root", top, drawing)
         self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
-        self._record(control, "root", top, int(self.rig.parents[self.rig.parents[control]]))
+        self.made.append((control, "root", top))
 
     def _find(self, kind: str, note: Mapping[str, Any]) -> int | None:
         return find(self.rig, type="control", kind=kind, **note)
@@ -167,14 +197,16 @@ class _Builder:
         control = self._find(kind, note)
         axes = self._frame(joint)
         parent = self._parent(joint, kind)
+        drawing = self._drawing(kind, joint, *self._size(joint))
         if control is None:
-            size, normal = self._size(joint)
-            control = self._new(kind, joint, parent, note, size, normal)
+            control = self._new(kind, joint, parent, note, drawing)
+        else:
+            self._again(control, kind, joint, drawing)
         offset = int(self.rig.parents[control])
         if int(self.rig.parents[offset]) != parent:
             self._tell_kept(control)
         self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
-        self._record(control, kind, joint, int(self.rig.parents[offset]))
+        self.made.append((control, kind, joint))
         return control
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
@@ -184,6 +216,18 @@ class _Builder:
             self._ik_joint(limb, known, about)
         else:
             self._control(limb.end, "ik", about)
+        self._limits(about)
+
+    def _limits(self, about: Mapping[str, Any]) -> None:
+        """How an IK limb reaches, on its control's note; what says nothing is not stored."""
+        control = self._find("ik", about)
+        given = {"soft": self.options.soft, "stretch": self.options.stretch}
+        told = {word: value for word, value in given.items() if value is not None}
+        if control is None or not told:
+            return
+        note = {word: value for word, value in self.rig.notes[control].items() if word not in told}
+        note |= {word: value for word, value in told.items() if value}
+        self.rig = noted(self.rig, control, note)
 
     def _ik_joint(self, limb: Limb, known: int | None, about: Mapping[str, Any]) -> None:
         """A joint beside a limb, in the frame of its end; nothing is drawn, engines show bones themselves."""
@@ -195,7 +239,7 @@ class _Builder:
             self.rig, node = add_joint(self.rig, name, parent, note, place, axes, like=like)
         else:
             self.rig, node = move_joint(self.rig, known, place, axes), known
-        self._record(node, "ik", limb.end, int(self.rig.parents[node]))
+        self.made.append((node, "ik", limb.end))
 
     def _frame(self, joint: int) -> Floats:
         axes = nearest_rotation(self.world[joint])
@@ -203,36 +247,40 @@ class _Builder:
             raise GeometryError(f"'{self.rig.title(joint)}' has no frame: a scale on or above it is zero")
         return axes
 
-    def _name(self, joint: int, kind: str) -> str:
-        return self.options.name.format(
-            joint=self.rig.names[joint] or f"joint_{joint}", side=self._side(joint), kind=_WORDS[kind]
-        )
+    def _name(self, joint: int, kind: str, rule: str = NAME) -> str:
+        name = self.rig.names[joint] or f"joint_{joint}"
+        return rule.format(joint=name, side=self._side(joint), kind=_WORDS[kind])
 
-    def _new(
-        self,
-        kind: str,
-        joint: int,
-        parent: int,
-        note: Mapping[str, Any],
-        size: float,
-        normal: Floats,
-        front: Floats | None = None,
-    ) -> int:
-        which, name = self._side(joint), self._name(joint, kind)
-        shape: Kind = self.options.shapes.get(kind, _SHAPES[kind])
-        about = {"v": 1, "type": "control", "kind": kind, **note, "shape": shape, "side": which}
+    def _new(self, kind: str, joint: int, parent: int, note: Mapping[str, Any], drawing: Drawing) -> int:
+        name = self._name(joint, kind)
+        about = {"v": 1, "type": "control", "kind": kind, **note, "side": self._side(joint)}
         offset_note = {"v": 1, "type": "offset", "kind": kind, "joint": note["joint"]}
         self.rig, offset = add(self.rig, f"{name}_offset", parent, offset_note)
         self.rig, control = add(self.rig, name, offset, about)
-        self._draw(control, shape, size, normal, which, front)
+        self.rig = draw(self.rig, control, drawing)
         return control
 
-    def _draw(
-        self, node: int, shape: Kind, size: float, normal: Floats, which: Side, front: Floats | None = None
-    ) -> None:
-        color = self.options.colors.get(which, COLORS[which])
-        lines = drawn(shape, size=size * self.options.size, normal=normal, color=color, ahead=front)
-        self.rig = replace(self.rig, shapes={**self.rig.shapes, node: lines})
+    def _again(self, control: int, kind: str, joint: int, drawing: Drawing) -> None:
+        """A control that is there already gets what was asked for."""
+        self.rig = draw_anew(self.rig, control, drawing, self._asked(kind, joint), self.report)
+
+    def _drawing(
+        self, kind: str, joint: int, size: float, normal: Floats, front: Floats | None = None
+    ) -> Drawing:
+        options, which = self.options, self._side(joint)
+        size = size * (1.0 if options.size is None else options.size)
+        shape: Kind = options.shapes.get(kind, _SHAPES[kind])
+        return Drawing(shape, size, options.colors.get(which, COLORS[which]), normal, front)
+
+    def _asked(self, kind: str, joint: int) -> frozenset[str]:
+        """What of a drawing the options say."""
+        options = self.options
+        said = {
+            "shape": kind in options.shapes,
+            "size": options.size is not None,
+            "color": self._side(joint) in options.colors,
+        }
+        return frozenset(key for key, given in said.items() if given)
 
     def _parent(self, joint: int, kind: str) -> int:
         """The control of the nearest joint above that has one; IK ends hang under the root control."""
@@ -278,13 +326,20 @@ class _Builder:
         limbs = tuple(dict.fromkeys(self.limbs))
         wanted = replace(self.options.poles, limbs=limbs, auto=False, kind=self.options.ends)
         self.rig = add_polevector(self.rig, options=wanted, report=self.report)
-        for node, note in list(self.rig.notes.items()):
-            if node in before or note.get("type") != "poleVector" or self.rig.is_joint[node]:
-                continue
-            middle = self.rig.find(str(note["chain"][1]))
-            shape: Kind = self.options.shapes.get("pole", _SHAPES["pole"])
-            up = np.array([1.0, 0.0, 0.0])
-            self._draw(node, shape, 0.5 * self._size(middle)[0], up, self._side(middle))
+        for node in self._drawn_poles(limbs):
+            middle = self.rig.find(str(self.rig.notes[node]["chain"][1]))
+            drawing = self._drawing("pole", middle, 0.5 * self._size(middle)[0], np.array([1.0, 0.0, 0.0]))
+            if node not in before:
+                self.rig = draw(self.rig, node, drawing)
+            elif "shape" in self.rig.notes[node]:
+                asked = self._asked("pole", middle)
+                self.rig = draw_anew(self.rig, node, drawing, asked, self.report)
+
+    def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:
+        """The pole vectors of limbs that are no joints."""
+        chains = ([self.rig.address(node) for node in limb.triple] for limb in limbs)
+        found = [find(self.rig, type="poleVector", chain=chain) for chain in chains]
+        return [node for node in found if node is not None and not self.rig.is_joint[node]]
 
     def _tell_kept(self, control: int) -> None:
         self.report.warn(
@@ -294,8 +349,9 @@ class _Builder:
             "strip the file first",
         )
 
-    def _record(self, control: int, kind: str, joint: int, parent: int) -> None:
+    def _record(self, control: int, kind: str, joint: int) -> None:
         offset = control if self.rig.is_joint[control] else int(self.rig.parents[control])
+        parent = int(self.rig.parents[offset])
         place = world_of(self.rig, offset)[3, :3]
         self.report.added.append(
             {

@@ -9,7 +9,7 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.matrices import nearest_rotation, transform_directions
-from rigtri.ops.twins import Mirror, Plane, mirrored_axes, reflection, side_of, twin_of
+from rigtri.ops.twins import Across, Mirror, mirrored_axes, side_of, twin_of
 from rigtri.quaternions import (
     IDENTITY,
     conjugate,
@@ -172,7 +172,7 @@ def mirrored_turns(
     *,
     mirror: Mirror,
     from_side: Literal["left", "right"],
-    plane: Plane,
+    across: Across,
     report: Report,
 ) -> dict[int, Floats]:
     """The turns of one side's joints from the new frames of the other side's.
@@ -181,17 +181,18 @@ def mirrored_turns(
     onto: the turn of a joint that gives it axes of the world, see `turn_onto`.
     """
     rig = tree.rig
-    reflect = reflection(plane)
     result: dict[int, Floats] = {}
     for joint in turns:
         if side_of(rig, joint) in ("", from_side):
             continue
         source = twin_of(rig, joint)
         if source is None or source not in turns:
-            report.warn("no-twin", f"'{rig.title(joint)}' has no twin on the {from_side} side.")
+            why = f"has no twin on the {from_side} side" if source is None else "keeps its axes"
+            also = "" if source is None else f", as its twin '{rig.title(source)}' does not turn"
+            report.warn("no-twin", f"'{rig.title(joint)}' {why}{also}.")
             continue
         axes = transform_directions(to_axes(turns[source]), ref.world[source])
-        result[joint] = onto(joint, mirrored_axes(axes, mirror, reflect))
+        result[joint] = onto(joint, mirrored_axes(axes, mirror, across))
     if not any(side_of(rig, joint) for joint in turns):
         raise GeometryError("no joint that turns says left or right in its name")
     return result

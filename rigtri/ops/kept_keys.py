@@ -10,11 +10,12 @@ import numpy as np
 
 from rigtri.pose import sample
 from rigtri.records import Track
+from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.timelines import Timeline, placed, timelines
 
 # The key of a note with what is kept: {clip, mesh, morphs, times, values, interpolation} each; no
-# times where nothing drove the mesh.
+# times where nothing drove the mesh; unlisted: those of the morphs that the clip had no word for.
 KEY = "before"
 
 
@@ -50,6 +51,9 @@ def kept(
     if not new:
         return list(old)
     entry = {**entry, "morphs": [*entry["morphs"], *new]}
+    unlisted = [] if was is None else [*entry.get("unlisted", ()), *(k for k in new if k in was.unlisted)]
+    if unlisted:
+        entry["unlisted"] = unlisted
     if "times" in entry and was is not None:
         rows = sample(was, np.array(entry["times"], dtype=np.float64))[:, new]
         pairs = zip(entry["values"], rows.tolist(), strict=True)
@@ -57,11 +61,11 @@ def kept(
     return [*others, entry]
 
 
-def restored(rig: Rig, nodes: Collection[int]) -> tuple[Rig, dict[int, set[int]]]:
+def restored(rig: Rig, nodes: Collection[int], report: Report) -> tuple[Rig, dict[int, set[int]]]:
     """The rig with the keys back that the pose readers ``nodes`` have replaced, and which those are.
 
     The last reader first, as each keeps what the one before it has left. Keys of clips and meshes
-    that are not there any more stay away.
+    that are not there any more stay away, and are told (``keys-gone``).
     """
     driven: dict[int, set[int]] = {}
     for node in sorted(nodes, reverse=True):
@@ -69,10 +73,21 @@ def restored(rig: Rig, nodes: Collection[int]) -> tuple[Rig, dict[int, set[int]]
             mesh, timeline = rig.known(entry["mesh"]), titles(rig).get(entry["clip"])
             now = None if mesh is None or timeline is None else timeline.track(mesh, "weights")
             if mesh is None or timeline is None or now is None:
+                if mesh is None or timeline is None or "times" in entry:
+                    _tell_gone(rig.title(node), entry, report, lost=mesh is None)
                 continue
             driven.setdefault(mesh, set()).update(entry["morphs"])
             rig = _put_back(rig, timeline, now, entry)
     return rig, driven
+
+
+def _tell_gone(reader: str, entry: Mapping[str, Any], report: Report, *, lost: bool) -> None:
+    what = f"mesh '{entry['mesh']}'" if lost else f"clip '{entry['clip']}'"
+    report.warn(
+        "keys-gone",
+        f"Pose reader '{reader}' keeps keys of morph targets of '{entry['mesh']}' in '{entry['clip']}' from "
+        f"before it, but {what} does not have them any more: they do not come back",
+    )
 
 
 def _put_back(rig: Rig, timeline: Timeline, now: Track, entry: Mapping[str, Any]) -> Rig:
@@ -84,5 +99,7 @@ def _put_back(rig: Rig, timeline: Timeline, now: Track, entry: Mapping[str, Any]
     times = np.array(entry["times"], dtype=np.float64)
     values = sample(now, times)
     values[:, list(entry["morphs"])] = np.array(entry["values"]).reshape(len(times), -1)
-    before = replace(now, interpolation=entry["interpolation"], times=times, values=values)
+    unlisted = now.unlisted.union(entry.get("unlisted", ()))
+    way = entry["interpolation"]
+    before = replace(now, interpolation=way, times=times, values=values, unlisted=unlisted)
     return placed(rig, timeline, [before])

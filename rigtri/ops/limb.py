@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.bounds import refuse_points
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import Limb
 from rigtri.matrices import determinant
 from rigtri.ops.added import free_name, group, noted, plain_name
 from rigtri.ops.joints import add_joint, move_joint, new_skin
-from rigtri.ops.polevector import NO_PLANE, SHAKY, add_polevector
+from rigtri.ops.polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.presets import Style
 from rigtri.ops.ups import crossing, vector
@@ -46,7 +47,8 @@ class Options:
     the world. end_aim: a node or point that the end joint aims at; None gives it the axes of the
     joint before. bend: the side that points on a line bend to. names: of the joints; else
     NAME_1, NAME_2 … with _L or _R of the side. skin: whether the joints are joints of a skin: the
-    parent's, else one of their own. poles: how the pole vector is placed.
+    parent's, else one of their own. poles: how the pole vector is placed. pose: in which locators are
+    read: nodes, bind or CLIP@TIME.
     """
 
     locators: tuple[str, ...] = ()
@@ -62,6 +64,7 @@ class Options:
     skin: bool = True
     pole: bool = True
     poles: PoleOptions = field(default_factory=PoleOptions)
+    pose: str = "nodes"
 
     @property
     def title(self) -> str:
@@ -81,8 +84,11 @@ class Options:
             raise UsageError(f"a limb has three {what}, root, middle and end, and here are {count}{more}")
         if len(set(self.locators)) < len(self.locators):
             raise UsageError(f"--locators {' '.join(self.locators)}: one of them is named twice")
-        if not np.isfinite(np.array(self.points)).all():
-            raise UsageError("--points: a coordinate is not a finite number")
+        refuse_points("--points", self.points)
+        refuse_points("--end-aim", [self.end_aim] if isinstance(self.end_aim, tuple) else [])
+        refuse_points("--bend", [self.bend] if self.bend is not None else [])
+        if self.pose != "nodes" and not (self.locators or isinstance(self.end_aim, str)):
+            raise UsageError("--pose says where locators stand; points stand where they are")
         if self.names and len(self.names) != count:
             raise UsageError(f"--names: {len(self.names)} names for {count} joints")
         self.style.checked()
@@ -98,6 +104,10 @@ def make_limb(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """
     report = report if report is not None else Report()
     options.checked()
+    for name in (options.name, *options.names):
+        if (plain := plain_name(name)) != name:
+            text = f"'{name}' becomes '{plain}': USD and three.js know only names of a to z, digits and"
+            report.warn("name-changed", f"{text} underscores that do not begin with a digit")
     shape = _shape(rig, options, report)
     known = _known(rig, options.title)
     if known:
@@ -156,7 +166,12 @@ def _shape(rig: Rig, options: Options, report: Report) -> _Shape:
 def _points(rig: Rig, options: Options) -> Floats:
     if options.points:
         return np.array(options.points, dtype=np.float64)
-    return np.array([rig.world[rig.find(name, "locator"), 3, :3] for name in options.locators])
+    return np.array([_read(rig, name, options.pose) for name in options.locators])
+
+
+def _read(rig: Rig, name: str, pose: str) -> Floats:
+    """Where a locator stands in a pose, (3,)."""
+    return np.asarray(posed(rig, pose).position(rig.find(name, "locator")))
 
 
 def _written(point: Point) -> str:
@@ -214,7 +229,7 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: Options, report: Re
         return np.tile(np.eye(3), (len(points), 1, 1))
     aims = list(points[1:] - points[:-1])
     if options.end_aim is not None:
-        aims.append(_end_point(rig, options.end_aim) - points[-1])
+        aims.append(_end_point(rig, options.end_aim, options.pose) - points[-1])
         if not length(aims[-1]) > ONE_PLACE * float(length(points[-1] - points[0])):
             raise GeometryError("--end-aim: the end joint stands there itself, so it cannot aim at it")
     found = []
@@ -230,9 +245,9 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: Options, report: Re
     return np.array([*found, *[found[-1]] * (len(points) - len(found))])
 
 
-def _end_point(rig: Rig, end_aim: str | Point) -> Floats:
+def _end_point(rig: Rig, end_aim: str | Point, pose: str) -> Floats:
     if isinstance(end_aim, str):
-        return np.asarray(rig.world[rig.find(end_aim, "locator"), 3, :3])
+        return _read(rig, end_aim, pose)
     return np.array(end_aim, dtype=np.float64)
 
 

@@ -12,7 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
+from rigtri.ops.constrain import UNTOLD
+from rigtri.ops.middle import parting, tell
 from rigtri.ops.mirroring.across import WHAT, Options, What, side
 from rigtri.ops.mirroring.controls import mirror_controls, mirror_poles
 from rigtri.ops.mirroring.limbs import mirror_limbs, mirror_twists
@@ -22,7 +25,7 @@ from rigtri.ops.mirroring.rules import mirror_rules
 from rigtri.ops.orient import Options as OrientOptions
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.select import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
-from rigtri.ops.twins import side_of, twin_of
+from rigtri.ops.twins import MIRRORS, side_of, twin_of
 from rigtri.quaternions import meant_unit
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -42,9 +45,23 @@ def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = 
     report = report if report is not None else Report()
     if not options.what or not set(options.what) <= set(WHAT):
         raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
-    joints = skeleton(rig, options.root).joints
-    if not any(side_of(rig, joint) for joint in joints) and not any(side(rig, node) for node in rig.notes):
+    refuse_unworkable("--plane-at", options.plane_at)
+    tree = skeleton(rig, options.root)
+    if not any(side_of(rig, joint) for joint in tree.joints) and not any(
+        side(rig, node) for node in rig.notes
+    ):
         raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
+    parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)
+    tell(options.plane, options.plane_at, parted, report)
+    options = replace(options, across=parted.across)
+    before, known = rig, len(report.warnings)
+    rig = _mirrored(rig, options, report)
+    if any(notice.code == UNTOLD for notice in report.warnings[known:]):
+        _tell_modes(before, options, report)
+    return rig
+
+
+def _mirrored(rig: Rig, options: Options, report: Report) -> Rig:
     steps = {
         "limbs": mirror_limbs,
         "joints": _joints,
@@ -61,6 +78,20 @@ def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = 
     return rig
 
 
+def _tell_modes(rig: Rig, options: Options, report: Report) -> None:
+    """Say which other modes lose no VRM node constraint, where some do not."""
+    found = []
+    for mode in MIRRORS:
+        heard = Report()
+        if mode != options.mode:
+            _mirrored(rig, replace(options, mode=mode), heard)
+            if all(notice.code != UNTOLD for notice in heard.warnings):
+                found.append(f"--mode {mode}")
+    if found:
+        text = f"{' or '.join(found)} keeps the VRM node constraints that --mode {options.mode} loses"
+        report.warn("mode-keeps-vrm", text)
+
+
 def _joints(rig: Rig, options: Options, report: Report) -> Rig:
     """Turn the joints of the other side onto the mirrored axes of this side's."""
     both = _both_sides(rig, options)
@@ -70,7 +101,7 @@ def _joints(rig: Rig, options: Options, report: Report) -> Rig:
         keep=True,
         mirror=options.mode,
         from_side=options.from_side,
-        plane=options.plane,
+        across=options.across,
         selection=both,
         on_nonuniform_scale=options.on_nonuniform_scale,
         on_constraint=options.on_constraint,

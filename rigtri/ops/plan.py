@@ -15,10 +15,11 @@ from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of, limb_children
 from rigtri.ops.frames import like_turns, mirrored_turns, stored_turns, turn_onto
+from rigtri.ops.middle import parting
 from rigtri.ops.presets import Style
 from rigtri.ops.scale import Policy, axes_taken, nearest_cardinal
 from rigtri.ops.select import Selection, select
-from rigtri.ops.twins import Mirror, Plane
+from rigtri.ops.twins import Across, Mirror, Plane
 from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
 from rigtri.reach import TOLERANCE, reaches
@@ -46,7 +47,8 @@ UNCHANGED_LIKE = 5e-7
 class Options:
     """Everything that `orient_joints` can be told; the defaults are the command's.
 
-    keep: joints have their axes already; only ``mirror`` turns those of the other side.
+    keep: joints have their axes already; only ``mirror`` turns those of the other side. plane: of the
+    character's own space; across: the same in the world, where that is known already.
     """
 
     style: Style = Style()
@@ -68,6 +70,7 @@ class Options:
     mirror: Mirror | None = None
     from_side: Literal["left", "right"] = "left"
     plane: Plane = "yz"
+    across: Across | None = None
     root: str | None = None
     like: Rig | None = None
     frames: object = None
@@ -152,7 +155,8 @@ class Plan:
                 self._onto,
                 mirror=options.mirror,
                 from_side=options.from_side,
-                plane=options.plane,
+                across=options.across
+                or parting(self.tree, self.ref, options.plane, options.from_side).across,
                 report=self.report,
             )
         return {joint: self.quiet(joint, turn) for joint, turn in turns.items()}

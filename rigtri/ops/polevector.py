@@ -13,9 +13,11 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.bend import Bend, bend, crossings
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
+from rigtri.ops.drawings import KEYS
 from rigtri.ops.joints import Kind, add_joint, as_wanted, beside, move_joint
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -63,11 +65,13 @@ def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) 
     straight limb of which nothing tells the side.
     """
     report = report if report is not None else Report()
+    for flag, number in (("--reach", options.reach), ("--distance", options.distance)):
+        refuse_unworkable(flag, number)
     limbs = _limbs(rig, options, report)
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")
     _check_name(rig, limbs, options)
-    ref = _reference(rig, options.pose)
+    ref = posed(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
     others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
     unsaid = []
@@ -135,13 +139,13 @@ def _of_chain(rig: Rig, start: str, end: str, middle: str | None, pose: str) -> 
         return Limb(path[0], node, path[-1])
     if not inner:
         raise UsageError(f"there is no joint between '{start}' and '{end}' that could bend")
-    ref = _reference(rig, pose)
+    ref = posed(rig, pose)
     points = ref.world[inner, 3, :3]
     off = distance(points, project(points, ref.position(path[0]), ref.position(path[-1])))
     return Limb(path[0], inner[int(np.argmax(off))], path[-1])
 
 
-def _reference(rig: Rig, pose: str) -> Reference:
+def posed(rig: Rig, pose: str) -> Reference:
     """The pose in use; any node may be in a limb, so all of them are taken as joints."""
     above = {node: int(parent) for node, parent in enumerate(rig.parents)}
     tree = Skeleton(rig, tuple(range(len(rig))), above, {}, np.ones(len(rig), dtype=bool))
@@ -267,7 +271,8 @@ def _placed(
         if joint and options.name is not None and rig.names[node] != plain_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)
-        rig = noted(rig, node, note)
+        drawing = {key: rig.notes[node][key] for key in KEYS if key in rig.notes[node]}
+        rig = noted(rig, node, note | drawing)
         return (move_joint if joint else stand)(rig, node, position, axes), node
     if options.kind == "joint":
         parent, like = beside(rig, limb.start)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 
 from rigtri import pose
+from rigtri.bounds import refuse_unworkable
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.fitting import fitted
 from rigtri.matrices import orthonormal_axes
 from rigtri.ops import kept_keys
 from rigtri.ops.added import add, find, group, noted
+from rigtri.ops.called import refuse_taken
 from rigtri.quaternions import between, conjugate, from_axes, rotate
 from rigtri.quaternions import multiply as product
 from rigtri.readers import KERNELS, KINDS, MODES, Kernel, Kind, Mode, Reader, relative, same_poses, weights
@@ -26,10 +28,10 @@ from rigtri.timelines import (
     jumps,
     just_before,
     merged_weights,
+    moment,
     placed,
     single,
     steps_only,
-    timelines,
     times_within,
 )
 from rigtri.triangles import meshes_named
@@ -105,6 +107,7 @@ class Options:
             raise UsageError("rbf reads poses; a node is a target of dot and cone readers")
         if not np.isfinite(self.axis).all() or not any(self.axis):
             raise UsageError("the axis of the driver is a direction, e.g. x or 0,1,0")
+        refuse_unworkable("--fps", self.fps)
         if not self.within > 0 or (self.fps is not None and not self.fps > 0):
             raise UsageError("--within and --fps are numbers above 0")
         return self
@@ -139,15 +142,61 @@ def add_posereader(rig: Rig, *, options: Options, report: Report | None = None) 
     return _Builder(rig, options, report).build()
 
 
-class _Builder:
-    """One run: the rig as it grows."""
+def options_of(note: Mapping[str, Any]) -> Options:
+    """What a pose reader's note says of how it was made.
 
-    def __init__(self, rig: Rig, options: Options, report: Report) -> None:
+    Goals have their names and nodes; directions and poses of a note are seen from the frame, and stay there.
+    """
+    outputs = note["outputs"]
+    x, y, z = map(float, note["axis"])
+    return Options(
+        driver=note["driver"],
+        axis=(x, y, z),
+        frame=note["frame"] or "world",
+        reader=note["reader"],
+        targets=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
+        morphs=tuple((str(o["target"]), str(o["mesh"]), str(o["morph"])) for o in outputs if "morph" in o),
+        attributes=tuple(
+            (str(o["target"]), str(o["control"]), str(o["attribute"])) for o in outputs if "morph" not in o
+        ),
+        inner=float(note.get("inner", 0.0)),
+        outer=float(note.get("outer", 90.0)),
+        kernel=note.get("kernel", "linear"),
+        mode=note.get("mode", "swing"),
+        name=str(note["name"]),
+        within=float(note["within"]),
+        fps=note.get("fps"),
+    )
+
+
+def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
+    """The rig with what a pose reader drives baked anew, at rest and in some clips, by their places.
+
+    Raises what `add_posereader` does, where what the note names is not there any more.
+    """
+    note = rig.notes[node]
+    report = report if report is not None else Report()
+    return _Builder(rig, options_of(note).checked(), report, note=note, clips=frozenset(clips)).build()
+
+
+class _Builder:
+    """One run: the rig as it grows. note: of a reader that is there. clips: the places of those baked."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        options: Options,
+        report: Report,
+        *,
+        note: Mapping[str, Any] | None = None,
+        clips: frozenset[int] | None = None,
+    ) -> None:
+        self.clips = clips
         self.rig, self.options, self.report = rig, options, report
         self.driver = rig.find(options.driver)
         self.frame = self._frame()
         self.axis = normalise(np.array(options.axis, dtype=np.float64))
-        self.note = self._note()
+        self.note = dict(note) if note is not None else self._note()
         self.reader = Reader.of_note(self.note)
         if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
             raise GeometryError(
@@ -171,12 +220,16 @@ class _Builder:
         rig, parent = group(self.rig)
         node = find(rig, type="poseReader", name=self.name)
         if node is None:
+            if self.options.name:
+                refuse_taken(rig, self.options.name)
             rig, node = add(rig, self.name, parent, self.note)
         self.note[kept_keys.KEY] = list(rig.notes[node].get(kept_keys.KEY, ()))
         self.rig = rig
         values = self._value_nodes(node)
         counts: dict[str, int] = {}
         for title, timeline in kept_keys.titles(self.rig).items():
+            if self.clips is not None and self.clips.isdisjoint(timeline.members):
+                continue
             self._keep(title, timeline)
             times, found = self._baked(timeline)
             counts[timeline.name] = len(times)
@@ -262,7 +315,10 @@ class _Builder:
     def _target(self, goal: Goal, name: str) -> dict[str, Any]:
         """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
         if goal.node:
-            return {"name": name, "node": self.rig.address(self.rig.find(goal.node, "node"))}
+            node = self.rig.find(goal.node, "node")
+            if node == self.driver:
+                raise UsageError(f"--target {goal.node}: a joint does not point at itself; name another node")
+            return {"name": name, "node": self.rig.address(node)}
         if goal.pose or goal.rotation is not None:
             rotation = self._posed(goal.pose) if goal.rotation is None else np.array(goal.rotation)
             direction = rotate(rotation, self.axis)
@@ -285,21 +341,18 @@ class _Builder:
 
     def _posed(self, text: str) -> Floats:
         """The driver's rotation in the frame in a pose, (4,)."""
-        if text == "rest":
-            return self._resting
-        name, mark, time = text.rpartition("@")
-        try:
-            moment = float(time)
-        except ValueError:
-            moment = float("nan")
-        if not mark or not np.isfinite(moment):
-            raise UsageError(f"'{text}' is no pose: give CLIP@TIME, e.g. walk@0.5, or rest")
-        clip = self.rig.clip(name)
-        place = next(k for k, known in enumerate(self.rig.clips) if known is clip)
-        timeline = next((t for t in timelines(self.rig) if place in t.members), None)
+        timeline, time = moment(self.rig, text)
         if timeline is None:
-            raise GeometryError(f"Clip '{name}' has no keys")
-        return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [moment])))
+            return self._resting
+        keys = pose.key_times(timeline.clip)
+        if len(keys) and not keys[0] <= time <= keys[-1]:
+            end = keys[0] if time < keys[0] else keys[-1]
+            self.report.warn(
+                "pose-clamped",
+                f"'{text}' lies outside its clip, which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
+                f"that at {end:g}",
+            )
+        return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [time])))
 
     def _nodes(self) -> dict[str, int]:
         """The nodes that targets name, by address."""

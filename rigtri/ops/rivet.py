@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from rigtri.bounds import refuse_points, refuse_unworkable
 from rigtri.carried import Carried
 from rigtri.errors import GeometryError, UsageError
 from rigtri.fitting import fitted
@@ -83,9 +85,8 @@ class Options:
         for weights in self.barycentric:
             if not all(0 <= w <= 1 for w in weights) or abs(weights[0] + weights[1] + weights[2] - 1) > 1e-6:
                 raise UsageError(f"--barycentric {_told(weights)}: three weights from 0 to 1 that sum to 1")
-        for point in self.at:
-            if not all(np.isfinite(point)):
-                raise UsageError(f"--at {_told(point)} is no place")
+        refuse_points("--at", self.at)
+        refuse_unworkable("--fps", self.fps)
         if len(self.names) > 1 and len(self.names) != self.count:
             raise UsageError(f"{len(self.names)} names for {self.count} rivets; give one for each, or one")
         if len(set(self.names)) < len(self.names):
@@ -121,6 +122,33 @@ def add_rivet(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     for name, seat in zip(_names(rig, options, ground), ground.seats(options), strict=True):
         rig = _Rivet(rig, name, seat, ground.size, options, report).built()
     return rig
+
+
+def options_of(note: Mapping[str, Any]) -> Options:
+    """What a rivet's note says of how it was made; its place is left to the caller."""
+    return Options(
+        mesh=note["mesh"], names=(str(note["name"]),), within=float(note["within"]), fps=note.get("fps")
+    )
+
+
+def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
+    """The rig with a rivet where its triangle is now: at rest, and in some clips, by their places.
+
+    Raises GeometryError where the mesh of its note has no such points any more, FileError.
+    """
+    note = rig.notes[node]
+    options, mesh_node = options_of(note), rig.known(note["mesh"])
+    meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node]
+    rows, number = np.array(note["vertices"], dtype=np.int64), int(note["primitive"])
+    if not number < len(meshes) or rows.min() < 0 or rows.max() >= len(meshes[number].points):
+        raise GeometryError(
+            f"Rivet '{rig.title(node)}': mesh '{note['mesh']}' has no such triangle, or cannot be read; "
+            "make it anew with: rigtri add-rivet"
+        )
+    ground = _Ground(rig, meshes, note["mesh"])
+    seat = _Seat(meshes[number], number, rows, np.array(note["barycentric"]), ground.number(number, rows))
+    report = report if report is not None else Report()
+    return _Rivet(rig, options.names[0], seat, ground.size, options, report, frozenset(clips)).built()
 
 
 def _told(numbers: Sequence[float]) -> str:
@@ -189,6 +217,11 @@ class _Ground:
             )
         return seat
 
+    def number(self, primitive: int, rows: Integers) -> int:
+        """The number of the triangle with some corners, −1 where there is none any more."""
+        hits = np.flatnonzero((self.triangles[primitive] == rows).all(axis=1))
+        return sum(map(len, self.triangles[:primitive])) + int(hits[0]) if len(hits) else -1
+
     def _seat(self, primitive: int, row: int, weights: Floats) -> _Seat:
         mesh, before = self.meshes[primitive], sum(map(len, self.triangles[:primitive]))
         # The place among all primitives of the node, also where one alone was named.
@@ -219,7 +252,7 @@ class _Ground:
 
 @dataclass(frozen=True, eq=False)
 class _Rivet:
-    """One rivet on its way into the rig."""
+    """One rivet on its way into the rig. clips: the places of those it is baked into, None for all."""
 
     rig: Rig
     name: str
@@ -227,6 +260,7 @@ class _Rivet:
     size: float
     options: Options
     report: Report
+    clips: frozenset[int] | None = None
 
     def built(self) -> Rig:
         note = {
@@ -252,6 +286,8 @@ class _Rivet:
         counts: dict[str, int] = {}
         worst = 0.0
         for timeline in timelines(rig):
+            if self.clips is not None and self.clips.isdisjoint(timeline.members):
+                continue
             tracks = self._tracks(held, timeline, node)
             rig = placed(rig, timeline, tracks)
             counts[timeline.name] = max(len(track.times) for track in tracks)

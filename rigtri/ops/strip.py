@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.constraints import told_by_rules
 from rigtri.errors import GeometryError
 from rigtri.ops.kept_keys import restored
+from rigtri.ops.twist import INFLUENCES
 from rigtri.records import Booleans, Constraint, Fold, Skin
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -35,7 +36,7 @@ def strip(rig: Rig, *, options: Options | None = None, report: Report | None = N
     report = report if report is not None else Report()
     gone = _gone(rig)
     readers = [node for node in gone if rig.notes.get(node, {}).get("type") == "poseReader"]
-    rig, driven = restored(rig, readers)
+    rig, driven = restored(rig, readers, report)
     for node, columns in driven.items():
         report.driven.setdefault(rig.keys[node], set()).update(columns)
     notes = {}
@@ -86,7 +87,7 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
         stays = _stays(skin, gone)
         if stays.all() or not (stays.any() or skin.drawn):
             continue
-        rows = np.cumsum(stays) - 1
+        rows, at = np.cumsum(stays) - 1, np.zeros(len(stays))
         lost, weighted = np.flatnonzero(~stays), _weighted(rig, number)
         for row in lost.tolist():
             heir = _heir(rig, int(skin.joints[row]), gone, skin) if weighted[row] else -1
@@ -96,9 +97,23 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
                     "Give their weight to a joint that stays first"
                 )
             rows[row] = rows[heir] if heir >= 0 else 0
+            if heir >= 0:
+                note = rig.notes[int(skin.joints[row])]
+                at[row] = float(note["at"])
+                at[heir] = 1.0 if rig.known(note["driver"]) == int(skin.joints[heir]) else 0.0
         idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
-        found.append(Fold(number, rows, idle))
+        found.append(Fold(number, rows, at, _widths(rig, gone), idle))
     return tuple(found)
+
+
+def _widths(rig: Rig, gone: frozenset[int]) -> dict[int, int]:
+    """How many joints each point of a mesh had before its weights were split, by the mesh's node."""
+    found: dict[int, int] = {}
+    for entry in (entry for node in sorted(gone) for entry in rig.notes.get(node, {}).get(INFLUENCES, ())):
+        mesh = rig.known(entry["mesh"])
+        if mesh is not None:
+            found[mesh] = min(int(entry["count"]), found.get(mesh, int(entry["count"])))
+    return found
 
 
 def _weighted(rig: Rig, number: int) -> Booleans:
@@ -130,8 +145,11 @@ def _gone(rig: Rig) -> frozenset[int]:
     for node in sorted(gone):
         for child in rig.children[node]:
             if child not in gone:
+                joint = rig.notes.get(node, {}).get("joint")
+                where = f"'{joint}' or another node that stays" if joint else "a node that stays"
                 raise GeometryError(
                     f"'{rig.title(child)}' hangs below '{rig.title(node)}', which is to go, and is not "
-                    "rigtri's. Take it out of there first"
+                    f"rigtri's. In the program that put it there, hang it below {where}, or remove it; then "
+                    "strip again"
                 )
     return gone

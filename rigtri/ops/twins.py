@@ -1,6 +1,6 @@
 """Pairs of nodes on the two sides of a character, and how one is the reflection of the other.
 
-Rows of R are a frame's axes, M is the reflection. ``behavior``: −R·M, equal rotations of a joint
+Rows of R are a frame's axes in the world, M is the reflection. ``behavior``: −R·M, equal rotations of a joint
 and its twin mirror the motion (Maya, Unreal, mGear). ``orientation``: R, equal rotations turn both
 alike. ``blender``: diag(−1, 1, 1)·R·M, as its X-mirror editing and flipped poses expect.
 """
@@ -13,55 +13,56 @@ from typing import Literal
 
 import numpy as np
 
+from rigtri.matrices import from_frame
 from rigtri.naming import Side, side, twin
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
+from rigtri.vectors import dot
 
 Mirror = Literal["behavior", "orientation", "blender"]
 MIRRORS: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
 Plane = Literal["yz", "xz", "xy"]
+PLANES: tuple[Plane, ...] = ("yz", "xz", "xy")
 _BONE = {"left": "right", "right": "left"}
 
 
-def reflection(plane: Plane) -> Floats:
-    """The signs, (3,), that a plane through the origin gives the coordinates of what is reflected in it."""
-    return np.where(np.arange(3) == {"yz": 0, "xz": 1, "xy": 2}[plane], -1.0, 1.0)
+def normal_of(plane: Plane) -> Floats:
+    """The axis across a plane of the coordinates, (3,)."""
+    return np.where(np.arange(3) == {"yz": 0, "xz": 1, "xy": 2}[plane], 1.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Across:
-    """A mirror plane of the world: ``plane`` moved by ``at`` along its normal."""
+    """A mirror plane of the world: across the unit vector ``normal``, ``at`` from the origin along it."""
 
-    plane: Plane = "yz"
+    normal: tuple[float, float, float] = (1.0, 0.0, 0.0)
     at: float = 0.0
 
-    @property
-    def reflect(self) -> Floats:
-        """The signs, (3,), of directions."""
-        return reflection(self.plane)
+    def directions(self, directions: Floats) -> Floats:
+        """The mirror images of directions, (..., 3)."""
+        normal = np.array(self.normal)
+        return np.asarray(directions - 2.0 * dot(directions, normal)[..., np.newaxis] * normal)
 
     def points(self, points: Floats) -> Floats:
         """The mirror images of points, (..., 3)."""
-        return np.asarray(points * self.reflect + (1.0 - self.reflect) * self.at)
+        return self.directions(points) + 2.0 * self.at * np.array(self.normal)
 
     @property
     def matrix(self) -> Floats:
         """The same for row vectors with 1 behind them, (4, 4)."""
-        matrix = np.diag([*self.reflect, 1.0])
-        matrix[3, :3] = self.points(np.zeros(3))
-        return matrix
+        return from_frame(self.directions(np.eye(3)), self.points(np.zeros(3)))
 
     def turn(self, turn: Floats) -> Floats:
         """The mirror image of a rotation of the world, (4,): the other way about the mirrored axis."""
-        return np.concatenate([-turn[:3] * self.reflect, turn[3:]])
+        return np.concatenate([-self.directions(turn[:3]), turn[3:]])
 
 
-def mirrored_axes(axes: Floats, mirror: Mirror, reflect: Floats) -> Floats:
+def mirrored_axes(axes: Floats, mirror: Mirror, across: Across) -> Floats:
     """The axes (rows, (…, 3, 3)) of the twin of a frame with these axes."""
     if mirror == "behavior":
-        return np.asarray(-axes * reflect)
+        return -across.directions(axes)
     if mirror == "blender":
-        return np.asarray(np.array([[-1.0], [1.0], [1.0]]) * axes * reflect)
+        return np.asarray(np.array([[-1.0], [1.0], [1.0]]) * across.directions(axes))
     return axes
 
 

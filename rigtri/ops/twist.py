@@ -5,7 +5,7 @@ Source: "Matrix parent constraint" (twist distribution, announced); `rigtri.twis
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,10 +14,11 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import inverse, nearest_rotation, transform_points
-from rigtri.ops.added import find, noted
+from rigtri.ops.added import find, noted, plain_name
+from rigtri.ops.called import refuse_taken
 from rigtri.ops.joints import add_joint, move_joint
 from rigtri.ops.twist_keys import BOUND, keyed
-from rigtri.records import Skin, Spread
+from rigtri.records import Mesh, Skin, Spread
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import ZERO_LENGTH
@@ -28,6 +29,8 @@ from rigtri.vectors import length
 COUNT, MOST = 2, 64
 NAME = "{joint}_twist_{number}"
 TOKENS = ("joint", "number")
+# The key of a note with {mesh, count} each: how many joints points had room for before the split.
+INFLUENCES = "influences"
 
 
 @dataclass(frozen=True)
@@ -100,9 +103,29 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     """
     report = report if report is not None else Report()
     options.checked()
-    for each in _bones(rig, options, report):
+    bones = _bones(rig, options, report)
+    if options.name != NAME:
+        _check_names(rig, bones, options)
+    for each in bones:
         rig = _build(rig, each, options, report)
     return rig
+
+
+def _check_names(rig: Rig, bones: list[_Bone], options: Options) -> None:
+    """UsageError where a user's rule gives two new twist joints one name, or that of another node."""
+    names: set[str] = set()
+    for of in bones:
+        for number in range(1, options.count + 1):
+            if find(rig, **_said(rig, of), number=number) is None:
+                name = _name(rig, of, number, options)
+                refuse_taken(rig, name)
+                if plain_name(name) in names:
+                    raise UsageError(f"--name {options.name}: several twist joints would be called '{name}'")
+                names.add(plain_name(name))
+
+
+def _name(rig: Rig, of: _Bone, number: int, options: Options) -> str:
+    return options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
 
 
 def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
@@ -151,8 +174,28 @@ def _build(rig: Rig, of: _Bone, options: Options, report: Report) -> Rig:
         rig, node = _joint(rig, of, number, line, options, report)
         made.append(node)
     if options.split_weights:
-        rig = replace(rig, spreads=(*rig.spreads, *_spreads(rig, of, line, options, report)))
+        found = _spreads(rig, of, line, options, report)
+        rig = _with_influences(replace(rig, spreads=(*rig.spreads, *found)), made[0], found)
     return rig
+
+
+def _with_influences(rig: Rig, node: int, spreads: Sequence[Spread]) -> Rig:
+    """Let the note of a bone's first twist joint say how many joints points could have, unless it does.
+
+    Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
+    """
+    if not rig.raw or INFLUENCES in rig.notes[node]:
+        return rig
+    skins = {spread.skin for spread in spreads}
+    widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}
+    if not widths:
+        return rig
+    said = [{"mesh": rig.address(mesh), "count": width} for mesh, width in widths.items()]
+    return noted(rig, node, {**rig.notes[node], INFLUENCES: said})
+
+
+def _roomy(mesh: Mesh) -> bool:
+    return bool(mesh.weights.shape[1] and not mesh.weights[:, -1].any())
 
 
 def _check_count(rig: Rig, of: _Bone, options: Options) -> None:
@@ -185,9 +228,10 @@ def _joint(
     node = find(rig, **_said(rig, of), number=number)
     new = node is None
     if node is None:
-        name = options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
+        name = _name(rig, of, number, options)
         rig, node = add_joint(rig, name, of.joint, note, place, axes)
     else:
+        note |= {key: rig.notes[node][key] for key in (INFLUENCES,) if key in rig.notes[node]}
         rig = move_joint(noted(rig, node, note), node, place, axes)
     rig, keys = _keys(rig, node, note, options, report)
     report.added.append(

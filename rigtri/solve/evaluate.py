@@ -15,13 +15,19 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.following import Parts, evaluate, factored
 from rigtri.matrices import inverse, multiply
+from rigtri.records import Path
 from rigtri.rig import Rig
 from rigtri.rules import Rule, rules_of
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
 from rigtri.solve.posed import Posed
 from rigtri.solve.reference import FkControl, Reference
+from rigtri.trigonometry import Floats
 from rigtri.twist import Twist, twists
+
+# Frames evaluated at once: enough that numpy's calls cost little, and a hundred joints 100 MB.
+BLOCK = 4096
+_CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
 
 
 class Step(Protocol):
@@ -92,6 +98,17 @@ class Follow:
         world = [node for rule in self.rules if rule.space == "world" for node in rule.sources]
         above = int(self.rig.parents[self.child])
         return (*own, *world, *((above,) if above >= 0 else ()))
+
+    @property
+    def writes(self) -> list[tuple[Path, bool]]:
+        """See `Solver.writes`. A rule without weights leaves its child alone, or some channels."""
+        whole = [rule for rule in self.rules if rule.weights.any()]
+        found: list[tuple[Path, bool]] = []
+        for letter, path in _CHANNELS.items():
+            set_by = [{c for c in rule.sets if c[0] == letter} for rule in whole]
+            if self.base is not None or any(set_by):
+                found.append((path, self.base is not None or any(len(each) == 3 for each in set_by)))
+        return found
 
     def run(self, posed: Posed) -> None:
         if self.base is not None:
@@ -184,8 +201,25 @@ class Solver:
                     for node in limb.chain
                     if node in self.reference.fk
                 }
-                found.append(Ik(self.reference, limb, fk, rule))
+                offsets = {each.own.offset for each in fk.values()}
+                found.append(Ik(self.reference, limb, fk, rule, tuple(sorted(offsets & self._looked_at))))
         return found
+
+    @cached_property
+    def _looked_at(self) -> set[int]:
+        """What rules look at, and all nodes above that."""
+        found = set[int]()
+        for rule in rules_of(self.rig).values():
+            for node in rule.sources:
+                while node >= 0 and node not in found:
+                    found.add(node)
+                    node = int(self.rig.parents[node])
+        return found
+
+    @cached_property
+    def offsets(self) -> frozenset[int]:
+        """The offsets of FK controls that follow their limbs while IK solves these."""
+        return frozenset(fk.own.offset for limb in self.limbs for fk in limb.fk.values())
 
     @cached_property
     def steps(self) -> list[Step]:
@@ -218,6 +252,7 @@ class Solver:
     def _ordered(self, steps: Sequence[Step]) -> list[Step]:
         """Steps by what they use: parents' places take part in those of their children."""
         setter = {node: k for k, step in enumerate(steps) for node in step.sets}
+        setter |= {node: k for k, step in enumerate(steps) if isinstance(step, Ik) for node in step.carries}
         waits = [self._waits(step, k, setter) for k, step in enumerate(steps)]
         done: list[int] = []
         state = [0] * len(steps)
@@ -271,10 +306,52 @@ class Solver:
             step.run(posed)
         return posed
 
+    def solved(self, sampled: Mapping[int, Parts], block: int = BLOCK) -> dict[int, Parts]:
+        """What becomes of the nodes that are moved, (1 or f, ·) each.
+
+        So many frames at a time that memory does not grow with their number, but for what goes in and
+        comes out; the block changes no bit.
+        """
+        count = max((len(part) for parts in sampled.values() for part in parts), default=1)
+        starts = range(0, count, block)
+        found = [self.run(_rows(sampled, start, block)).parts for start in starts]
+        if len(found) == 1:
+            return {node: found[0][node] for node in self.sets}
+        sizes = [min(block, count - start) for start in starts]
+        return {
+            node: Parts(*(_joined([part[node][k] for part in found], sizes) for k in range(3)))
+            for node in self.sets
+        }
+
+    @cached_property
+    def writes(self) -> dict[int, list[tuple[Path, bool]]]:
+        """What is set of each node; and whether all of it is, so that its own keys count no more."""
+        return {
+            node: step.writes if isinstance(step, Follow) else [(path, True) for path in _CHANNELS.values()]
+            for step in self.steps
+            for node in step.sets
+        }
+
     @cached_property
     def sets(self) -> list[int]:
         """The nodes that are moved, parents first."""
         return sorted({node for step in self.steps for node in step.sets})
+
+
+def _rows(sampled: Mapping[int, Parts], start: int, count: int) -> dict[int, Parts]:
+    """Some frames of what moves; what does not has one row, and keeps it."""
+    return {
+        node: Parts(*(part if len(part) == 1 else part[start : start + count] for part in parts))
+        for node, parts in sampled.items()
+    }
+
+
+def _joined(pieces: Sequence[Floats], sizes: Sequence[int]) -> Floats:
+    """Pieces of ``sizes`` rows, or of one that holds for all of them, one after another."""
+    if all(len(piece) == 1 and np.array_equal(piece, pieces[0]) for piece in pieces):
+        return pieces[0]
+    rows = [np.broadcast_to(p, (size, p.shape[1])) for p, size in zip(pieces, sizes, strict=True)]
+    return np.concatenate(rows)
 
 
 def _turn(rule: Rule) -> int:

@@ -16,13 +16,14 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.following import Parts, factored
-from rigtri.matrices import inverse, multiply, transform_directions
-from rigtri.quaternions import IDENTITY, conjugate, unit
+from rigtri.matrices import from_frame, inverse, multiply, transform_directions
+from rigtri.quaternions import IDENTITY, conjugate, rotate, to_axes, unit
 from rigtri.quaternions import multiply as product
 from rigtri.rig import Rig
 from rigtri.solve.posed import Posed
 from rigtri.solve.reference import FkControl, Reference
 from rigtri.trigonometry import Floats
+from rigtri.vectors import length
 
 # Axes of a control this near to its joint's are the joint's: offsets are float32.
 _SAME_AXES = 1e-6
@@ -117,6 +118,27 @@ class Fk:
             turn = product(product(self._axes, turn), conjugate(self._axes))
         move = transform_directions(channels.translation, self._moves if moves is None else moves)
         return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * channels.scale)
+
+    def beneath(self, posed: Posed) -> Parts:
+        """Local parts of the offset, with which the control stands on its joint, as both are posed."""
+        channels, rig = posed.part(self.own.control), self.rig
+        wanted = posed.part(self.joint).rotation
+        above = int(rig.parents[self.joint])
+        wanted = product(posed.turn(above), wanted) if above >= 0 else wanted
+        wanted = wanted if self._axes is None else product(wanted, self._axes)
+        turn = product(wanted, conjugate(channels.rotation))
+        size = self._grown(posed) / np.where(channels.scale == 0, 1.0, channels.scale)
+        axes = to_axes(turn) * size[..., np.newaxis]
+        place = posed.world(self.joint)[:, 3, :3] - rotate(turn, channels.translation * size)
+        return factored(multiply(from_frame(axes, place), inverse(posed.world(self.own.above))))
+
+    def _grown(self, posed: Posed) -> Floats:
+        """How long the axes of a control on its joint are, (1 or f, 3): as the joint has grown."""
+        own, joint = (length(self.reference.world[k, :3, :3]) for k in (self.own.offset, self.joint))
+        grown = length(posed.world(self.joint)[:, :3, :3]) / np.where(joint == 0, 1.0, joint)
+        if self._axes is not None:  # no axis of the one is that of the other
+            grown = (grown[:, :1] + grown[:, 1:2] + grown[:, 2:]) / 3.0
+        return own * grown
 
     def channels(self, posed: Posed, wanted: Parts) -> Parts:
         """The channels that give the joint its local parts ``wanted``."""

@@ -8,6 +8,7 @@ on top of what it has solved.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -53,12 +54,17 @@ class _Rest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Ik:
-    """One limb of a rig. fk: the FK controls of its joints, by joint. rule: what moves its pole besides."""
+    """One limb of a rig. fk: the FK controls of its joints, by joint. rule: what moves its pole besides.
+
+    carries: offsets of those controls that must stand where the limb has come to, parents first,
+    because something looks at what is below them.
+    """
 
     reference: Reference
     limb: IkLimb
     fk: dict[int, Fk]
     rule: Rule | None = None
+    carries: tuple[int, ...] = ()
 
     @property
     def rig(self) -> Rig:
@@ -213,16 +219,27 @@ class Ik:
             if node in self.fk:
                 parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
             posed.set(node, parts)
+        for fk in self.below(self.carries):
+            posed.set(fk.own.offset, fk.beneath(posed))
+
+    def below(self, offsets: Collection[int]) -> list[Fk]:
+        """The FK controls below some of the limb's offsets, parents first."""
+        found = [fk for fk in self.fk.values() if fk.own.offset in offsets]
+        return sorted(found, key=lambda fk: fk.own.offset)
 
     def place(self, posed: Posed) -> Floats:
         """Where the pole is, (1 or f, 3)."""
-        if self.rule is not None:
-            held = [posed.world(node) for node in self.rule.drivers]
-            count = max(map(len, held))
-            drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
-            found = pole(self.rule, drivers)
-            if np.isfinite(found).all():
-                return found
+        own = self._own_place(posed)
+        if self.rule is None:
+            return own
+        held = [posed.world(node) for node in self.rule.drivers]
+        count = max(map(len, (*held, own)))
+        drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
+        found = pole(self.rule, drivers)
+        return np.where(np.isfinite(found).all(axis=-1, keepdims=True), found, own)
+
+    def _own_place(self, posed: Posed) -> Floats:
+        """Where the pole is without a rule that moves it, (1 or f, 3)."""
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
         # Without a pole it bends to where it bends at rest.

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from rigtri.following import Parts, factored
 from rigtri.matrices import from_frame, inverse, multiply, transform_points
 from rigtri.quaternions import multiply as product
@@ -36,10 +38,11 @@ class Residual:
 
 @dataclass(eq=False)
 class Matched:
-    """Parts of each control, and of the offsets that follow a limb. poses: the rig as they make it."""
+    """Parts of each control, and of the offsets that follow a limb. posed: the rig as they make it."""
 
     posed: Posed
     controls: dict[int, Parts] = field(default_factory=dict)
+    offsets: dict[int, Parts] = field(default_factory=dict)
     residuals: list[Residual] = field(default_factory=list)
 
 
@@ -55,10 +58,23 @@ def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep) -> Matched:
             _store(found, step.own.control, step.channels(found.posed, source.part(step.joint)), keep)
             step.run(found.posed)
         elif isinstance(step, Ik):
-            _limb(found, step, source, solver.rules, keep)
+            match_limb(found, step, source, solver.rules, keep)
         else:
             step.run(found.posed)
+    carried = [fk for limb in solver.limbs for fk in limb.below(solver.offsets.difference(limb.carries))]
+    for fk in sorted(carried, key=lambda fk: fk.own.offset):
+        _carry(found, fk, keep)
     return found
+
+
+def _carry(found: Matched, fk: Fk, keep: Keep) -> None:
+    """Let an offset follow IK, so that whoever shows the file sees its control on the joint."""
+    parts = fk.beneath(found.posed)
+    if not all(np.isfinite(each).all() for each in parts):
+        return  # a scale of zero: there is no frame to stand in, and the offset stays at rest
+    kept = keep(fk.own.offset, parts)
+    found.offsets[fk.own.offset] = kept
+    found.posed.set(fk.own.offset, kept)
 
 
 def _store(found: Matched, node: int, parts: Parts, keep: Keep) -> None:
@@ -67,7 +83,8 @@ def _store(found: Matched, node: int, parts: Parts, keep: Keep) -> None:
     found.posed.set(node, kept)
 
 
-def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
+def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
+    """The controls of one limb whose joints are to stand as in ``source``; ``found`` takes them up."""
     built, limb = found.posed, ik.limb
     end = limb.chain[2]
     if limb.control not in ruled:
@@ -95,6 +112,8 @@ def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: K
             built.set(fk.own.control, kept)
             parts = fk.moved(parts, kept)
         built.set(node, parts)
+    for fk in ik.below(ik.carries):
+        _carry(found, fk, keep)
     found.residuals.append(Residual(ik, turn, move))
 
 

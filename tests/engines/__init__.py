@@ -43,6 +43,19 @@ def blender_ik(*paths: Path, folder: Path) -> list[dict[str, Any]]:
     return _told_by_blender("blender_ik.py", paths, folder)
 
 
+def blender_edit(*jobs: dict[str, Any], folder: Path) -> None:
+    """Move keys of controls in Blender and export (`blender_edit.py`). Skips as `blender`."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    _call([python, str(_HERE / "blender_edit.py")], jobs, folder)
+
+
+def blender_limbs(*paths: Path, folder: Path) -> list[Any]:
+    """Where Blender's IK puts the limbs of each file over time (`blender_limbs.py`). Skips as `blender`."""
+    return list(_told_by_blender("blender_limbs.py", paths, folder))
+
+
 def _told_by_blender(script: str, paths: tuple[Path, ...], folder: Path) -> list[dict[str, Any]]:
     python = os.environ.get("BPY_PYTHON")
     if not python:
@@ -96,8 +109,12 @@ def apart(before: Shown, after: Shown) -> float:
 
 
 def _run(command: list[str], paths: tuple[Path, ...], targets: list[Path], folder: Path) -> None:
+    _call(command, [[str(a), str(b)] for a, b in zip(paths, targets, strict=True)], folder)
+
+
+def _call(command: list[str], work: Any, folder: Path) -> None:
     jobs = folder / "jobs.json"
-    jobs.write_text(json.dumps([[str(a), str(b)] for a, b in zip(paths, targets, strict=True)]), "utf-8")
+    jobs.write_text(json.dumps(work), "utf-8")
     run = subprocess.run([*command, str(jobs)], check=False, capture_output=True, text=True, timeout=600)
     assert run.returncode == 0, run.stderr[-2000:]
 

@@ -20,6 +20,7 @@ from rigtri.checks.gltf import (
 from rigtri.checks.gltf.view import View, told
 from rigtri.errors import FileError
 from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.resources import absent
 from rigtri.formats.gltf.validate import unknown_required
 
 _NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
@@ -32,6 +33,7 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         view = View(container, findings, allow_external=allow_external)
         _check_extensions(view)
         references.check(view)
+        _check_files(view)
         nodes.check(view)
         skins.check(view)
         animations.check(view)
@@ -74,6 +76,13 @@ def _check_extensions(view: View) -> None:
         if name not in used | required:
             text = f"{name} is used at {where}, but not in extensionsUsed"
             view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
+
+
+def _check_files(view: View) -> None:
+    """What the file refers to, besides its buffers."""
+    for path, why in absent(view.raw, view.container.path):
+        place = f"image #{path[1]}" if path[0] == "images" else "file"
+        view.add("gltf.file.missing", place, "/" + "/".join(map(str, path)), why)
 
 
 def _texts(view: View, key: str) -> set[str]:

@@ -29,31 +29,55 @@ def check(view: View) -> None:
 
 
 def _check_tree(view: View) -> None:
-    again: list[tuple[int, int, str]] = []
+    # Each node that is told once more who its parent is: its first, where it says so, and how often.
+    again: dict[tuple[int, int], tuple[int, str, int]] = {}
     for index, node in enumerate(view.nodes):
         pointer = f"/nodes/{index}"
         for number, raw in enumerate(view.items(node, "children", view.title(index), pointer)):
             where = f"{pointer}/children/{number}"
             child = view.index(raw, len(view.nodes), "node", view.title(index), where)
             if child is not None and view.above[child] >= 0:
-                again.append((index, child, where))
+                first, said, times = again.get((index, child), (view.above[child], where, 0))
+                again[index, child] = first, said, times + 1
             elif child is not None:
                 view.above[child] = index
     _cut_cycles(view)
-    for parent, child, where in again:
-        _add_second_parent(view, parent, child, where)
+    first_below, last_below = _spans(view.above)
+    for (parent, child), (first, where, times) in again.items():
+        often = f" ({times} times)" if times > 1 else ""
+        rule = "gltf.node.two-parents"
+        if first == parent:
+            text = f"is {times + 1} times among the children of {view.title(parent)}"
+        elif first_below[child] <= first_below[parent] <= last_below[child]:
+            rule, text = (
+                "gltf.node.cycle",
+                f"is below itself: {view.title(parent)} is below it and its parent",
+            )
+            text += often
+        else:
+            text = f"is below two parents, {listed(view.titles((first, parent)))}{often}"
+        view.add(rule, view.title(child), where, text)
 
 
-def _add_second_parent(view: View, parent: int, child: int, where: str) -> None:
-    line = [parent]
-    while view.above[line[-1]] >= 0 and line[-1] != child:
-        line.append(view.above[line[-1]])
-    if line[-1] == child:
-        text = f"is below itself: {listed(view.titles(line[::-1]))}"
-        view.add("gltf.node.cycle", view.title(child), where, text)
-        return
-    text = f"is below two parents, {listed(view.titles((view.above[child], parent)))}"
-    view.add("gltf.node.two-parents", view.title(child), where, text)
+def _spans(above: list[int]) -> tuple[list[int], list[int]]:
+    """The nodes' places, and of those below each the last, where all below a node follow it. No cycles."""
+    below: list[list[int]] = [[] for _ in above]
+    for node, parent in enumerate(above):
+        if parent >= 0:
+            below[parent].append(node)
+    order: list[int] = []
+    todo = [node for node, parent in enumerate(above) if parent < 0]
+    while todo:
+        order.append(todo.pop())
+        todo += below[order[-1]]
+    place = [0] * len(above)
+    for number, node in enumerate(order):
+        place[node] = number
+    last = list(place)
+    for node in reversed(order):
+        if above[node] >= 0:
+            last[above[node]] = max(last[above[node]], last[node])
+    return place, last
 
 
 def _cut_cycles(view: View) -> None:
@@ -77,10 +101,12 @@ def _cut_cycles(view: View) -> None:
 def _check_scenes(view: View) -> None:
     for number, scene in enumerate(view.lists["scenes"]):
         place, pointer = f"scene #{number}", f"/scenes/{number}"
+        said: set[int] = set()
         for k, raw in enumerate(view.items(scene, "nodes", place, pointer)):
             where = f"{pointer}/nodes/{k}"
             node = view.index(raw, len(view.nodes), "node", place, where)
-            if node is not None and view.above[node] >= 0:
+            if node is not None and view.above[node] >= 0 and node not in said:
+                said.add(node)
                 text = f"lists {view.title(node)}, which is below {view.title(view.above[node])}"
                 view.add("gltf.scene.not-root", place, where, text)
     view.reference(view.raw, "scene", "scene", "file", "")

@@ -66,6 +66,12 @@ RULES = (
         "Put it beside the asset.",
     ),
     Rule(
+        "gltf.file.missing",
+        "warning",
+        "The file that an image or an extension names is not there, or is to be fetched from a network.",
+        "Put the file where the asset names it, or embed it.",
+    ),
+    Rule(
         "gltf.buffer.broken",
         "error",
         "The data of a buffer are shorter than it claims, or no data at all.",

@@ -275,7 +275,7 @@ class ClipWriter:
                     self._inputs[id(known.times)] = sampler["input"]
         if id(track.times) not in self._inputs:
             rows = to_singles(track.times.reshape(-1, 1))
-            return self._keys(rows, "SCALAR", bounds=True)
+            self._inputs[id(track.times)] = self._keys(rows, "SCALAR", bounds=True)
         return self._inputs[id(track.times)]
 
     def _add_channel(self, number: int, track: Track) -> None:
@@ -288,7 +288,10 @@ class ClipWriter:
         channel = _place(track)[1]
         old = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
         if _sharing(self._draft.gltf["animations"], {number})[number, old] == 1:  # nobody else wants it
-            self._draft.own("animations", number, "samplers")[old] = self._sampler(track)
+            before, now = self._draft.gltf["animations"][number]["samplers"][old], self._sampler(track)
+            if "interpolation" not in before and (now["interpolation"] == "LINEAR" or len(track.times) == 1):
+                now.pop("interpolation")  # one key holds either way
+            self._draft.own("animations", number, "samplers")[old] = {**before, **now}
             return
         sampler = self._add_sampler(number, track)
         self._draft.own("animations", number, "channels", channel)["sampler"] = sampler

@@ -19,6 +19,7 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animations import ClipReader, animated_nodes
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.lines import read_lines
 from rigtri.formats.gltf.mapped import load
 from rigtri.formats.gltf.materials import Materials
 from rigtri.formats.gltf.meshes import MeshReader
@@ -192,6 +193,7 @@ class GltfDocument:
             # Of the reader alone: a rig that held its document would keep the file open in a ring.
             drawn=partial(self._reader.outlines, skins),
             read_meshes=partial(self._reader.read, skins),
+            lines=partial(read_lines, gltf, self.accessors),
         )
         self._freeze(rig, ordered, fixed)
         return rig

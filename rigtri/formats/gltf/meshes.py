@@ -29,6 +29,8 @@ DRACO = "KHR_draco_mesh_compression"
 MODES = ("points", "lines", "line loop", "line strip", "triangles", "triangle strip", "triangle fan")
 # Reading a point with its joints and weights takes some 400 bytes, an offset of a morph a few.
 MOST_POINTS, OFFSETS_TO_A_POINT = 150_000, 8
+# Offsets of one primitive that are read at once: 800 MB.
+MOST_OFFSETS = 1 << 25
 # Rows read at a time of what is read in parts.
 BLOCK = 1 << 15
 # Of what is outlined: so many samples of so many rows each.
@@ -299,6 +301,8 @@ class MeshReader:
     def _morphs(self, primitive: Value, points: Floats, some: Some) -> Floats:
         """Offsets of all targets, (t, v, 3); zero for a target that moves no points."""
         targets = list(primitive.each("targets"))
+        if some is None and len(targets) * len(points) > MOST_OFFSETS:
+            primitive.fail(f"has {len(targets)} morph targets of {len(points)} points, too many to move each")
         offsets = np.zeros((len(targets), *points.shape))
         for row, target in zip(offsets, targets, strict=True):
             if "POSITION" in target.object():

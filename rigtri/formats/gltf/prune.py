@@ -16,8 +16,8 @@ from typing import Any
 from rigtri.errors import FileError
 from rigtri.formats.gltf.clip_writer import drop_channels
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
-from rigtri.formats.gltf.storage import OWN_NAME, Storage
+from rigtri.formats.gltf.storage import Storage
+from rigtri.formats.gltf.sweep import sweep
 
 # Meshes and materials that rigtri draws shapes with; others stay, whoever used them.
 _OURS = {"meshes": re.compile("rigtri_"), "materials": re.compile("rigtri_[0-9a-f]{6}$")}
@@ -45,8 +45,7 @@ def prune(draft: Draft, storage: Storage, nodes: Collection[int]) -> None:
     rest = {p.get("material") for mesh in gltf.get("meshes", []) for p in mesh.get("primitives", ())}
     if dropped:
         _drop(draft, "materials", _unneeded(gltf, "materials", materials, rest))
-    if storage.idle:
-        _drop_bytes(draft, storage, set(storage.users) - set(used_accessors(gltf)))
+    sweep(draft, storage, renumber=not _unknown(gltf))
 
 
 def _detach(draft: Draft, nodes: Collection[int]) -> None:
@@ -167,44 +166,3 @@ def _renumbered(value: Any, words: frozenset[str], moved: dict[int, int], point:
             members[key] = _renumbered(item, words, moved, point)
     same = all(members[key] is item or members[key] == item for key, item in value.items())
     return value if same else members
-
-
-def _drop_bytes(draft: Draft, storage: Storage, accessors: set[int]) -> None:
-    """Take away accessors that nothing uses any more, their views, and bytes at the ends of buffers."""
-    gltf = draft.gltf
-    entries = gltf.get("accessors", [])
-    # What came behind something of ours and serves nobody is what an earlier run has replaced.
-    since = min(accessors - {-1}, default=len(entries))
-    accessors = {*accessors, *(set(range(since, len(entries))) - set(used_accessors(gltf)))}
-    others = used_views(gltf)
-    last = len(entries)
-    while last and last - 1 in accessors:
-        last -= 1
-    views = {accessor.get("bufferView") for accessor in entries[last:]} - {None}
-    if last == len(entries):
-        return
-    del draft.own("accessors")[last:]
-    views -= others | {accessor.get("bufferView") for accessor in entries[:last]}
-    count = len(gltf["bufferViews"])
-    while count and count - 1 in views:
-        count -= 1
-    freed = gltf["bufferViews"][count:]
-    del draft.own("bufferViews")[count:]
-    for index in sorted({view["buffer"] for view in freed}, reverse=True):
-        _cut(draft, storage, index, min(v.get("byteOffset", 0) for v in freed if v["buffer"] == index))
-    for kind in ("accessors", "bufferViews", "buffers"):
-        if not gltf[kind]:
-            gltf.pop(kind)
-
-
-def _cut(draft: Draft, storage: Storage, index: int, start: int) -> None:
-    """Let a buffer end at ``start`` where nobody uses what is behind; one of ours may go as a whole."""
-    gltf = draft.gltf
-    ends = [v.get("byteOffset", 0) + v["byteLength"] for v in gltf["bufferViews"] if v["buffer"] == index]
-    ends += [end for buffer, _, end in compressed_spans(gltf) if buffer == index]
-    if max(ends, default=0) > start:
-        return
-    if start:
-        storage.cut(index, start)
-    elif index == len(gltf["buffers"]) - 1 and gltf["buffers"][index].get("name") == OWN_NAME:
-        del draft.own("buffers")[index]

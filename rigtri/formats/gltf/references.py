@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
+
+# Names of properties that are indices of accessors without saying so.
+_NAMES = ("indices", "input", "output", "inverseBindMatrices")
 
 
 def used_accessors(gltf: dict[str, Any]) -> Counter[int]:
@@ -76,4 +79,41 @@ def _named(value: Any, kind: str) -> Iterator[int]:
 
 def _refers(key: str, kind: str) -> bool:
     # 'bufferView', 'timesAccessor', 'accessors' ... and the one name the specification gives on its own.
-    return kind.lower() in key.lower() or (kind == "accessor" and key in ("indices", "input", "output"))
+    return kind.lower() in key.lower() or (kind == "accessor" and key in _NAMES)
+
+
+def recounted(value: Any, kind: str, moved: Mapping[int, int]) -> Any:
+    """``value`` with its indices of a kind counted anew; the very object where nothing in it changes."""
+    if isinstance(value, list):
+        items = [recounted(item, kind, moved) for item in value]
+        return value if all(new is old for new, old in zip(items, value, strict=True)) else items
+    if not isinstance(value, dict):
+        return value
+    members = {key: _member(key, item, kind, moved) for key, item in value.items()}
+    return value if all(members[key] is item for key, item in value.items()) else members
+
+
+def _member(key: str, item: Any, kind: str, moved: Mapping[int, int]) -> Any:
+    if key == "extras":
+        return item
+    if type(item) is int:
+        return moved.get(item, item) if _refers(key, kind) else item
+    if isinstance(item, list) and item and type(item[0]) is int:
+        return _each(item, moved) if _refers(key, kind) else item
+    if kind == "accessor" and key == "attributes" and isinstance(item, dict):
+        return _each(item, moved)
+    if kind == "accessor" and key == "targets" and isinstance(item, list):
+        targets = [_each(target, moved) for target in item]
+        return item if all(new is old for new, old in zip(targets, item, strict=True)) else targets
+    return recounted(item, kind, moved)
+
+
+def _each(holder: Any, moved: Mapping[int, int]) -> Any:
+    """A list or an object of indices, counted anew."""
+    if isinstance(holder, list):
+        items = [moved.get(k, k) if type(k) is int else k for k in holder]
+        return holder if items == holder else items
+    if not isinstance(holder, dict):
+        return holder
+    members = {key: moved.get(k, k) if type(k) is int else k for key, k in holder.items()}
+    return holder if members == holder else members

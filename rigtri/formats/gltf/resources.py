@@ -16,7 +16,7 @@ from rigtri.errors import FileError
 from rigtri.formats import Companion
 from rigtri.formats.bindings import Pointer
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.uris import escape, file_of, is_file, is_there, lies_outside
+from rigtri.formats.gltf.uris import escape, file_of, is_data, is_file, is_there, lies_outside, why_absent
 from rigtri.report import Notice
 
 
@@ -76,20 +76,23 @@ def accompany(gltf: dict[str, Any], source: Path, target: Path) -> list[Companio
 def missing(gltf: dict[str, Any], source: Path) -> list[Notice]:
     """What a glTF refers to and does not have, except buffers: those are read, or need not be there."""
     return [
-        Notice(
-            "file-missing",
-            f"{_spelled(path)}: there is no file '{uri}' beside {source.name}; the output lacks it too",
-        )
-        for path, uri in uris(gltf)
-        if path[0] != "buffers" and uri and is_file(uri) and not _has(uri, source, _spelled(path))
+        Notice("file-missing", f"{_spelled(path)}: {why}; the output lacks it too")
+        for path, why in absent(gltf, source)
     ]
 
 
-def _has(uri: str, source: Path, where: str) -> bool:
-    try:
-        return is_there(file_of(uri, source.parent, where, allow_external=True))
-    except FileError:  # a name of no file
-        return False
+def absent(gltf: dict[str, Any], source: Path) -> Iterator[tuple[Pointer, str]]:
+    """The URIs, but of buffers, that lead to no plain file, by their place in the JSON: each with why."""
+    for path, uri in uris(gltf):
+        if path[0] == "buffers" or not uri or is_data(uri):
+            continue
+        try:
+            file = file_of(uri, source.parent, _spelled(path), allow_external=True)
+        except FileError as error:  # on a network, or a name of no file
+            yield path, str(error).removeprefix(f"{_spelled(path)}: ")
+        else:
+            if not is_there(file):
+                yield path, why_absent(uri, file, source)
 
 
 def relink(draft: Draft, source: Path, target: Path) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -49,7 +50,7 @@ class Storage:
         self._gltf = container.gltf
         self._patches: dict[int, list[tuple[int, Singles]]] = {}
         self._tails: dict[Role, _Tail] = {}
-        self._cuts: dict[int, int] = {}
+        self._gone: dict[int, list[tuple[int, int]]] = {}
         self._added: dict[tuple[Any, ...], int] = {}
         self._free: set[int] | None = None
         self._users: Counter[int] | None = None
@@ -104,11 +105,34 @@ class Storage:
         """Whether nothing has been given to it."""
         return not self._tails and not self._patches
 
-    def cut(self, buffer: int, length: int) -> None:
-        """Let a buffer that is ours to change end after ``length`` bytes; another stays as it is."""
-        if self._buffers.place(buffer) in ("bin", "data", "own"):
-            self._cuts[buffer] = length
-            self._draft.own("buffers", buffer)["byteLength"] = length
+    @property
+    def grows(self) -> bool:
+        """Whether new accessors will lie behind the old bytes."""
+        return bool(self._tails)
+
+    def span(self, accessor: int) -> tuple[int, int, int]:
+        """Buffer, start and end of an accessor's bytes, buffer −1 for none that are ours to change."""
+        if accessor >= len(self._accessors):
+            return -1, 0, 0
+        layout = self._accessors.layout(accessor)
+        whole = layout.stride == layout.size and not layout.sparse
+        if layout.buffer < 0 or not whole or not self.changeable(layout.buffer):
+            return -1, 0, 0
+        return layout.buffer, layout.start, layout.end
+
+    def changeable(self, buffer: int) -> bool:
+        """Whether a buffer of the file that was read is ours to change."""
+        return buffer < len(self._buffers) and self._buffers.place(buffer) in ("bin", "data", "own")
+
+    def remove(self, buffer: int, spans: list[tuple[int, int]]) -> None:
+        """Leave ranges of bytes, rising and apart, out of a buffer that is `changeable`."""
+        self._gone[buffer] = spans
+        self._draft.own("buffers", buffer)["byteLength"] -= sum(end - start for start, end in spans)
+
+    def count_anew(self, views: Mapping[int, int]) -> None:
+        """Views that new bytes go to have other numbers now."""
+        for tail in self._tails.values():
+            tail.view = views.get(tail.view, tail.view)
 
     def _append(
         self, content: bytes, rows: Numbers, kind: str, role: Role, source: dict[str, Any], bounds: bool
@@ -117,7 +141,10 @@ class Storage:
             views = self._draft.need("bufferViews", empty=[])
             self._tails[role] = _Tail(len(views))
             stride = _STRIDES.get(role)
-            views.append({"byteStride": stride, "target": _ARRAY_BUFFER} if stride else {})
+            # By its name a later run knows that what nobody uses there has served.
+            views.append(
+                {"name": OWN_NAME, **({"byteStride": stride, "target": _ARRAY_BUFFER} if stride else {})}
+            )
         tail = self._tails[role]
         accessor: dict[str, Any] = {key: source[key] for key in ("name", "extras") if key in source}
         accessor |= {
@@ -148,7 +175,8 @@ class Storage:
             tail += bytes(self._tails[role].content)
         home = self._home() if tail else -1
         binary, companions = None, []
-        for index in sorted({*self._patches, *self._cuts, *([home] if tail else [])}):
+        buffers = range(len(self._draft.gltf.get("buffers", [])))
+        for index in sorted({*self._patches, *self._gone, *([home] if tail else [])} & {*buffers}):
             more = tail if index == home else b""
             place = self._place(index)
             if place == "bin":
@@ -189,17 +217,23 @@ class Storage:
         old = self._container.binary if self._container.binary is not None else memoryview(b"")
         pieces: list[Piece] = []
         at = 0
-        for start, rows in sorted(self._patches.get(index, []), key=lambda patch: patch[0]):
+        patches = [(start, start + rows.nbytes, rows) for start, rows in self._patches.get(index, [])]
+        gone = self._gone.get(index, [])
+        for start, end, rows in sorted(
+            [*patches, *((start, end, None) for start, end in gone)], key=lambda change: change[0]
+        ):
             if start > at:
                 pieces.append(old[at:start])
-            pieces.append(rows.data.cast("B"))
-            at = start + rows.nbytes
-        pieces.append(old[at : self._cuts.get(index, len(old))])
+            if rows is not None:
+                pieces.append(rows.data.cast("B"))
+            at = end
+        pieces.append(old[at:])
         if tail:
-            padding = -len(old) % 4
-            self._settle(index, len(old) + padding)
+            length = len(old) - sum(end - start for start, end in gone)
+            padding = -length % 4
+            self._settle(index, length + padding)
             pieces += [b"\0" * padding, tail]
-            self._draft.own("buffers", index)["byteLength"] = len(old) + padding + len(tail)
+            self._draft.own("buffers", index)["byteLength"] = length + padding + len(tail)
         return pieces
 
     def _rewrite(self, index: int, tail: bytes, stem: str, place: str) -> list[Companion]:
@@ -207,11 +241,12 @@ class Storage:
         content = bytearray(self._buffers.content(index) if index < len(self._buffers) else b"")
         for start, rows in self._patches.get(index, []):
             content[start : start + rows.nbytes] = rows.data.cast("B")
+        for start, end in reversed(self._gone.get(index, [])):
+            del content[start:end]
         if tail:
             content += b"\0" * (-len(content) % 4)
             self._settle(index, len(content))
             content += tail
-        del content[self._cuts.get(index, len(content)) :]
         buffer = self._draft.own("buffers", index)
         buffer["byteLength"] = len(content)
         if place == "data":

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import os
 import re
 from pathlib import Path
 from urllib.parse import quote, unquote, unquote_to_bytes
@@ -71,14 +72,19 @@ def file_of(uri: str, folder: Path, where: str, *, allow_external: bool = False)
             f"{where}: '{_short(uri)}' lies outside the folder of the file. "
             "If you trust it, allow this with --allow-external-paths"
         )
-    return folder / name
+    return _place(name, folder)
+
+
+def _place(name: str, folder: Path) -> Path:
+    """The file of a relative name, without steps down and up again: no folder need be there for them."""
+    return folder / os.path.normpath(name) if name else folder
 
 
 def lies_outside(uri: str, folder: Path, where: str) -> bool:
     """Whether the name of a file leads out of ``folder``. FileError for one that leads nowhere."""
     name = unquote(uri)
     try:
-        return _leaves(name, folder / name, folder)
+        return _leaves(name, _place(name, folder), folder)
     except (OSError, RuntimeError) as error:  # links in a circle, names that no disk can hold
         raise FileError(f"{where}: '{_short(uri)}' leads nowhere: {error}") from None
 
@@ -106,7 +112,7 @@ def is_there(path: Path) -> bool:
 
 
 def _leaves(name: str, path: Path, folder: Path) -> bool:
-    parts = re.split(r"[/\\]", name)
+    parts = re.split(r"[/\\]", os.path.normpath(name))
     if ".." in parts or name.startswith(("/", "\\")) or _DRIVE.match(name):
         return True
     # A link inside the folder may still lead out of it.

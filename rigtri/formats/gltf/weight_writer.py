@@ -50,6 +50,7 @@ class WeightWriter:
     def __init__(self, draft: Draft, storage: Storage, accessors: Accessors, where: str) -> None:
         self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
         self._known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
+        self._again_used: set[int] = set()
         self.notices: list[Notice] = []
 
     def write(self, rig: Rig) -> None:
@@ -133,7 +134,7 @@ class WeightWriter:
     def _folded(self, attributes: dict[str, int], sets: Sequence[str], fold: Fold) -> dict[str, int | None]:
         """The accessors of a primitive's influences after a fold, None for those of sets that go."""
         before = self._read(attributes, sets)
-        joints, weights = folded(fold.rows, before.joints, before.weights)
+        joints, weights = folded(fold.rows, fold.at, before.joints, before.weights)
         room = -joints.shape[1] % 4
         joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
         found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
@@ -141,17 +142,23 @@ class WeightWriter:
             own = slice(4 * number, 4 * number + 4)
             same = np.array_equal(joints[:, own], before.joints[:, own])
             if not (same and np.array_equal(weights[:, own], before.weights[:, own])):
-                found |= self._again(number, joints[:, own], weights[:, own], before.weight)
+                found |= self._again(number, joints[:, own], weights[:, own], before.weight, attributes)
         return found | dict(self._added(attributes, before, joints, weights, found))
 
-    def _again(self, number: int, joints: Integers, weights: Floats, kind: int) -> dict[str, int]:
-        """The first accessors of the file that hold the influences of a set, by name; none is one too few.
+    def _again(
+        self, number: int, joints: Integers, weights: Floats, kind: int, attributes: Mapping[str, int]
+    ) -> dict[str, int]:
+        """Accessors of the file that hold the influences of a set, by name; none is one too few.
 
-        joints, weights: (v, 4) each. Joints of no weight may be any.
+        joints, weights: (v, 4) each. Joints of no weight may be any. The primitive's own comes first, and
+        then those that nobody uses: meshes alike had one each.
         """
         found: dict[str, int] = {}
+        users = self._storage.users
+        taken = [users[index] > 0 or index in self._again_used for index in range(len(self._accessors))]
         for name in ("WEIGHTS", "JOINTS"):
-            for index in range(len(self._accessors)):
+            mine = [index for key, index in attributes.items() if key == f"{name}_{number}"]
+            for index in (*mine, *sorted(range(len(taken)), key=taken.__getitem__)):
                 rows = self._influences(index, len(joints), kind if name == "WEIGHTS" else None)
                 if rows is None:
                     continue
@@ -159,6 +166,7 @@ class WeightWriter:
                 if off.max(initial=0) <= (SAME if name == "WEIGHTS" and kind == FLOAT else 0):
                     found[f"{name}_{number}"] = index
                     break
+        self._again_used.update(found.values())
         return found
 
     def _influences(self, index: int, count: int, kind: int | None) -> Floats | None:

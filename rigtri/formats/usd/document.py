@@ -26,6 +26,7 @@ from rigtri.formats.usd import (
     meshes,
     needed,
     package,
+    repeated,
     splice,
     splits,
     variant_edits,
@@ -36,6 +37,7 @@ from rigtri.formats.usd.confirm import Expected
 from rigtri.formats.usd.expressions import variables_of
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
+from rigtri.formats.usd.shapes import read_lines
 from rigtri.formats.usd.stage import open_stage, quiet
 from rigtri.formats.usd.text import UnknownTextError
 from rigtri.formats.usd.values import Edit, kind, parts
@@ -56,7 +58,8 @@ class UsdDocument:
         self._notices = list(source.warnings)
         # Of the source alone: a rig that held its document would keep the stage open in a ring.
         drawn = partial(_read_meshes, source, self._notices)
-        rig = replace(source.rig, drawn=drawn, read_meshes=drawn)
+        lines = partial(read_lines, source.stage)
+        rig = replace(source.rig, drawn=drawn, read_meshes=drawn, lines=lines)
         self._source, self._options, self._layer = replace(source, rig=rig), options, layer
 
     @classmethod
@@ -111,7 +114,8 @@ class UsdDocument:
             edits += weights.weight_edits(source, rig, notices)
             expected = Expected()
             routed = variant_edits.routed(source, rig, edits, expected)
-            self._write([*first, *routed, *last], part, target, notices)
+            every = [*first, *routed, *last]
+            self._write(every, part, target, notices, strips=bool(rig.removed))
             if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
@@ -148,6 +152,11 @@ class UsdDocument:
             return _over(layer, below, part, True)[0], layer
         return Usd.Stage.Open(layer), layer
 
+    def _in_place(self, layer: Any) -> Any:
+        """The stage of an anonymous layer that stands where the source stands."""
+        layers.rename_assets(layer, layers.anchored(self._source.path.parent, self._source.layer))
+        return Usd.Stage.Open(layer)
+
     @property
     def _trusting(self) -> Options:
         """Where the output lies in another folder, the source's files are outside it, but were allowed."""
@@ -181,7 +190,9 @@ class UsdDocument:
         path = os.path.relpath(self._source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
         return path if path.startswith("../") else f"./{path}"
 
-    def _write(self, edits: list[Edit], part: Path, target: Path, notices: list[Notice]) -> None:
+    def _write(
+        self, edits: list[Edit], part: Path, target: Path, notices: list[Notice], *, strips: bool
+    ) -> None:
         source, override = self._source, self._options.override
         if override and not self._is_override():
             layer = self._override(target) if override == "stage" else self._opinions(target)
@@ -196,6 +207,8 @@ class UsdDocument:
         layer = layers.copy_of(self._layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
         _apply(source.stage, edits, layer, notices)
+        if strips and not packed and not self._is_override():
+            repeated.without_repeated(source.stage, layer, edits, self._in_place)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             shutil.copyfile(source.path, part)

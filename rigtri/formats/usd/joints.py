@@ -32,6 +32,8 @@ from rigtri.trigonometry import Floats
 _TYPES = Sdf.ValueTypeNames
 # What of a Skeleton has an item for each of its joints.
 _LISTS = ("joints", "bindTransforms", "restTransforms", "jointNames")
+# In customData of restTransforms: the skeleton had none before it got joints of ours.
+_OURS = "rigtri:added"
 
 
 def extended(source: Source, rig: Rig, options: Options) -> tuple[Source, Rig, list[Edit]]:
@@ -94,9 +96,11 @@ def _shorten(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edi
     path, rows = skeleton.path, np.flatnonzero(keep).tolist()
     yield _set_tokens(path, "joints", [skeleton.tokens[k] for k in rows])
     yield _set_matrices(path, "bindTransforms", skeleton.bind[rows])
-    if skeleton.has_rest:
-        yield _set_matrices(path, "restTransforms", skeleton.rest[rows])
     prim = source.stage.GetPrimAtPath(path)
+    if skeleton.has_rest and prim.GetAttribute("restTransforms").GetCustomDataByKey(_OURS):
+        yield _remove_rest(path)
+    elif skeleton.has_rest:
+        yield _set_matrices(path, "restTransforms", skeleton.rest[rows])
     names = prim.GetAttribute("jointNames").Get() if prim.HasAttribute("jointNames") else None
     if names and len(names) == len(keep):
         yield _set_tokens(path, "jointNames", [str(names[k]) for k in rows])
@@ -109,6 +113,24 @@ def _remove(path: str) -> Edit:
             del spec.nameParent.nameChildren[spec.name]
 
     return Edit(Sdf.Path(path), remove)
+
+
+def _remove_rest(path: str) -> Edit:
+    def remove(layer: Any) -> None:
+        spec = layer.GetAttributeAtPath(Sdf.Path(path).AppendProperty("restTransforms"))
+        if spec is not None:
+            del spec.owner.properties["restTransforms"]
+
+    return Edit(Sdf.Path(path), remove)
+
+
+def _mark_rest(path: str) -> Edit:
+    def mark(layer: Any) -> None:
+        spec = layer.GetAttributeAtPath(Sdf.Path(path).AppendProperty("restTransforms"))
+        space, key = _OURS.split(":")
+        spec.customData = {**spec.customData, space: {key: True}}
+
+    return Edit(Sdf.Path(path), mark)
 
 
 def _check(source: Source, skeleton: Skeleton) -> None:
@@ -142,6 +164,8 @@ def _grow(source: Source, skeleton: Skeleton, rig: Rig, nodes: Sequence[int]) ->
     yield _set_matrices(path, "bindTransforms", bind)
     # An animation that does not drive every joint needs a rest pose for the others.
     yield _set_matrices(path, "restTransforms", np.concatenate([skeleton.rest, rig.local[nodes]]))
+    if not skeleton.has_rest:
+        yield _mark_rest(path)
     names = prim.GetAttribute("jointNames").Get() if prim.HasAttribute("jointNames") else None
     if names and len(names) == count:
         yield _set_tokens(path, "jointNames", [*map(str, names), *(rig.names[node] for node in nodes)])

@@ -12,7 +12,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd import notes
 from rigtri.formats.usd.joints import own_skeleton
 from rigtri.formats.usd.reader import GROUP, Source
-from rigtri.formats.usd.shapes import drawing
+from rigtri.formats.usd.shapes import NAME, drawing
 from rigtri.formats.usd.stage import why_locked
 from rigtri.formats.usd.values import Edit, apply_schema, define, kind, parts, set_value
 from rigtri.formats.usd.xform import SAME_TURN, stand
@@ -35,7 +35,35 @@ def edits(source: Source, rig: Rig, keyed: Sequence[Track] = ()) -> list[Edit]:
     if any(c.key is None and c.kind != "tail" for c in rig.constraints):
         raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
     updated = _update(source, rig, {track.node for track in keyed})
-    return [*updated, *_Additions(source, rig).edits(), *_removals(source, rig)]
+    additions = _Additions(source, rig)
+    added = additions.edits()
+    # Renaming comes last: all other edits know a prim by the path it had.
+    return [*updated, *added, *_removals(source, rig), *_renamings(source.rig, rig, additions.paths)]
+
+
+def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
+    """Prims of ours with other names, deepest first, and what relates to them. made: paths of new prims."""
+    wanted = {
+        Sdf.Path(before.labels[node]): Tf.MakeValidIdentifier(rig.names[node])
+        for node, key in reversed(list(enumerate(before.keys)))
+        if kind(key) == "prim"
+        and node not in rig.removed
+        and is_ours(before, node)
+        and before.names[node] != rig.names[node]
+    }
+
+    def now(path: Any) -> Any:
+        for old, name in wanted.items():
+            path = path.ReplacePrefix(old, old.GetParentPath().AppendChild(name))
+        return path
+
+    found = [_rename(str(path), name) for path, name in wanted.items()]
+    for node, note in rig.notes.items():
+        paths = _prims(rig, note, made)
+        own = made.get(node) or (Sdf.Path(rig.labels[node]) if rig.labels[node] else None)
+        if own is not None and list(map(now, paths)) != paths:
+            found += _relations(now(own), note, list(map(now, paths)))
+    return found
 
 
 def _tracks(rig: Rig, node: int) -> list[Track]:
@@ -60,7 +88,7 @@ def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
 
 
 def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
-    before, found, renamed = source.rig, [], []
+    before, found = source.rig, []
     for node, key in enumerate(before.keys):
         if kind(key) != "prim" or node in rig.removed:
             continue
@@ -72,6 +100,8 @@ def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
             found += _relations(path, note, _prims(rig, note, {}))
         if not is_ours(before, node):
             continue
+        if node in rig.shapes:
+            found += drawing(Sdf.Path(path).AppendChild(NAME), rig.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
             locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
             if locked:
@@ -79,10 +109,7 @@ def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
             found += stand(path, rig.local[node], _tracks(rig, node))
             if "attribute" in note:
                 found += _values(rig, node, rig.labels[rig.find(str(note["control"]), "node")])
-        if before.names[node] != rig.names[node]:
-            renamed.append(_rename(path, Tf.MakeValidIdentifier(rig.names[node])))
-    # Renaming comes last: all other edits know a prim by the path it had.
-    return [*found, *renamed]
+    return found
 
 
 def _removals(source: Source, rig: Rig) -> list[Edit]:
@@ -171,7 +198,7 @@ class _Additions:
             control = self.rig.find(str(note["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.shapes:
-            found += drawing(path.AppendChild("shape"), self.rig.shapes[node])
+            found += drawing(path.AppendChild(NAME), self.rig.shapes[node])
         return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:

@@ -176,7 +176,9 @@ def blend_tracks(
         if query.HasBlendShapes() and path in node_of:
             order = [str(name) for name in query.GetBlendShapeOrder() or ()]
             columns = [names.index(name) if name in names else -1 for name in order]
-            tracks.append(Track(node_of[path], "weights", interpolation, times, values[:, columns]))
+            unlisted = frozenset(k for k, column in enumerate(columns) if column < 0)
+            shown = values[:, columns]
+            tracks.append(Track(node_of[path], "weights", interpolation, times, shown, unlisted=unlisted))
     return tracks
 
 

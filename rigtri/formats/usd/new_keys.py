@@ -71,24 +71,26 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
     """Edits of the animations that drive blend shapes, with the columns that changed or go."""
     driven: dict[str, dict[str, _Column]] = {}
     gone: dict[str, set[str]] = {}
-    fewer: set[str] = set()
+    fewer: dict[str, list[Floats]] = {}
     for was, now in changed:
         path, animation, names = _bound(source, now or _sure(was))
         columns = driven.setdefault(animation, {})
         resting = default_weights(source.stage.GetPrimAtPath(animation))
         now = None if now is None else _linear(path, now)
         if was is not None and (now is None or not np.isin(was.times, now.times).all()):
-            fewer.add(animation)
+            fewer.setdefault(animation, []).extend([] if now is None else [now.times])
         if now is None:
             rows = _sure(was).values
             moving = [n for k, n in enumerate(names) if (rows[:, k] != resting.get(n, 0.0)).any()]
             gone.setdefault(animation, set()).update(moving)
             continue
+        if was is not None:
+            gone.setdefault(animation, set()).update(names[k] for k in now.unlisted - was.unlisted)
         times = now.times if was is None else np.union1d(was.times, now.times)
         shown = sample(now, times)
         before = np.array([resting.get(n, 0.0) for n in names]) if was is None else sample(was, times)
         for number, name in enumerate(names):
-            if (shown[:, number] == before[..., number]).all():
+            if (shown[:, number] == before[..., number]).all() or name in gone.get(animation, ()):
                 continue
             column = _Column(path, now.times, now.values[:, number])
             if name in columns and not columns[name].same(column):
@@ -101,7 +103,8 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
     return [
         edit
         for path, columns in driven.items()
-        for edit in _written(source, source.animations[path], columns, gone.get(path, set()), path in fewer)
+        if columns or gone.get(path) or path in fewer
+        for edit in _written(source, source.animations[path], columns, gone.get(path, set()), fewer.get(path))
     ]
 
 
@@ -167,11 +170,15 @@ def _check_shared(
 
 
 def _written(
-    source: Source, animation: Animation, columns: dict[str, _Column], gone: Collection[str], fewer: bool
+    source: Source,
+    animation: Animation,
+    columns: dict[str, _Column],
+    gone: Collection[str],
+    fewer: Sequence[Floats] | None,
 ) -> Iterator[Edit]:
     """The arrays of one animation, complete: a stronger sample hides all weaker ones.
 
-    gone: names that nothing drives any more. fewer: leave out times that no column needs.
+    gone: names that nothing drives any more. fewer: leave out times that no column needs, nor any of these.
     """
     prim = source.stage.GetPrimAtPath(animation.path)
     listed, weights = prim.GetAttribute("blendShapes"), prim.GetAttribute("blendShapeWeights")
@@ -192,8 +199,9 @@ def _written(
         track = Track(-1, "weights", way, column.times, column.values[:, np.newaxis])
         rows[:, every.index(name)] = sample(track, times)[:, 0]
     stays = np.array([name not in gone for name in every], dtype=bool)
-    if fewer:
-        wanted = np.unique(np.concatenate([np.zeros(0), *(column.times for column in columns.values())]))
+    if fewer is not None:
+        needed = [*fewer, *(column.times for column in columns.values())]
+        wanted = np.unique(np.concatenate([np.zeros(0), *needed]))
         times, rows = _needed(Track(-1, "weights", way, times, rows), wanted, stays)
     every, rows = [name for name in every if name not in gone], rows[:, stays]
     if single is not None and len(gone):

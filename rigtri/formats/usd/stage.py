@@ -17,7 +17,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import extent, external
+from rigtri.formats.usd import extent, external, schemas
 from rigtri.formats.usd.silence import silent
 from rigtri.formats.usd.value_types import demand
 from rigtri.report import Notice
@@ -72,6 +72,7 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
         del layers  # they had to stay open until the stage has them
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
+    schemas.check_known()
     external.check_used(stage, path, allow_external=allow_external)
     return stage, _unresolved(texts, path.parent)
 

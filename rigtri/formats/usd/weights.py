@@ -48,12 +48,17 @@ def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]
         if path in by_path:
             found += _of_mesh(query, tokens, by_path[path], warnings)
         if path in folds:
-            found += _unfolded(query, tokens, folds[path])
+            node = source.rig.known(str(query.GetPrim().GetPath()))
+            width = 0 if node is None else folds[path].widths.get(node, 0)
+            found += _unfolded(query, tokens, folds[path], width)
     return found
 
 
-def _unfolded(query: Any, tokens: Sequence[str], fold: Fold) -> list[Edit]:
-    """The influences of a mesh without the joints that go, where it has any, by number or by name."""
+def _unfolded(query: Any, tokens: Sequence[str], fold: Fold, width: int) -> list[Edit]:
+    """The influences of a mesh without the joints that go, where it has any, by number or by name.
+
+    width: how many a point had before, 0 where that is not known.
+    """
     path, own = query.GetPrim().GetPath(), query.GetJointOrder()
     if fold.idle and not own:
         return []
@@ -71,7 +76,8 @@ def _unfolded(query: Any, tokens: Sequence[str], fold: Fold) -> list[Edit]:
     before = None if fold.idle or query.IsRigidlyDeformed() else _read(query, count)
     if before is not None:
         rows = np.array([left.index(heir) for heir in heirs], dtype=np.int64)
-        joints, weights = folded(rows, *before)
+        at = np.array([fold.at[tokens.index(token)] if token in tokens else 0.0 for token in order])
+        joints, weights = folded(rows, at, *before, width)
         if not (np.array_equal(joints, before[0]) and np.array_equal(weights, before[1])):
             _check(query)
             edits += _set(query, joints, weights)

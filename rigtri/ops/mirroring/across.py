@@ -54,15 +54,17 @@ ALIKE = 4e-6
 class Options:
     """Everything that `mirror` can be told; the defaults are the command's.
 
-    mode: what a mirrored frame is. from_side: the side that is copied. plane: through the origin,
-    or where its axis is ``plane_at``. what: what is mirrored. selection: the joints, of either side,
-    whose axes take part.
+    mode: what a mirrored frame is. from_side: the side that is copied. plane: of the character's own
+    space, where its axis is ``plane_at``; None: between most pairs of joints. across: that plane in
+    the world, as `rigtri.ops.middle` has found it for ``mirror``. what: what is mirrored. selection:
+    the joints, of either side, whose axes take part.
     """
 
     mode: Mirror = "behavior"
     from_side: Literal["left", "right"] = "left"
     plane: Plane = "yz"
-    plane_at: float = 0.0
+    plane_at: float | None = None
+    across: Across = field(default_factory=Across)
     what: tuple[What, ...] = WHAT
     selection: Selection = field(default_factory=Selection)
     pose: str | None = None
@@ -70,11 +72,6 @@ class Options:
     on_nonuniform_scale: Policy = "snap"
     on_constraint: Literal["freeze", "error"] = "freeze"
     tolerance: float = TOLERANCE
-
-    @property
-    def across(self) -> Across:
-        """The mirror."""
-        return Across(self.plane, self.plane_at)
 
 
 def side(rig: Rig, node: int) -> Side:
@@ -164,7 +161,7 @@ def direction(rig: Rig, here: int, there: int, own: Floats, options: Options) ->
     world = worlds(rig)
     axes, twins = nearest_rotation(world[[here, there]])
     seen = own[0] * axes[0] + own[1] * axes[1] + own[2] * axes[2]
-    return tidy(np.array([dot(seen * options.across.reflect, row) for row in twins]))
+    return tidy(np.array([dot(options.across.directions(seen), row) for row in twins]))
 
 
 def tidy(direction: Floats) -> Floats:

@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from rigtri.matrices import nearest_rotation
 from rigtri.naming import twin
+from rigtri.ops.middle import TOLERANCE, parting
 from rigtri.ops.mirroring.across import Options, other, side
+from rigtri.ops.mirroring.named import reader_twin
 from rigtri.ops.select import chosen
-from rigtri.ops.twins import Plane, mirrored_axes
+from rigtri.ops.twins import PLANES, Plane, mirrored_axes
 from rigtri.pose import worlds
 from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
 from rigtri.rig import Rig
-from rigtri.skeleton import Skeleton, reference, skeleton
+from rigtri.skeleton import Reference, Skeleton, reference, skeleton
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
-# What tools leave of a symmetric character: a share of its size, and degrees.
-TOLERANCE = 1e-4
+# Degrees that tools leave of symmetric axes.
 DEGREES = 0.1
 # Nodes of ours that stand somewhere, and those whose axes say something.
 _STANDING = ("control", "poleVector", "rivet")
 _WITH_AXES = ("control", "poleVector")
-# Pairs that are farther apart than this share of the size lie on two sides.
-_APART = 1e-2
 
 
 @dataclass(frozen=True)
@@ -52,12 +51,14 @@ class Pair:
 class Asymmetry:
     """All pairs of joints and of nodes that rigtri made, and those without a twin.
 
-    better: the plane, and its place on its axis, between most pairs, where it is another one than
-    was asked for.
+    plane, at: the mirror, in the character's own space. better: another one that most pairs lie
+    about, where they do not about that.
     """
 
     pairs: tuple[Pair, ...]
     alone: tuple[str, ...]
+    plane: Plane = "yz"
+    at: float = 0.0
     better: tuple[Plane, float] | None = None
 
     def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
@@ -76,6 +77,8 @@ def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
     options = options or Options()
     tree = skeleton(rig, options.root)
     ref = reference(tree, options.pose)
+    parted = parting(tree, ref, options.plane, options.from_side, options.plane_at)
+    options = replace(options, across=parted.across)
     joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
     found, alone = _pairs(rig, joints, options)
     rest = worlds(rig)
@@ -91,7 +94,8 @@ def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
         *_compared(rig, placed, rest, ref.extent, options, axes=False),
     ]
     titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
-    return Asymmetry(tuple(compared), titles, _better(found, ref.world, ref.extent, options))
+    better = None if parted.fits else _better(tree, ref, options)
+    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better)
 
 
 def _is_bone(tree: Skeleton, joint: int) -> bool:
@@ -115,7 +119,9 @@ def _pairs(rig: Rig, nodes: Iterable[int], options: Options) -> tuple[dict[int, 
 def _twin(rig: Rig, node: int) -> int | None:
     """The twin of a node; of rivets and readers, which have names of their own, the one called so."""
     note = rig.notes.get(node, {})
-    if note.get("type") in ("rivet", "poseReader"):
+    if note.get("type") == "poseReader":
+        return reader_twin(rig, node)
+    if note.get("type") == "rivet":
         names = {str(n.get("name")): k for k, n in rig.notes.items() if n.get("type") == note["type"]}
         return names.get(twin(str(note["name"])))
     return other(rig, node)
@@ -131,7 +137,7 @@ def _compared(
     angles = np.zeros(len(here))
     if axes:
         mine, now = nearest_rotation(world[here]), from_axes(nearest_rotation(world[there]))
-        wanted = from_axes(mirrored_axes(mine, options.mode, options.across.reflect))
+        wanted = from_axes(mirrored_axes(mine, options.mode, options.across))
         angles = np.degrees(turn_angle(multiply(conjugate(wanted), now)))
     return [
         Pair(rig.title(a), rig.title(b), float(d), float(angle))
@@ -139,22 +145,10 @@ def _compared(
     ]
 
 
-def _better(
-    found: dict[int, int], world: Floats, size: float, options: Options
-) -> tuple[Plane, float] | None:
-    """The plane halfway between most pairs, where they are symmetric about that and not about the asked."""
-    if not found:
-        return None
-    here, there = world[list(found), 3, :3], world[list(found.values()), 3, :3]
-    axis = int(np.argmax(np.median(np.abs(there - here), axis=0)))
-    planes: tuple[Plane, ...] = ("yz", "xz", "xy")
-    middle = float(np.median((here + there)[:, axis])) / 2.0
-    if not np.median(np.abs(there - here)[:, axis]) > _APART * size:
-        return None
-    least = TOLERANCE * (size or 1.0)
-    if planes[axis] == options.plane and abs(middle - options.plane_at) <= least:
-        return None
-    other_plane = Options(plane=planes[axis], plane_at=middle).across
-    off = np.median(length(other_plane.points(here) - there))
-    asked = np.median(length(options.across.points(here) - there))
-    return (planes[axis], middle) if off < asked else None
+def _better(tree: Skeleton, ref: Reference, options: Options) -> tuple[Plane, float] | None:
+    """A plane that most pairs lie about, where they do not about the asked."""
+    for plane in PLANES:
+        parted = parting(tree, ref, plane, options.from_side)
+        if parted.own and parted.fits:
+            return plane, parted.at
+    return None

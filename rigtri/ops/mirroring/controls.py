@@ -12,8 +12,10 @@ from rigtri.errors import GeometryError
 from rigtri.limbs import given
 from rigtri.matrices import inverse, multiply, orthonormal_axes
 from rigtri.ops.added import add, find, group, noted, renamed, stand, stand_local, unposed
+from rigtri.ops.called import remembered
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
+from rigtri.ops.drawings import KEYS
 from rigtri.ops.joints import Kind, add_joint, beside, move_joint
 from rigtri.ops.mirroring.across import Options, lone, of_side, other, twin_name, twin_note
 from rigtri.ops.polevector import NO_PLANE
@@ -54,8 +56,9 @@ def _one_control(
     report: Report,
 ) -> Rig:
     kind, joint = str(note["kind"]), rig.is_joint[node]
-    shapes: Any = {kind: note["shape"]} if "shape" in note else {}
     before = find(rig, type="control", kind=kind, joint=there["joint"])
+    alike = before is not None and rig.notes[before].get("shape") == note.get("shape")
+    shapes: Any = {kind: note["shape"]} if "shape" in note and not alike else {}
     if kind == "fk":
         made = ControlOptions(selection=Selection(joints=(there["joint"],)), shapes=shapes)
     else:
@@ -63,13 +66,14 @@ def _one_control(
         poles = PoleOptions(bends=_bends(rig, note, there, options))
         wanted: Kind = "joint" if joint else "locator"
         ends = wanted if before is None else None
-        made = ControlOptions(ik=(limb,), shapes=shapes, poles=poles, ends=ends)
+        soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
+        made = ControlOptions(ik=(limb,), shapes=shapes, poles=poles, ends=ends, soft=soft, stretch=stretch)
     rig = add_controls(rig, options=made, report=report)
     found = find(rig, type="control", kind=kind, joint=there["joint"])
     if found is None or rig.is_joint[found]:
         return rig  # a joint has no offset above it: it stands where the limb ends
     if before is None:
-        rig = renamed(rig, found, twin_name(rig.names[node], rig.names[found]))
+        rig = remembered(renamed(rig, found, twin_name(rig.names[node], rig.names[found])), [found])
     return _edited(rig, node, found, options)
 
 
@@ -81,8 +85,8 @@ def _bends(
     places = [rig.world[rig.find(name), 3, :3] for name in there["chain"]]
     if pole is None or bend_sine(*places) >= NO_PLANE:
         return {}
-    away = (rig.world[pole, 3, :3] - rig.world[rig.find(note["chain"][1]), 3, :3]) * options.across.reflect
-    x, y, z = away.tolist()
+    away = rig.world[pole, 3, :3] - rig.world[rig.find(note["chain"][1]), 3, :3]
+    x, y, z = options.across.directions(away).tolist()
     return {there["chain"][1]: (x, y, z)}
 
 
@@ -111,7 +115,7 @@ def mirror_poles(rig: Rig, options: Options, report: Report) -> Rig:
             continue
         world = unposed(rig, node)
         place = options.across.points(world[3, :3])
-        axes = mirrored_axes(orthonormal_axes(world), options.mode, options.across.reflect)
+        axes = mirrored_axes(orthonormal_axes(world), options.mode, options.across)
         found = find(rig, type="poleVector", chain=there["chain"])
         new = found is None
         name = twin_name(rig.names[node], f"{rig.names[rig.find(there['chain'][1])] or 'limb'}_pole")
@@ -122,7 +126,9 @@ def mirror_poles(rig: Rig, options: Options, report: Report) -> Rig:
             rig, parent = _home(rig, node)
             rig, found = add(rig, name, parent, there)
             rig = _drawn_alike(rig, node, found)
-        rig = noted(rig, found, there)
+        # What is drawn at either is its own: another colour, and nothing where nothing was drawn.
+        drawing = {key: rig.notes[found][key] for key in KEYS if key in rig.notes[found]}
+        rig = noted(rig, found, {key: value for key, value in there.items() if key not in KEYS} | drawing)
         rig = (move_joint if rig.is_joint[found] else stand)(rig, found, place, axes)
         report.added.append({"node": rig.names[found], "type": "poleVector", "new": new})
     return rig
@@ -131,7 +137,7 @@ def mirror_poles(rig: Rig, options: Options, report: Report) -> Rig:
 def _drawn_alike(rig: Rig, node: int, found: int) -> Rig:
     """Draw at a new node what is drawn, in the same run, at its twin."""
     if node not in rig.shapes:
-        return rig
+        return noted(rig, found, {key: v for key, v in rig.notes[found].items() if key not in KEYS})
     return replace(rig, shapes={**rig.shapes, found: rig.shapes[node]})
 
 

@@ -49,7 +49,7 @@ def mirror_limbs(rig: Rig, options: Options, report: Report) -> Rig:
 def _limb(rig: Rig, chain: list[int], note: Mapping[str, Any], options: Options, report: Report) -> Rig:
     world = worlds(rig)[chain]
     places = options.across.points(world[:, 3, :3])
-    axes = mirrored_axes(nearest_rotation(world), options.mode, options.across.reflect)
+    axes = mirrored_axes(nearest_rotation(world), options.mode, options.across)
     found = [twin_of(rig, k) for k in chain]
     joints = [k for k in found if k is not None]
     new = not joints
@@ -158,7 +158,7 @@ def _style(note: Mapping[str, Any], options: Options) -> dict[str, Any]:
         kind, _, text = source.partition(":")
         letter, sign = axis_of(text) if kind == "world" else (0, 1.0)
         told = sign * np.eye(3)[letter] if kind == "world" else vector(text)
-        x, y, z = (told * options.across.reflect + 0.0).tolist()
+        x, y, z = (options.across.directions(told) + 0.0).tolist()
         source = f"vector:{x!r},{y!r},{z!r}"
     # The limb's hinge is what turns are about: its mirror image points the other way.
     return {

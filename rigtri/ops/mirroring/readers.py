@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,9 @@ from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.matrices import orthonormal_axes
 from rigtri.naming import twin
 from rigtri.ops.added import find
-from rigtri.ops.mirroring.across import Options, alike, direction, lone, of_side, other, size_of, twin_name
-from rigtri.ops.posereader import Goal, add_posereader
+from rigtri.ops.mirroring.across import Options, alike, direction, lone, of_side, other, size_of
+from rigtri.ops.mirroring.named import reader_names
+from rigtri.ops.posereader import Goal, add_posereader, options_of
 from rigtri.ops.posereader import Options as ReaderOptions
 from rigtri.pose import worlds
 from rigtri.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate
@@ -24,8 +26,9 @@ from rigtri.trigonometry import Floats
 
 def mirror_readers(rig: Rig, options: Options, report: Report) -> Rig:
     """Read the twins' poses as this side's are read, and drive what is the twin of what these drive."""
+    names = reader_names(rig, options.from_side)
     for node, note in of_side(rig, options, "poseReader"):
-        wanted = _wanted(rig, node, note, options, report)
+        wanted = _wanted(rig, node, note, names[node], options, report)
         if wanted is None:
             continue
         heard = Report()
@@ -46,7 +49,7 @@ def mirror_readers(rig: Rig, options: Options, report: Report) -> Rig:
 
 
 def _wanted(
-    rig: Rig, node: int, note: Mapping[str, Any], options: Options, report: Report
+    rig: Rig, node: int, note: Mapping[str, Any], name: str, options: Options, report: Report
 ) -> ReaderOptions | None:
     """What add-posereader is to be told for the twin; None, and said so, where it cannot be."""
     here = rig.known(note["driver"])
@@ -55,32 +58,21 @@ def _wanted(
     if here is None or there is None or frames is None:
         lone(rig, node, report, "pose reader")
         return None
-    name = twin_name(str(note["name"]), f"{rig.names[there] or 'joint'}_reader")
-    known = find(rig, type="poseReader", name=name)
-    if known is not None and rig.known(rig.notes[known]["driver"]) != there:
-        lone(rig, node, report, "pose reader", f"'{name}' reads another joint")
-        return None
     goals = _goals(rig, note, (here, there), frames, options)
     if goals is None:
         lone(rig, node, report, "pose reader", "a node that it looks for has no twin")
         return None
     morphs, attributes = _outputs(rig, node, note, report)
     x, y, z = direction(rig, here, there, np.array(note["axis"], dtype=np.float64), options).tolist()
-    return ReaderOptions(
+    return replace(
+        options_of(note),
         driver=rig.address(there),
         axis=(x, y, z),
         frame=rig.address(frames[1]) if frames[1] >= 0 else "world",
-        reader=note["reader"],
         targets=goals,
         morphs=morphs,
         attributes=attributes,
-        inner=float(note.get("inner", 0.0)),
-        outer=float(note.get("outer", 90.0)),
-        kernel=note.get("kernel", "linear"),
-        mode=note.get("mode", "swing"),
         name=name,
-        within=float(note["within"]),
-        fps=note.get("fps"),
     )
 
 
@@ -118,7 +110,7 @@ def _goals(
             x, y, z, w = multiply(conjugate(there), multiply(turn, twins)).tolist()
             found.append(Goal(name, rotation=(x, y, z, w)))
         else:
-            seen = rotate(here, np.array(target["direction"], dtype=np.float64)) * options.across.reflect
+            seen = options.across.directions(rotate(here, np.array(target["direction"], dtype=np.float64)))
             x, y, z = seen.tolist()
             found.append(Goal(name, direction=(x, y, z)))
     return tuple(found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,7 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.naming import side as said
 from rigtri.ops.added import find
 from rigtri.ops.mirroring.across import Options, lone, other, twin_name
-from rigtri.ops.rivet import Options as RivetOptions
-from rigtri.ops.rivet import add_rivet
+from rigtri.ops.rivet import add_rivet, options_of
 from rigtri.ops.twins import side_of
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -58,12 +58,11 @@ def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: Options, repor
         report.added.append({"node": rig.names[known], "type": "rivet", "new": False})
         return rig
     x, y, z = mirrored.tolist()
-    wanted = RivetOptions(
+    wanted = replace(
+        options_of(note),
         mesh=rig.path(there) if rig.names[there] else rig.labels[there],
         at=((x, y, z),),
         names=(name,),
-        within=float(note["within"]),
-        fps=note.get("fps"),
     )
     heard = Report()
     try:

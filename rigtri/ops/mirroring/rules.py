@@ -53,7 +53,7 @@ def _mirrored(rig: Rig, rule: Rule, options: Options) -> Rule | None:
         return None
     up_vector = np.array(rule.up_vector, dtype=np.float64)
     if rule.world_up == "vector":
-        up_vector = up_vector * options.across.reflect + 0.0
+        up_vector = options.across.directions(up_vector) + 0.0
     elif rule.world_up == "objectrotation":
         up_vector = direction(rig, rule.up_object, up_object, up_vector, options)
     vectors = (
@@ -83,7 +83,7 @@ def _joint_orient(rig: Rig, rule: Rule, child: int, options: Options) -> Floats:
     if _same(given, factored(local[rule.child]).rotation):
         return factored(local[child]).rotation
     here, there = (_turn(rig, int(rig.parents[node])) for node in (rule.child, child))
-    seen = mirrored_axes(to_axes(multiply(here, given)), options.mode, options.across.reflect)
+    seen = mirrored_axes(to_axes(multiply(here, given)), options.mode, options.across)
     return multiply(conjugate(there), from_axes(seen))
 
 

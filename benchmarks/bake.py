@@ -1,0 +1,151 @@
+"""How long it takes to evaluate a rig: controls, IK, twist and a constraint, over thousands of frames.
+
+See benchmarks/README.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import subprocess
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from rigtri.formats import read
+from rigtri.ops.bake import Options, bake
+from rigtri.ops.constrain import Options as ConstrainOptions
+from rigtri.ops.constrain import constrain
+from rigtri.ops.controls import Options as ControlOptions
+from rigtri.ops.controls import add_controls
+from rigtri.ops.select import Selection
+from rigtri.ops.twist import Options as TwistOptions
+from rigtri.ops.twist import add_twist
+from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.records import Clip, Track
+from rigtri.rig import Rig
+from rigtri.solve.at_work import keyed_in
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.keys import needed
+from rigtri.solve.posed import sampled
+from rigtri.timelines import timelines
+
+PEER = Path(__file__).with_name("bake_blender.py")
+BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"
+
+
+def character(joints: int) -> Rig:
+    """The sample biped with IK arms and legs, twist joints, a staff held by a constraint, and fingers."""
+    rig = add_twist(read(BIPED).rig, options=TwistOptions(auto=True))
+    rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
+    rig = add_controls(rig, options=ControlOptions(whole_character=True))
+    count = joints - int(rig.is_joint.sum())
+    hands = [rig.find("hand_L"), rig.find("hand_R")]
+    names = [f"finger_{k}" for k in range(count)]
+    size = len(rig)
+    # Fingers of three joints, left and right in turn.
+    parents = [size + k - 1 if k % 3 else hands[k // 3 % 2] for k in range(count)]
+    rest = np.tile([0.03, 0.0, 0.01], (count, 1)), np.tile([0.0, 0.0, 0.0, 1.0], (count, 1))
+    rig = rig.with_nodes(names, parents, *rest)
+    skin = rig.skins[0]
+    grown = np.append(skin.joints, np.arange(size, size + count))
+    bind = np.concatenate([skin.inverse_bind, np.linalg.inv(rig.world[size:])])
+    every = np.ones(len(grown), dtype=bool)
+    skin = replace(skin, joints=grown, inverse_bind=bind, weigh=lambda: every)
+    rig = replace(rig, skins=(skin, *rig.skins[1:]))
+    return add_controls(rig, options=ControlOptions(selection=Selection(joints=tuple(names))))
+
+
+def animated(rig: Rig, frames: int) -> Rig:
+    """All joints swaying, 30 keys a second, each with a speed of its own."""
+    times = np.arange(frames) / 30.0
+    random = np.random.default_rng(0)
+    tracks = []
+    for node in np.flatnonzero(rig.is_joint).tolist():
+        if rig.notes.get(node, {}).get("type") == "twist":
+            continue
+        angle = 0.4 * np.sin(times * random.uniform(1.0, 4.0) + random.uniform(0.0, 6.0))
+        turns = multiply(rig.rotation[node], from_axis_angle(random.normal(size=3), angle))
+        tracks.append(Track(node, "rotation", "LINEAR", times, turns))
+    return replace(rig, clips=(Clip("sway", tuple(tracks)),))
+
+
+def shortest(action: Callable[[], object], runs: int = 5) -> float:
+    """The median of some runs, in seconds, after one to warm up."""
+    action()
+    taken = []
+    for _ in range(runs):
+        start = time.process_time()
+        action()
+        taken.append(time.process_time() - start)
+    return statistics.median(taken)
+
+
+def measured(joints: int, frames: int, bound: float = 1e-6) -> tuple[float, float, int]:
+    """Seconds of one core to solve all frames, and to thin out the keys; and how many nodes move."""
+    up = bake(animated(character(joints), frames), options=Options(to="controls"))
+    timeline = timelines(up)[0]
+    solver = Solver(up, keyed_in(up, timeline))
+    kinds = {type(step).__name__ for step in solver.steps}
+    if len(solver.limbs) != 4 or not {"Ik", "Fk", "Turned", "Follow"} <= kinds:
+        raise SystemExit(f"this is not the rig that is to be measured: {len(solver.limbs)} limbs, {kinds}")
+    times = np.arange(frames) / 30.0
+    parts = sampled(up, timeline.clip, times)
+    found = solver.solved(parts)
+
+    def thinned() -> None:
+        for node in solver.sets:
+            for values in found[node]:
+                if len(values) > 1:
+                    needed(times, values, bound)
+
+    return shortest(lambda: solver.solved(parts)), shortest(thinned, 3), len(solver.sets)
+
+
+def in_blender(joints: int, frames: int) -> float | None:
+    """Seconds of one core that Blender's nla.bake takes for a rig alike; None where it is not here."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        return None
+    command = [python, str(PEER), str(joints), str(frames)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    told = next(line for line in done.stdout.splitlines() if line.startswith("seconds "))
+    return float(told.split()[1])
+
+
+def main() -> None:
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--frames", type=int, default=10_000)
+    frames = parser.parse_args().frames
+    print("| joints | frames | solved | keys thinned | together | nodes moved |\n|---|---|---|---|---|---|")
+    for joints, count in (
+        (50, frames // 4),
+        (50, frames // 2),
+        (50, frames),
+        (50, 2 * frames),
+        (100, frames),
+    ):
+        solved, thinned, nodes = measured(joints, count)
+        told = f"{solved:.2f} s | {thinned:.2f} s | {solved + thinned:.2f} s | {nodes}"
+        print(f"| {joints} | {count} | {told} |", flush=True)
+        if (joints, count) == (50, frames):
+            each = solved / count, (solved + thinned) / count
+    fewer = max(frames // 10, 1)
+    peer = in_blender(50, fewer)
+    if peer is None:
+        print("\nBlender was left out: BPY_PYTHON names no Python.")
+        return
+    solving, whole = (peer / fewer / one for one in each)
+    print(
+        f"\nBlender's nla.bake of 50 bones: {1000 * peer / fewer:.2f} ms a frame ({fewer} frames), "
+        f"{solving:.0f} times as long as solving here, {whole:.0f} times as long with keys thinned"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,116 @@
+"""rigtri pose"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import (
+    copy_ahead,
+    edit_options,
+    given_options,
+    output_options,
+    read_options,
+    reading_options,
+    run_edit,
+    source_argument,
+)
+from .words import plain
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+
+@click.command("pose")
+@source_argument
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="Write a file whose rest pose is this pose, in the format of IN; - for standard output.",
+)
+@click.option(
+    "--at",
+    metavar="CLIP@TIME",
+    default="rest",
+    show_default=True,
+    help="The moment, in seconds (USD: time codes), or rest.",
+)
+@click.option(
+    "--evaluate/--no-evaluate",
+    default=True,
+    show_default=True,
+    help="Let controls and constraints that are at work move the joints first, or take joints' own keys.",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Print the pose of one moment, evaluated; with -o make it the rest pose of a file.
+
+    Each joint is shown with its translation, rotation (x y z w) and scale as seen from its parent, and its
+    place in the world. In OUT bind poses and clips stay as they are: meshes show the pose where
+    no clip plays.
+
+    \b
+    Examples:
+        rigtri pose rigged.glb --at walk@0.5
+        rigtri pose rigged.glb --at walk@0.5 --json
+        rigtri pose rigged.glb -o stand.glb --at idle@0
+    """
+    from rigtri.ops.posing import Options, take_pose
+
+    options = Options(at=values["at"], evaluate=values["evaluate"])
+    if values["target"] is None:
+        _print(values, options)
+        return
+    copy_ahead(ctx, values)
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return take_pose(rig, options=options, report=report)
+
+    run_edit("pose", values, step, given_options(ctx), _summary)
+
+
+def _summary(report: Report) -> str:
+    (told,) = (entry for entry in report.added if entry["type"] == "pose")
+    return f"{told['nodes']} nodes rest as in {told['at']}" if told["nodes"] else "all nodes rest so already"
+
+
+def _print(values: dict[str, Any], options: Any) -> None:
+    from rigtri.formats import read
+    from rigtri.inputs import opened
+    from rigtri.ops.posing import table
+
+    for word in ("report_path", "sidecar", "dry_run", "overwrite"):
+        if values[word]:
+            raise UsageError(f"--{word.removesuffix('_path').replace('_', '-')} is for a file: give -o OUT")
+    with opened(values["source"]) as path:
+        document = read(path, read_options(values))
+        found = {"file": values["source"]} | table(document.rig, options)
+    if values["as_json"]:
+        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+        return
+    rows: list[tuple[str, ...]] = [("joint", "translation", "rotation x y z w", "scale", "in the world")]
+    rows += [
+        (
+            plain(joint["joint"], one_line=True),
+            *(_told(joint[word]) for word in ("translation", "rotation", "scale", "position")),
+        )
+        for joint in found["joints"]
+    ]
+    wide = [max(len(row[k]) for row in rows) for k in range(5)]
+    for row in rows:
+        click.echo("  ".join(text.ljust(width) for text, width in zip(row, wide, strict=True)).rstrip())
+
+
+def _told(numbers: list[float]) -> str:
+    return " ".join(f"{number + 0.0:.5g}" for number in numbers)

@@ -1,0 +1,103 @@
+"""rigtri take-clips"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import (
+    check_streams,
+    edit_options,
+    given_options,
+    output_options,
+    read_options,
+    reading_options,
+    run_edit,
+    target_option,
+)
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+
+
+@click.command("take-clips")
+@click.argument("source", metavar="RIG", type=click.Path(allow_dash=True))
+@target_option
+@click.option(
+    "--from",
+    "edited",
+    metavar="EDITED",
+    required=True,
+    type=click.Path(dir_okay=False),
+    help="The file with the motion, of any format; nothing else of it is taken.",
+)
+@click.option("--clip", "clips", multiple=True, metavar="GLOB", help="Only these clips. Repeatable.")
+@click.option(
+    "--as",
+    "names",
+    multiple=True,
+    metavar="NAME=CLIP",
+    help="The clip NAME of EDITED is CLIP, or a part of it. Repeatable.",
+)
+@reading_options
+@edit_options
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Take the motion of an edited file home into the rig that it was made of.
+
+    Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
+    axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
+    bit for bit. Clips that were split per object are put together again.
+
+    \b
+    Examples:
+        rigtri take-clips rigged.glb --from edited.glb -o home.glb
+        rigtri take-clips rigged.glb --from edited.usda -o home.glb --clip 'walk*'
+        rigtri take-clips rigged.glb --from edited.glb -o home.glb --as hand_ctlAction=walk
+    """
+    from rigtri.ops.take_clips import Options, take_clips
+
+    check_streams(str(values["source"]), str(values["edited"]))
+    options = Options(clips=values["clips"], names=_names(values["names"]))
+    edited = values["edited"]
+
+    def step(rig: Rig, report: Report) -> Rig:
+        from dataclasses import replace
+
+        from rigtri.formats import read
+        from rigtri.inputs import opened
+
+        how = replace(read_options(values), root=None, empty=True)
+        with opened(edited) as path:
+            document = read(path, how)
+            result = take_clips(rig, document.rig, options=options, report=report)
+        report.hear(document.warnings)
+        return result
+
+    run_edit("take-clips", values, step, given_options(ctx), _summary)
+
+
+def _names(given: tuple[str, ...]) -> dict[str, str]:
+    names = {}
+    for text in given:
+        name, mark, clip = text.rpartition("=")
+        if not mark or not name or not clip:
+            raise UsageError(f"--as {text}: give NAME=CLIP, a clip of EDITED and what it is called in RIG")
+        names[name] = clip
+    return names
+
+
+def _summary(report: Report) -> str:
+    clips = [entry for entry in report.added if entry["type"] == "clip"]
+    tracks, same = sum(entry["tracks"] for entry in clips), sum(entry["same"] for entry in clips)
+    nodes = {name for entry in clips for name in entry["changed"]}
+    if not tracks:
+        return f"{len(clips)} clips, {same} tracks: EDITED says nothing that RIG does not; nothing was taken"
+    new = sum(entry["new"] for entry in clips)
+    more = f", {new} of them new" if new else ""
+    return f"{len(clips)} clips{more}: {tracks} tracks of {len(nodes)} nodes were taken, {same} say the same"

@@ -1,0 +1,36 @@
+"""Numbers that a user may give: finite, and no larger than what files, which keep float32, can work with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from rigtri.errors import UsageError
+
+# Its square is still a float32, and it is more than any scene is long.
+LARGEST = 1e15
+
+
+def refuse_unworkable(flag: str, *numbers: float | None) -> None:
+    """UsageError for a number that is not finite or too large; None is none. flag: what it was given by."""
+    for number in numbers:
+        if number is not None and not fits(number):
+            raise UsageError(f"{flag}: {unfit(number)}")
+
+
+def fits(number: float) -> bool:
+    """Whether a number is finite and not too large."""
+    return math.isfinite(number) and abs(number) <= LARGEST
+
+
+def unfit(number: float) -> str:
+    """What is wrong with a number."""
+    if not math.isfinite(number):
+        return f"{number:g} is not a finite number"
+    return f"{number:g} is more than files can hold to work with; {LARGEST:g} is the most"
+
+
+def refuse_points(flag: str, points: Iterable[Iterable[float]]) -> None:
+    """The same for all coordinates of points."""
+    for point in points:
+        refuse_unworkable(flag, *point)

@@ -1,0 +1,225 @@
+"""Which clip of the rig a clip of the edited file is, also where a DCC has split it per object.
+
+In this order: what the user said; the same name; ``Object|clip`` and ``clip_Object``; ``ObjectAction``,
+which is the clip of the same times. A clip that is none of these is a new one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from rigtri.errors import AmbiguousNameError, NameNotFoundError, UsageError
+from rigtri.ops.taking.counterparts import SAME_SIZE, as_usd
+from rigtri.records import Clip, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.timelines import Timeline, timelines
+from rigtri.trigonometry import Floats
+
+_COPY = re.compile(r"\.\d{3}$")
+_ACTION = "Action"
+_ARMATURE = "Armature"
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """Clips of the edited file that are one clip of the rig. home: None where the rig has none."""
+
+    name: str
+    home: Timeline | None
+    clip: Clip
+    parts: tuple[str, ...]
+
+
+def span(clip: Clip) -> tuple[float, float]:
+    """The first and the last time of a clip, in its unit."""
+    firsts = [float(t.times[0]) for t in clip.tracks if len(t.times)]
+    lasts = [float(t.times[-1]) for t in clip.tracks if len(t.times)]
+    return min(firsts, default=0.0), max(lasts, default=0.0)
+
+
+def frame_of(clip: Clip) -> float:
+    """The time between two keys where they are densest; 0 where no track has two."""
+    distinct = {id(t.times): t.times for t in clip.tracks if len(t.times) > 1}
+    return min((float(np.median(np.diff(times))) for times in distinct.values()), default=0.0)
+
+
+class ClipNames:
+    """The clips of two files. said: what the user calls clips of the edited file, by their names there."""
+
+    def __init__(self, rig: Rig, edited: Rig, said: Mapping[str, str], report: Report) -> None:
+        self.rig, self.edited, self.said, self.report = rig, edited, said, report
+        self.ours, self.theirs = timelines(rig), timelines(edited)
+        self.known: dict[str, list[Timeline]] = {}
+        for timeline in self.ours:
+            self.known.setdefault(timeline.name, []).append(timeline)
+        self.objects = {name for name in (*rig.names, *edited.names) if name}
+        for name in said:
+            if name not in {t.name for t in self.theirs}:
+                raise NameNotFoundError("clip", name, [t.name for t in self.theirs])
+
+    def taken(self, patterns: Sequence[str]) -> list[Taken]:
+        """The clips to be taken, of those that a glob matches by either name."""
+        names = {id(timeline): self._names(timeline) for timeline in self.theirs}
+        for pattern in patterns:
+            if not any(_matches(pattern, known) for known in names.values()):
+                raise NameNotFoundError("clip", pattern, [name for known in names.values() for name in known])
+        together: dict[str, list[Timeline]] = {}
+        for timeline in self.theirs:
+            known = names[id(timeline)]
+            if not patterns or any(_matches(pattern, known) for pattern in patterns):
+                together.setdefault(known[-1], []).append(timeline)
+        if self._one_timeline:
+            together = self._alone(together)
+        return [self._merged(name, parts) for name, parts in together.items()]
+
+    def _names(self, timeline: Timeline) -> tuple[str, ...]:
+        """What a clip of the edited file is called: there, and in the rig, where names mean something."""
+        known = self._home_of(timeline)
+        return (known,) if self._one_timeline else (timeline.name, known)
+
+    def _alone(self, together: Mapping[str, list[Timeline]]) -> dict[str, list[Timeline]]:
+        """What becomes the one clip of a USD file: all parts of one name.
+
+        Of several clips the one that has its name; UsageError where none has.
+        """
+        ours = self.ours[0].name if self.ours else self.rig.clips[0].name
+        if ours in together or len(together) == 1:
+            name = ours if ours in together else next(iter(together))
+            if left := [f"'{other}'" for other in together if other != name]:
+                listed = ", ".join(left)
+                self.report.warn("one-clip", f"A USD file has one clip; {listed} of EDITED were left out")
+            return {ours: together[name]}
+        listed = ", ".join(f"'{name}'" for name in together)
+        raise UsageError(f"A USD file has one clip, EDITED has {listed}; choose one with --clip")
+
+    @property
+    def _one_timeline(self) -> bool:
+        """Whether all that the rig plays is one, whatever it is called, as in USD."""
+        return any(isinstance(clip.key, tuple) for clip in self.rig.clips)
+
+    def _home_of(self, timeline: Timeline) -> str:
+        """The clip of the rig that a clip of the edited file belongs to, or its own name."""
+        name = timeline.name
+        if name in self.said:
+            return self.said[name]
+        if name in self.known:
+            return name
+        if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
+            return self.ours[0].name  # a USD file has one clip, whose name tells nothing
+        spelled = [known for known in self.known if _as_usd(known) == _as_usd(name)]
+        if len(spelled) == 1:
+            return spelled[0]
+        return self._by_pattern(_COPY.sub("", name)) or self._by_times(timeline) or name
+
+    def _by_pattern(self, name: str) -> str | None:
+        if name in self.known:
+            return name
+        for part in name.split("|"):
+            if part in self.known:
+                return part
+        for cut in range(len(name) - 1, 0, -1):
+            object_ = _COPY.sub("", name[cut + 1 :])
+            if name[cut] == "_" and (object_ in self.objects or object_ == _ARMATURE):
+                known = name[:cut] in self.known
+                if known or self._is_split(name[:cut]):
+                    return name[:cut]
+        return None
+
+    def _is_split(self, clip: str) -> bool:
+        """Whether several clips of the edited file are parts of one that the rig lacks."""
+        return sum(t.name.startswith(f"{clip}_") for t in self.theirs) > 1
+
+    def _by_times(self, timeline: Timeline) -> str | None:
+        """The one clip with the times of an action that the DCC has named after its object."""
+        name = _COPY.sub("", timeline.name)
+        if not name.endswith(_ACTION) or name.removesuffix(_ACTION) not in self.objects:
+            return None
+        factor = self.rig.per_second / self.edited.per_second
+        own = span(timeline.clip)
+        near = max(frame_of(timeline.clip), *(frame_of(t.clip) for t in self.theirs)) * (1.0 + SAME_SIZE)
+        found = [
+            other.name
+            for other in self.ours
+            if all(abs(a - b / factor) <= near for a, b in zip(own, span(other.clip), strict=True))
+        ]
+        if len(found) == 1:
+            return found[0]
+        why = "several clips have" if found else "no clip has"
+        self.report.warn(
+            "split-clip",
+            f"'{timeline.name}' may be a part of another clip, but {why} its times; it is taken as a clip of "
+            f"its own. Say which it is with --as '{timeline.name}=CLIP'",
+        )
+        return None
+
+    def _merged(self, name: str, parts: list[Timeline]) -> Taken:
+        homes = self.known.get(name, [])
+        if len(homes) > 1:
+            raise AmbiguousNameError("clip", name, [f"#{t.members[0]}" for t in homes])
+        parts = sorted(parts, key=lambda part: part.name != name)
+        tracks: dict[tuple[int, str], Track] = {}
+        for part in parts:
+            for track in part.clip.tracks:
+                known = tracks.setdefault((track.node, track.path), track)
+                if known is not track:
+                    self.report.warn(
+                        "two-parts",
+                        f"'{self.edited.title(track.node)}' has keys in more than one part of '{name}' "
+                        f"({', '.join(p.name for p in parts)}); those of the first were taken",
+                    )
+        clip = Clip(name, tuple(tracks.values()))
+        return Taken(name, homes[0] if homes else None, clip, tuple(part.name for part in parts))
+
+
+def _as_usd(name: str) -> str:
+    """A name as exporters to USD change it, without the underscore before a digit."""
+    return as_usd(name).strip("_")
+
+
+def _matches(pattern: str, names: Sequence[str]) -> bool:
+    return pattern in names or any(fnmatchcase(name, pattern) for name in names)
+
+
+class Clock:
+    """Times of the edited file as times of the rig: in its unit, and from its start where lengths are one."""
+
+    def __init__(self, rig: Rig, edited: Rig, taken: Taken) -> None:
+        self.factor = rig.per_second / edited.per_second
+        self.shift = 0.0
+        self._known = {clip_times.tobytes(): clip_times for clip_times in _times_of(taken.home)}
+        self._told: dict[int, tuple[Floats, Floats]] = {}
+        frame = frame_of(taken.clip)
+        if taken.home is not None and frame:
+            (start, end), (ours, last) = span(taken.clip), span(taken.home.clip)
+            late = start * self.factor - ours
+            length, own = (end - start) * self.factor, last - ours
+            if abs(late) > 1.5 * frame * self.factor and abs(length - own) <= frame * self.factor:
+                self.shift = -late
+
+    def times(self, theirs: Floats) -> Floats:
+        """Times of the edited file as those of the rig, (k,)."""
+        if self.factor == 1.0 and not self.shift:
+            return theirs
+        return (theirs * self.factor + self.shift).astype(np.float32).astype(np.float64)
+
+    def told(self, track: Track) -> Track:
+        """A track at the rig's times; arrays that are one stay one."""
+        if id(track.times) not in self._told:
+            times = self.times(track.times)
+            times = self._known.get(times.tobytes(), times)
+            self._told[id(track.times)] = track.times, times
+        times, values = self._told[id(track.times)][1], track.values
+        if track.interpolation == "CUBICSPLINE" and self.factor != 1.0:
+            values = values * np.array([1.0 / self.factor, 1.0, 1.0 / self.factor])[:, np.newaxis]
+        return replace(track, times=times, values=values)
+
+
+def _times_of(home: Timeline | None) -> list[Floats]:
+    tracks = home.clip.tracks if home is not None else ()
+    return list({id(t.times): t.times for t in tracks}.values())

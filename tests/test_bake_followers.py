@@ -1,0 +1,153 @@
+"""bake: rivets, pose readers and what is constrained to them follow the joints that were baked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from morphs import arm, arm_usd
+from numpy.testing import assert_allclose
+
+from rigtri import pose
+from rigtri.carried import Carried
+from rigtri.errors import GeometryError
+from rigtri.formats import read
+from rigtri.ops.bake import Options, bake
+from rigtri.ops.constrain import Options as ConstrainOptions
+from rigtri.ops.constrain import constrain
+from rigtri.ops.controls import Options as ControlOptions
+from rigtri.ops.controls import add_controls
+from rigtri.ops.posereader import Goal, add_posereader
+from rigtri.ops.posereader import Options as ReaderOptions
+from rigtri.ops.rivet import Options as RivetOptions
+from rigtri.ops.rivet import add_rivet
+from rigtri.ops.select import Selection
+from rigtri.pipeline import edit
+from rigtri.quaternions import from_axis_angle
+from rigtri.records import Clip, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.timelines import timelines
+from rigtri.trigonometry import Floats
+
+SIDE = Goal("side", direction=(-1, 0, 0))
+
+
+def source_of(kind: str, folder: Path) -> tuple[Path, str, str]:
+    """A bending arm with a node beside it: the file, its lower joint and its mesh."""
+    if kind == "usda":
+        return arm_usd(folder), "b", "Skin"
+    built = arm()
+    built.gltf["nodes"].append({"name": "pin", "translation": [1, 0, 0]})
+    built.gltf["scenes"][0]["nodes"].append(3)
+    return built.glb(folder / "arm.glb"), "lower", "Skin"
+
+
+def built(rig: Rig, joint: str, mesh: str, report: Report) -> Rig:
+    rig = add_controls(rig, options=ControlOptions(selection=Selection(joints=(joint,))), report=report)
+    reader = ReaderOptions(
+        driver=joint, axis=(0, 1, 0), targets=(SIDE,), morphs=(("side", mesh, "bulge"),), name="reader"
+    )
+    rig = add_posereader(rig, options=reader, report=report)
+    return add_rivet(rig, options=RivetOptions(mesh=mesh, triangles=(0,), names=("button",)), report=report)
+
+
+def turned(rig: Rig, joint: str) -> Rig:
+    """The control of the joint turns by half a right angle, at other times than the joint did."""
+    control = next(n for n, note in rig.notes.items() if note.get("type") == "control")
+    assert rig.notes[control]["joint"] == joint
+    times = np.array([0.0, 0.5, 1.0]) * rig.per_second
+    values = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in (0.0, 0.5, 0.8)])
+    values = values.astype(np.float32).astype(np.float64)
+    first = rig.clips[0]
+    track = Track(control, "rotation", "LINEAR", times, values)
+    return replace(rig, clips=(replace(first, tracks=(*first.tracks, track)), *rig.clips[1:]))
+
+
+def off_surface(rig: Rig, clip: Clip, times: Floats) -> float:
+    """How far the rivet is from the middle of its triangle, by the plain evaluation."""
+    node = rig.find("button", "node")
+    mesh = next(m for m in rig.meshes if m.name.startswith("Skin") or "Skin" in m.name)
+    world = pose.worlds(rig, pose.locals_at(rig, clip, times))
+    points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, clip, times))
+    middle = points[:, np.array(rig.notes[node]["vertices"], dtype=np.int64)].mean(axis=1)
+    return float(np.linalg.norm(world[:, node, 3, :3] - middle, axis=-1).max())
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_rivets_and_readers_follow_what_controls_make_of_the_joints(kind: str, tmp_path: Path) -> None:
+    source, joint, mesh = source_of(kind, tmp_path)
+    ready, once, twice = (tmp_path / f"{name}.{kind}" for name in ("ready", "once", "twice"))
+    edit(source, ready, lambda rig, report: turned(built(rig, joint, mesh, report), joint))
+    edit(ready, once, lambda rig, report: bake(rig, options=Options(), report=report))
+    edit(once, twice, lambda rig, report: bake(rig, options=Options(), report=report))
+    assert once.read_bytes() == twice.read_bytes()
+    rig = read(once).rig
+    clip = timelines(rig)[0].clip
+    times = np.linspace(0.0, 1.0, 9) * rig.per_second
+    assert off_surface(rig, clip, times) < 3e-5
+    weights = next(t for t in clip.tracks if t.path == "weights")
+    plain = read(source).rig
+    at_rest = plain.world[plain.find(joint)]
+    for time, angle in ((0.0, 0.0), (0.5, 0.5), (1.0, 0.8)):
+        axis = np.array([0.0, 1.0, 0.0]) @ at_rest[:3, :3]
+        cosine = max(0.0, float(np.sin(angle) * axis[1] + np.cos(angle) * -axis[0]))
+        assert_allclose(pose.sample(weights, [time * rig.per_second])[0, 0], cosine, atol=2e-4)
+
+
+def test_what_is_constrained_to_a_rivet_follows_where_the_rivet_comes_to(tmp_path: Path) -> None:
+    source, joint, mesh = source_of("glb", tmp_path)
+    rig = built(read(source).rig, joint, mesh, Report())
+    rig = constrain(
+        rig, options=ConstrainOptions(kind="parent", child="pin", drivers=(("button", 1.0),)), report=Report()
+    )
+    before = rig.world[rig.find("pin")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
+    baked = bake(turned(rig, joint), options=Options())
+    clip = baked.clips[0]
+    times = np.linspace(0.0, 1.0, 9)
+    world = pose.worlds(baked, pose.locals_at(baked, clip, times))
+    pin, button = baked.find("pin"), baked.find("button", "node")
+    assert np.abs(world[:, button] - world[0, button]).max() > 0.1
+    assert_allclose(world[:, pin], before @ world[:, button], atol=1e-3)  # between keys: both are thinned
+    keys = next(t for t in clip.tracks if t.node == pin).times
+    world = pose.worlds(baked, pose.locals_at(baked, clip, keys))
+    assert_allclose(world[:, pin], before @ world[:, button], atol=5e-5)
+
+
+def test_a_joint_that_follows_a_rivet_on_its_own_mesh_is_a_circle(tmp_path: Path) -> None:
+    source, joint, mesh = source_of("glb", tmp_path)
+    rig = built(read(source).rig, joint, mesh, Report())
+    rig = constrain(
+        rig,
+        options=ConstrainOptions(
+            kind="point", child="upper", drivers=(("button", 1.0),), maintain_offset=False
+        ),
+        report=Report(),
+    )
+    with pytest.raises(GeometryError, match=r"button.*circle"):
+        bake(turned(rig, joint), options=Options())
+
+
+def test_a_rivet_whose_mesh_is_gone_keeps_its_keys_and_is_told(tmp_path: Path) -> None:
+    source, joint, mesh = source_of("glb", tmp_path)
+    rig = turned(built(read(source).rig, joint, mesh, Report()), joint)
+    rivet = rig.find("button", "node")
+    rig = replace(rig, notes={**rig.notes, rivet: {**rig.notes[rivet], "mesh": "Coat"}})
+    report = Report()
+    baked = bake(rig, options=Options(), report=report)
+    assert [notice.code for notice in report.warnings] == ["follower-kept"]
+    was = [t for t in rig.clips[0].tracks if t.node == rivet]
+    assert [t for t in baked.clips[0].tracks if t.node == rivet] == was
+
+
+def test_the_seat_is_that_of_the_rivet_not_of_its_number(tmp_path: Path) -> None:
+    source, joint, mesh = source_of("glb", tmp_path)
+    rig = built(read(source).rig, joint, mesh, Report())
+    node = rig.find("button", "node")
+    note = dict(rig.notes[node])
+    baked = bake(turned(rig, joint), options=Options())
+    assert dict(baked.notes[node]) == note
+    seat = Carried(baked, baked.meshes[0], np.array(note["vertices"])).at_rest().mean(axis=0)
+    assert_allclose(baked.world[node, 3, :3], seat, atol=1e-6)

@@ -1,0 +1,72 @@
+"""Two-bone IK with poles agrees with Blender's own, over the frames of clips."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from engines import blender_limbs
+from places import SAMPLES, asset_files
+from test_bake import WHOLE, stored
+
+from rigtri import pose
+from rigtri.formats import Options as ReadOptions
+from rigtri.formats import read
+from rigtri.ops.bake import Options, bake
+from rigtri.ops.controls import add_controls
+from rigtri.solve.at_work import keyed_in, size_of
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.ik import Ik
+from rigtri.solve.posed import Posed, sampled
+from rigtri.timelines import timelines
+from rigtri.trigonometry import Floats
+
+MOMENTS = 60
+# Of the size: Blender's solver is iterative, and float32. docs/exactness.md has what was measured.
+NEAR, USUALLY = 3e-4, 3e-5
+REAL = ("kaykit_Barbarian.glb", "raylib_robot.glb")
+FILES = [SAMPLES / "biped.glb", *(path for path in asset_files(".glb") if path.name in REAL)]
+
+
+def job(limb: Ik, posed: Posed) -> dict[str, object]:
+    """A limb at rest and in all frames, as blender_limbs.py takes it."""
+    root, middle, end = (limb.reference.world[node, 3, :3].tolist() for node in limb.limb.chain)
+    places = [
+        rows(posed.world(limb.limb.chain[0])[:, 3, :3]),
+        rows(posed.world(limb.limb.control)[:, 3, :3]),
+        rows(limb.place(posed)),
+    ]
+    told = [place.tolist() for place in places]
+    words = ("root", "target", "pole")
+    frames = [dict(zip(words, each, strict=True)) for each in zip(*told, strict=True)]
+    pole = limb.reference.world[limb.limb.pole, 3, :3].tolist()
+    return {"rest": {"root": root, "middle": middle, "end": end, "pole": pole}, "frames": frames}
+
+
+def rows(places: Floats) -> Floats:
+    return np.broadcast_to(places, (MOMENTS, 3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_limbs_come_to_where_blender_puts_them(path: Path, tmp_path: Path) -> None:
+    rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))
+    up = bake(rig, options=Options(to="controls"))
+    timeline = timelines(up)[0]
+    solver = Solver(up, keyed_in(up, timeline))
+    times = pose.key_times(timeline.clip)
+    moving = sampled(up, timeline.clip, np.linspace(times[0], times[-1], MOMENTS))
+    # What FK controls hold below IK is no matter of the solver.
+    below = {fk.own.control for limb in solver.limbs for fk in limb.fk.values()}
+    posed = solver.run({node: parts for node, parts in moving.items() if node not in below})
+    limbs = tmp_path / "limbs.json"
+    limbs.write_text(json.dumps([job(limb, posed) for limb in solver.limbs]))
+    (theirs,) = blender_limbs(limbs, folder=tmp_path)
+    assert len(theirs) == len(solver.limbs) > 0
+    for limb, found in zip(solver.limbs, theirs, strict=True):
+        mine = np.stack([rows(posed.world(node)[:, 3, :3]) for node in limb.limb.chain[1:]], axis=1)
+        apart = np.linalg.norm(mine - np.array(found), axis=-1) / size_of(up)
+        assert apart.max() < NEAR
+        assert np.median(apart) < USUALLY

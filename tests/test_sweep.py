@@ -1,0 +1,146 @@
+"""strip leaves nothing of ours behind in glTF, and takes nothing that was there before."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builds import STEPS, Step, everything
+from gltf_files import Builder, glb_json
+from morphs import arm
+
+from rigtri import verify
+from rigtri.formats import read
+from rigtri.formats.gltf.references import used_accessors
+from rigtri.ops import posereader, rivet
+from rigtri.ops.mirror import Options as Mirroring
+from rigtri.ops.mirror import mirror
+from rigtri.ops.orient import Options as Orienting
+from rigtri.ops.orient import orient_joints
+from rigtri.ops.strip import strip
+from rigtri.pipeline import edit
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+
+def _mirror(rig: Rig, report: Report) -> Rig:
+    return mirror(rig, options=Mirroring(from_side="left"), report=report)
+
+
+def _orient(rig: Rig, report: Report) -> Rig:
+    return orient_joints(rig, options=Orienting(), report=report)
+
+
+def _strip(rig: Rig, report: Report) -> Rig:
+    return strip(rig, report=report)
+
+
+def _reader(rig: Rig, report: Report) -> Rig:
+    goal = posereader.Goal("side", direction=(-0.3, 0.8, 0.1))
+    wanted = posereader.Options(driver="lower", targets=(goal,), morphs=(("side", "Skin", "bulge"),))
+    return posereader.add_posereader(rig, options=wanted, report=report)
+
+
+def _rivet(name: str) -> Step:
+    def step(rig: Rig, report: Report) -> Rig:
+        wanted = rivet.Options(mesh="Skin", triangles=(0,), names=(name,))
+        return rivet.add_rivet(rig, options=wanted, report=report)
+
+    return step
+
+
+def run(source: Path, *steps: Step) -> Path:
+    """The last of the files that steps make, one after the other, each from a file of its own."""
+    for number, step in enumerate(steps):
+        target = source.with_name(f"{number}_{source.name}")
+        edit(source, target, step, overwrite=True)
+        source = target
+    return source
+
+
+def unused(path: Path) -> set[int]:
+    gltf = glb_json(path)
+    return set(range(len(gltf["accessors"]))) - set(used_accessors(gltf))
+
+
+def _mixed(samples: Path, folder: Path) -> tuple[Path, Path]:
+    """A character, and the same with everything built in, in many runs, and its axes changed between them."""
+    (folder / "in.glb").write_bytes((samples / "biped.glb").read_bytes())
+    steps = [STEPS[name] for name in ("controls", "split weights", "limbs", "poles")]
+    return folder / "in.glb", run(folder / "in.glb", *steps[:2], _orient, *steps[2:], _mirror)
+
+
+def test_after_axes_have_changed_between_builds_nothing_of_ours_is_left(
+    samples: Path, tmp_path: Path
+) -> None:
+    source, built = _mixed(samples, tmp_path)
+    bare = tmp_path / "bare.glb"
+    edit(built, bare, _strip)
+    gltf = glb_json(bare)
+    ours = {k for k, view in enumerate(gltf["bufferViews"]) if view.get("name") == "rigtri"}
+    assert not [k for k in unused(bare) if gltf["accessors"][k]["bufferView"] in ours]
+    reference = tmp_path / "reference.glb"
+    (tmp_path / "plain").mkdir()
+    (tmp_path / "plain" / "in.glb").write_bytes(source.read_bytes())
+    reference.write_bytes(run(tmp_path / "plain" / "in.glb", _orient, _mirror).read_bytes())
+    # The inverse binds that the source had, which nobody uses any more, stay: 23 matrices, and their JSON.
+    assert bare.stat().st_size - reference.stat().st_size < 23 * 64 * 2
+    measured = verify(read(reference), read(bare))
+    assert measured.deviation <= 1e-6
+    assert not measured.lost
+
+
+@pytest.mark.parametrize("first", ["controls", "split weights"])
+def test_what_several_runs_have_replaced_goes_and_what_others_left_unused_stays(
+    samples: Path, first: str, tmp_path: Path
+) -> None:
+    source = tmp_path / "in.glb"
+    builder = arm()
+    builder.accessor([[1.0, 2.0, 3.0]])  # nobody uses it
+    builder.glb(source)
+    assert len(unused(source)) == 1
+    built = run(source, _rivet("one"), _reader, _rivet("one"))
+    bare = tmp_path / "bare.glb"
+    edit(built, bare, _strip)
+    assert bare.read_bytes() == source.read_bytes()
+    biped = tmp_path / "biped.glb"
+    biped.write_bytes((samples / "biped.glb").read_bytes())
+    built = run(biped, STEPS[first], everything, STEPS["twist"])
+    edit(built, bare, _strip, overwrite=True)
+    assert bare.read_bytes() == biped.read_bytes()
+
+
+def _silent(builder: Builder) -> Builder:
+    """The builder with samplers that do not say how they move: LINEAR is the default."""
+    for animation in builder.gltf["animations"]:
+        for sampler in animation["samplers"]:
+            sampler.pop("interpolation")
+            sampler["extras"] = {"of": "another tool"}
+    return builder
+
+
+def test_a_sampler_that_does_not_say_how_it_moves_never_does(tmp_path: Path) -> None:
+    source = _silent(arm()).glb(tmp_path / "in.glb")
+    built, bare = run(source, _reader), tmp_path / "bare.glb"
+    samplers: list[dict[str, Any]] = glb_json(built)["animations"][0]["samplers"]
+    assert [set(sampler) for sampler in samplers] == [{"input", "output", "extras"}] * 2
+    edit(built, bare, _strip)
+    assert bare.read_bytes() == source.read_bytes()
+
+
+def test_views_that_are_left_out_in_the_middle_leave_all_others_their_numbers(
+    samples: Path, tmp_path: Path
+) -> None:
+    _, built = _mixed(samples, tmp_path)
+    before, bare = read(built), tmp_path / "bare.glb"
+    outcome = edit(built, bare, _strip)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= 1e-6
+    after = read(bare)
+    for old, new in zip(before.rig.clips, after.rig.clips, strict=True):
+        known = {(before.rig.names[t.node], t.path): t for t in old.tracks if t.node not in before.rig.own}
+        found = {(after.rig.names[t.node], t.path): t for t in new.tracks}
+        assert known.keys() == found.keys()
+        assert all((known[key].values == found[key].values).all() for key in known)
+    assert not after.rig.own

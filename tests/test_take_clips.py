@@ -1,0 +1,497 @@
+"""take-clips: the motion of an edited file comes home, and nothing else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from morphs import arm
+from places import SAMPLES, asset_files, leave_out_refused, sample_files
+
+from rigtri import pose
+from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.following import factored
+from rigtri.formats import read
+from rigtri.matrices import inverse
+from rigtri.matrices import multiply as matrices
+from rigtri.ops.orient import orient_joints
+from rigtri.ops.take_clips import Options, take_clips
+from rigtri.pipeline import edit
+from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.records import Clip, Track, key_values
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+BIPED = SAMPLES / "biped.glb"
+# Of the size of a character two metres high; float32 matrices between.
+CLOSE = 1e-6
+
+
+def rig_of(path: Path = BIPED) -> Rig:
+    return read(path).rig
+
+
+def notices(report: Report) -> list[str]:
+    return [notice.code for notice in report.warnings]
+
+
+def with_tracks(rig: Rig, clip: str, changed: Callable[[Track], Track | None]) -> Rig:
+    """The rig with the tracks of a clip changed, or left out."""
+
+    def kept(found: Clip) -> Clip:
+        tracks = tuple(now for track in found.tracks if (now := changed(track)) is not None)
+        return replace(found, tracks=tracks) if found.name == clip else found
+
+    return replace(rig, clips=tuple(map(kept, rig.clips)))
+
+
+def turned_key(rig: Rig, joint: str, clip: str = "walk", key: int = 3, angle: float = 0.4) -> Rig:
+    """The rig with one rotation key of a joint turned about an axis of its own."""
+    node, turn = rig.find(joint), from_axis_angle([1.0, 2.0, 3.0], angle)
+
+    def changed(track: Track) -> Track:
+        if (track.node, track.path) != (node, "rotation"):
+            return track
+        values = track.values.copy()
+        if track.interpolation == "CUBICSPLINE":
+            values[key, 1] = multiply(values[key, 1], turn)
+        else:
+            values[key] = multiply(values[key], turn)
+        return replace(track, values=values)
+
+    return with_tracks(rig, clip, changed)
+
+
+def places(rig: Rig, clip: str, times: Floats) -> dict[str, Floats]:
+    world = pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), times))
+    return {rig.names[node]: world[:, node, 3, :3] for node in np.flatnonzero(rig.is_joint)}
+
+
+def apart(a: Rig, b: Rig, clip: str, scale: float = 1.0) -> float:
+    """How far joints of one name are apart, at all keys and between."""
+    keys = pose.key_times(a.clip(clip))
+    times = np.unique(np.concatenate([keys, (keys[1:] + keys[:-1]) / 2.0]))
+    mine, its = places(a, clip, times), places(b, clip, times)
+    return max(float(np.abs(mine[name] - its[name] * scale).max()) for name in mine if name in its)
+
+
+def in_metal(rig: Rig) -> Rig:
+    """The rig as another program has it: centimetres, z up, another order, a node above all."""
+    turn = from_axis_angle([1.0, 0.0, 0.0], np.pi / 2.0)
+    skins = []
+    for skin in rig.skins:
+        bind = skin.inverse_bind.copy()
+        bind[:, 3, :3] *= 100.0
+        skins.append(replace(skin, inverse_bind=bind))
+
+    def larger(track: Track) -> Track:
+        return replace(track, values=track.values * 100.0) if track.path == "translation" else track
+
+    clips = tuple(replace(clip, tracks=tuple(map(larger, clip.tracks))) for clip in rig.clips)
+    rig = replace(rig, translation=rig.translation * 100.0, skins=tuple(skins), clips=clips)
+    above = rig.with_nodes(["Armature"], [-1], np.zeros((1, 3)), turn[np.newaxis])
+    parents = np.where(above.parents < 0, len(rig), above.parents)
+    parents[-1] = -1
+    order: list[int] = [len(rig)]
+    for node in order:  # it grows as it is walked: level by level, children from last to first
+        order += [k for k in range(len(rig) - 1, -1, -1) if parents[k] == node]
+    return replace(above, parents=parents).reordered(order)
+
+
+FILES = [
+    *(pytest.param(path, id=path.name) for path in sample_files()),
+    *(pytest.param(path, id=path.name, marks=pytest.mark.slow) for path in asset_files()),
+]
+
+
+@pytest.mark.parametrize("path", FILES)
+def test_a_file_takes_nothing_from_itself_nor_from_itself_with_other_axes(path: Path) -> None:
+    try:
+        rig = rig_of(path)
+        turned = orient_joints(rig)
+    except (FileError, GeometryError) as error:
+        leave_out_refused(path, error)
+    if not rig.clips or not any(rig.names):
+        with pytest.raises(GeometryError):
+            take_clips(rig, turned)
+        return
+    for edited in (rig, turned):
+        report = Report()
+        assert take_clips(rig, edited, report=report) is rig
+        assert not report.reposed
+        assert not {"sampled", "other-proportions", "no-such-node"} & set(notices(report))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_key_that_was_moved_under_other_axes_comes_home_alone(name: str) -> None:
+    rig = rig_of(SAMPLES / name)
+    edited = turned_key(orient_joints(rig), "forearm_L")
+    home = take_clips(rig, edited)
+    assert apart(home, edited, "walk") < CLOSE
+    assert apart(home, rig, "walk") > 0.01
+    changed = [
+        (rig.names[now.node], now.path)
+        for clip, before in zip(home.clips, rig.clips, strict=True)
+        for now, was in zip(clip.tracks, before.tracks, strict=True)
+        if now is not was
+    ]
+    assert changed == [("forearm_L", "rotation")]
+
+
+def test_lines_and_splines_stay_what_they_are() -> None:
+    rig = rig_of()
+    for clip, joint, way in (("walk", "thigh_L", "LINEAR"), ("wave", "forearm_R", "CUBICSPLINE")):
+        edited = turned_key(orient_joints(rig), joint, clip)
+        home = take_clips(rig, edited)
+        node = rig.find(joint)
+        (now,) = (t for t in home.clip(clip).tracks if (t.node, t.path) == (node, "rotation"))
+        (was,) = (t for t in rig.clip(clip).tracks if (t.node, t.path) == (node, "rotation"))
+        assert now.interpolation == way
+        assert now.times is was.times
+        # Also halfway between the keys, so the tangents came along.
+        assert apart(home, edited, clip) < CLOSE
+        assert apart(home, rig, clip) > 0.01
+
+
+def test_unit_up_order_and_a_node_above_all_make_no_difference() -> None:
+    rig = rig_of()
+    report = Report()
+    assert take_clips(rig, in_metal(rig), report=report) is rig
+    assert notices(report) == []
+    edited = in_metal(turned_key(rig, "thigh_L"))
+    home = take_clips(rig, edited)
+    wanted = turned_key(rig, "thigh_L")
+    assert apart(home, wanted, "walk") < CLOSE
+    # And the other way round: a rig in centimetres takes from one in metres.
+    large = in_metal(rig)
+    assert take_clips(large, rig) is large
+    assert apart(take_clips(large, wanted), edited, "walk") < 100.0 * CLOSE
+
+
+def test_a_bind_pose_where_ours_rests_in_a_pose_is_no_motion() -> None:
+    rig = rig_of()
+    bind = pose.bind_worlds(rig, rig.skins[0])
+    posed = rig.rotation.copy()
+    arm = rig.find("upper_arm_L")
+    posed[arm] = multiply(posed[arm], from_axis_angle([0.0, 0.0, 1.0], 1.0))
+    ours = replace(rig, rotation=posed)
+    assert np.abs(ours.world[arm] - bind[arm]).max() > 0.1
+    assert take_clips(ours, rig) is ours
+    # A new clip that leaves the arm at EDITED's rest must not leave it at ours.
+    hips = rig.find("hips")
+    track = Track(
+        hips, "translation", "LINEAR", np.array([0.0, 1.0]), rig.translation[[hips, hips]] + [[0], [1]]
+    )
+    home = take_clips(ours, replace(rig, clips=(Clip("jump", (track,)),)))
+    made = replace(rig, clips=(Clip("jump", (track,)),))
+    assert apart(home, made, "jump") < CLOSE
+
+
+def test_frames_of_a_dcc_are_no_change_where_it_interpolates_number_by_number() -> None:
+    rig = rig_of()
+
+    def framed(track: Track) -> Track:
+        if len(track.times) < 2 or track.interpolation != "LINEAR":
+            return track
+        times = np.arange(0.0, float(track.times[-1]) + 1e-6, 1.0 / 24.0)
+        values = np.stack([np.interp(times, track.times, column) for column in track.values.T], axis=1)
+        if track.path == "rotation":
+            values /= np.linalg.norm(values, axis=1, keepdims=True)
+        return replace(track, times=times, values=values, key=None)
+
+    framed_rig = with_tracks(rig, "walk", framed)
+    assert max(len(t.times) for t in framed_rig.clip("walk").tracks) == 25
+    assert take_clips(rig, framed_rig) is rig
+    edited = turned_key(framed_rig, "shin_R", key=10)
+    home = take_clips(rig, edited)
+    changed = [t for t in home.clip("walk").tracks if all(t is not was for was in rig.clip("walk").tracks)]
+    assert [(rig.names[t.node], len(t.times)) for t in changed] == [("shin_R", 25)]
+
+
+def test_a_key_that_was_taken_out_is_seen() -> None:
+    rig = rig_of()
+    node = rig.find("thigh_L")
+
+    def thinner(track: Track) -> Track:
+        if (track.node, track.path) != (node, "rotation"):
+            return track
+        return replace(track, times=np.delete(track.times, 2), values=np.delete(track.values, 2, axis=0))
+
+    edited = with_tracks(rig, "walk", thinner)
+    home = take_clips(rig, edited)
+    (now,) = (t for t in home.clip("walk").tracks if (t.node, t.path) == (node, "rotation"))
+    assert len(now.times) == 8
+    assert apart(home, edited, "walk") < CLOSE
+
+
+def test_splines_that_came_back_as_frames_stay_unless_their_keys_moved() -> None:
+    rig = rig_of()
+    node = rig.find("forearm_R")
+
+    def framed(by: float) -> Rig:
+        def changed(track: Track) -> Track:
+            if track.node != node or track.interpolation != "CUBICSPLINE":
+                return track
+            times = np.arange(0.0, float(track.times[-1]) + 1e-6, 0.05)
+            straight = Track(node, "rotation", "LINEAR", track.times, key_values(track))
+            values = pose.sample(straight, times)
+            values[10:12] = multiply(values[10:12], from_axis_angle([1.0, 0.0, 0.0], by))
+            return Track(node, "rotation", "LINEAR", times, values)
+
+        return with_tracks(rig, "wave", changed)
+
+    report = Report()
+    assert take_clips(rig, framed(0.0), report=report) is rig
+    assert notices(report) == ["splines-kept"]
+    assert apart(take_clips(rig, framed(1.5)), framed(1.5), "wave") < CLOSE
+
+
+def split(rig: Rig, clip: str, named: Callable[[str], str]) -> Rig:
+    """The rig with a clip for each node of one, named after the node."""
+    found = rig.clip(clip)
+    nodes = dict.fromkeys(track.node for track in found.tracks)
+    parts = tuple(
+        Clip(named(rig.names[node]), tuple(t for t in found.tracks if t.node == node)) for node in nodes
+    )
+    return replace(rig, clips=(*(c for c in rig.clips if c is not found), *parts))
+
+
+@pytest.mark.parametrize("pattern", ["walk_{}", "{}|walk", "walk_{}.001", "{}Action"])
+def test_clips_that_were_split_per_object_are_one_again(pattern: str) -> None:
+    rig = rig_of()
+    edited = split(turned_key(rig, "shin_L"), "walk", pattern.format)
+    report = Report()
+    home = take_clips(rig, edited, report=report)
+    assert [clip.name for clip in home.clips] == [clip.name for clip in rig.clips]
+    assert apart(home, turned_key(rig, "shin_L"), "walk") < CLOSE
+    assert notices(report) == []
+
+
+def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_said_to_be_another() -> None:
+    rig = rig_of()
+    head = rig.find("head")
+    turns = np.stack([rig.rotation[head], multiply(rig.rotation[head], from_axis_angle([1.0, 0, 0], 0.5))])
+    track = Track(head, "rotation", "LINEAR", np.array([0.0, 0.4]), turns)
+    edited = replace(rig, clips=(Clip("headAction", (track,)),))
+    report = Report()
+    assert [c.name for c in take_clips(rig, edited, report=report).clips] == ["walk", "wave", "headAction"]
+    assert notices(report) == ["split-clip"]
+    home = take_clips(rig, edited, options=Options(names={"headAction": "wave"}))
+    assert [c.name for c in home.clips] == ["walk", "wave"]
+    now = [t for t in home.clip("wave").tracks if (t.node, t.path) == (head, "rotation")]
+    np.testing.assert_array_equal(now[0].values, turns)
+    with pytest.raises(NameNotFoundError):
+        take_clips(rig, edited, options=Options(names={"armAction": "wave"}))
+
+
+def test_new_clips_are_added_missing_ones_stay_and_only_those_asked_for_are_taken() -> None:
+    rig = rig_of()
+    edited = turned_key(turned_key(rig, "shin_L"), "forearm_R", "wave")
+    walk = replace(edited.clip("walk"), name="limp", key=None)
+    edited = replace(edited, clips=(walk, edited.clip("wave")))
+    home = take_clips(rig, edited)
+    assert [clip.name for clip in home.clips] == ["walk", "wave", "limp"]
+    assert home.clips[0] is rig.clips[0]
+    assert apart(replace(home, clips=home.clips[2:]), edited, "limp") < CLOSE
+    only = take_clips(rig, edited, options=Options(clips=("lim*",)))
+    assert only.clips[:2] == rig.clips
+    assert len(only.clips) == 3
+    with pytest.raises(NameNotFoundError):
+        take_clips(rig, edited, options=Options(clips=("run",)))
+
+
+def test_controls_have_the_axes_of_what_is_above_them_whatever_frame_was_shown() -> None:
+    """Exporters store what the current frame shows as the rest of a moving node."""
+    rig = rig_of()
+    with_locator = rig.with_nodes(["locator"], [0], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    node = len(rig)
+    times, values = np.array([0.0, 1.0]), np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    track = Track(node, "translation", "LINEAR", times, values)
+    ours = replace(with_locator, clips=(Clip("walk", (track,)),))
+    shown = ours.translation.copy()
+    shown[node] = [0.0, 0.7, 0.0]
+    rotation = ours.rotation.copy()
+    rotation[node] = from_axis_angle([1.0, 1.0, 0.0], 1.0)
+    turning = Track(node, "rotation", "STEP", times[:1], ours.rotation[[node]])
+    edited = replace(ours, translation=shown, rotation=rotation, clips=(Clip("walk", (track, turning)),))
+    assert take_clips(ours, edited) is ours
+
+
+def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
+    rig = turned_key(rig_of(), "chest")
+    head, hips = rig.find("head"), rig.find("hips")
+    assert rig.parents[head] != hips
+    # EDITED has the head below the hips, with keys that keep its motion.
+    clip = rig.clip("walk")
+    times = np.linspace(0.0, 1.0, 97)
+    world = pose.worlds(rig, pose.locals_at(rig, clip, times))
+    parts = factored(matrices(world[:, head], inverse(world[:, hips])))
+    still = factored(matrices(rig.world[head], inverse(rig.world[hips]))[np.newaxis])
+    parents, translation, rotation = rig.parents.copy(), rig.translation.copy(), rig.rotation.copy()
+    parents[head], translation[head], rotation[head] = hips, still.translation[0], still.rotation[0]
+    own = (
+        Track(head, "translation", "LINEAR", times, parts.translation),
+        Track(head, "rotation", "LINEAR", times, parts.rotation),
+    )
+    tracks = (*(t for t in clip.tracks if t.node != head), *own)
+    edited = replace(
+        rig, parents=parents, translation=translation, rotation=rotation, clips=(Clip("walk", tracks),)
+    )
+    report = Report()
+    home = take_clips(rig_of(), edited, report=report)
+    assert "other-parents" in notices(report)
+    mine, its = places(home, "walk", times), places(edited, "walk", times)
+    assert np.abs(mine["head"] - its["head"]).max() < 1e-5
+
+
+def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:
+    rig = rig_of(arm().glb(tmp_path / "arm.glb"))
+    other = arm()
+    other.gltf["meshes"][0]["extras"]["targetNames"] = ["other", "bulge"]
+    edited = rig_of(other.glb(tmp_path / "other.glb"))
+    clip = edited.clips[0]
+    assert take_clips(rig, rig) is rig
+    home = take_clips(rig, edited)
+    (was,) = (t for t in clip.tracks if t.path == "weights")
+    (now,) = (t for t in home.clips[0].tracks if t.path == "weights")
+    np.testing.assert_array_equal(now.values, was.values[:, ::-1])
+    fewer = arm()
+    fewer.gltf["meshes"][0]["extras"]["targetNames"] = ["bulge", "smile"]
+    half = take_clips(rig, rig_of(fewer.glb(tmp_path / "fewer.glb")))
+    assert half is rig  # bulge moves as before, and other as ours
+    nameless = arm()
+    del nameless.gltf["meshes"][0]["extras"]
+    report = Report()
+    assert take_clips(rig, rig_of(nameless.glb(tmp_path / "nameless.glb")), report=report) is rig
+    assert notices(report) == []
+
+
+def test_what_has_no_motion_or_no_common_name_is_an_error() -> None:
+    rig = rig_of()
+    with pytest.raises(GeometryError, match="no clips"):
+        take_clips(rig, replace(rig, clips=()))
+    other = replace(rig, names=tuple(f"x{k}" for k in range(len(rig))))
+    with pytest.raises(GeometryError, match=r"'x0', 'x1'.*'biped', 'hips'"):
+        take_clips(rig, other)
+    twice = replace(rig, clips=(rig.clips[0], rig.clips[0]))
+    with pytest.raises(AmbiguousNameError):
+        take_clips(twice, rig)
+
+
+def test_a_clip_of_no_length_changes_none_that_has_one() -> None:
+    rig = rig_of()
+
+    def first(track: Track) -> Track:
+        return replace(track, times=track.times[:1], values=track.values[:1] * 0.5, key=None)
+
+    report = Report()
+    edited = with_tracks(rig, "walk", first)
+    assert take_clips(rig, edited, options=Options(clips=("walk",)), report=report) is rig
+    assert notices(report) == ["no-length"]
+
+
+def test_nodes_of_one_name_are_told_apart_by_their_paths_or_left_out_by_name() -> None:
+    rig = rig_of()
+    names = list(rig.names)
+    names[rig.find("shin_L")] = "hand_L"
+    ours = replace(rig, names=tuple(names))
+    edited = turned_key(rig, "shin_L")
+    edited = replace(edited, names=tuple(names))
+    report = Report()
+    home = take_clips(ours, edited, report=report)
+    assert apart(replace(home, names=rig.names), turned_key(rig, "shin_L"), "walk") < CLOSE
+    assert notices(report) == []
+    # With another name above both, no path tells.
+    names[0] = "Scene"
+    others = tuple(names)
+    assert take_clips(ours, replace(rig, names=others)) is ours
+    home = take_clips(ours, replace(edited, names=others), report=report)
+    assert "unclear-names" in notices(report)
+    shins = [node for node, name in enumerate(ours.names) if name == "hand_L"]
+    assert all(now is was for now, was in zip(_of(home, shins), _of(ours, shins), strict=True))
+
+
+def _of(rig: Rig, nodes: list[int]) -> list[Track]:
+    return [track for clip in rig.clips for track in clip.tracks if track.node in nodes]
+
+
+def test_keys_that_were_left_out_stay_with_a_notice() -> None:
+    rig = rig_of()
+    node = rig.find("shin_L")
+    report = Report()
+    edited = with_tracks(rig, "walk", lambda t: None if t.node == node else t)
+    assert take_clips(rig, edited, report=report) is rig
+    assert notices(report) == ["kept-keys"]
+
+
+@pytest.mark.parametrize(("ours", "theirs"), [("biped.glb", "biped.usda"), ("biped.usda", "biped.glb")])
+def test_gltf_and_usd_take_from_each_other(ours: str, theirs: str, tmp_path: Path) -> None:
+    document = read(SAMPLES / theirs)
+    assert take_clips(rig := rig_of(SAMPLES / ours), document.rig, options=Options(clips=("walk",))) is rig
+    edited = turned_key(document.rig, "shin_L")
+
+    def step(rig: Rig, report: Report) -> Rig:
+        return take_clips(rig, edited, options=Options(clips=("walk",)), report=report)
+
+    target = tmp_path / ours
+    outcome = edit(SAMPLES / ours, target, step)
+    assert outcome.verification is not None
+    home = rig_of(target)
+    seconds = home.per_second / edited.per_second
+    times = pose.key_times(edited.clip("walk"))
+    mine, its = places(home, "walk", times * seconds), places(edited, "walk", times)
+    both = mine.keys() & its.keys()
+    assert len(both) >= 22
+    assert max(np.abs(mine[name] - its[name]).max() for name in both) < 1e-5
+
+
+def test_several_clips_for_a_usd_file_are_chosen_or_refused() -> None:
+    rig, edited = rig_of(SAMPLES / "biped.usda"), rig_of()
+    report = Report()
+    take_clips(rig, edited, report=report)
+    assert notices(report) == ["one-clip"]
+    others = tuple(replace(clip, name=f"my {clip.name}") for clip in edited.clips)
+    with pytest.raises(UsageError, match="--clip"):
+        take_clips(rig, replace(edited, clips=others))
+    assert take_clips(rig, replace(edited, clips=others), options=Options(clips=("my walk",))) is rig
+
+
+def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(app: click.Group, tmp_path: Path) -> None:
+    turned, out, report = tmp_path / "turned.glb", tmp_path / "out.glb", tmp_path / "report.json"
+    edit(BIPED, turned, lambda rig, report: orient_joints(rig, report=report))
+    words = ["take-clips", str(BIPED), "--from", str(turned), "-o", str(out), "--report", str(report)]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
+    assert "nothing was taken" in result.output
+    assert out.read_bytes() == BIPED.read_bytes()
+    added = json.loads(report.read_text("utf-8"))["added"]
+    assert [(entry["clip"], entry["tracks"], entry["new"]) for entry in added] == [
+        ("walk", 0, False),
+        ("wave", 0, False),
+    ]
+
+
+def test_the_program_writes_the_motion_and_a_second_run_changes_no_byte(
+    app: click.Group, tmp_path: Path
+) -> None:
+    edited, out, again = (tmp_path / name for name in ("edited.glb", "out.glb", "again.glb"))
+    edit(BIPED, edited, _edited_step)
+    for source, target in ((BIPED, out), (out, again)):
+        words = ["take-clips", str(source), "--from", str(edited), "-o", str(target)]
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 0, result.output
+    assert apart(rig_of(out), rig_of(edited), "walk") < CLOSE
+    assert again.read_bytes() == out.read_bytes()
+    assert CliRunner().invoke(app, [*words, "--overwrite", "--as", "walk"]).exit_code == 2
+
+
+def _edited_step(rig: Rig, report: Report) -> Rig:
+    report.reposed = True
+    return turned_key(orient_joints(rig, report=report), "shin_L")
