@@ -278,8 +278,6 @@ def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
     """``final``, if a result of ``path`` may be written there."""
     if final.is_dir():
         raise UsageError(f"{final} is a folder; give the name of the output file")
-    if final.exists() and not final.is_file():
-        raise UsageError(f"{final} is a device or a pipe; give the name of a plain file, or - for the output")
     if not final.suffix:
         raise UsageError(f"{final} has no suffix; the output's format is the input's: {path.suffix}")
     if final.exists() and not overwrite:
