@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
 from rigtri.compare import Source
@@ -15,13 +15,14 @@ from rigtri.scenery import Scenery
 class Intended:
     """What a document shows, moved as another rig of the same nodes moves it; ``after`` is the result.
 
-    redrawn: nodes of ours whose lines are others on purpose.
+    redrawn: nodes of ours whose lines are others on purpose. keys: of the document's nodes in the result.
     """
 
     document: Source
     rig: Rig
     after: Source
     redrawn: frozenset[int] = frozenset()
+    keys: tuple[Hashable, ...] = ()
 
     def meshes(self) -> Sequence[Mesh]:
         return self.document.meshes()
@@ -35,25 +36,30 @@ class Intended:
             return found
         now = self.after.scenery(closely=closely).nodes
         place = {key: node for node, key in enumerate(self.after.rig.keys)}
-        lines = {node: now.get(place.get(self.rig.keys[node], -1), {}) for node in self.redrawn}
+        lines = {node: now.get(place.get(self.keys[node], -1), {}) for node in self.redrawn}
         return replace(found, nodes={**found.nodes, **lines})
 
 
 def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> Source:
     """The document, as the edit to ``rig`` means it; reposed: what it shows is to move as ``rig`` does."""
     before = document.rig
-    redrawn = frozenset(node for node in rig.shapes if node < len(before) and rig.keys[node] is not None)
-    keyed = before if rig.names[: len(before)] == before.names else _keyed(before, rig, after.rig)
+    old = {key: node for node, key in enumerate(before.keys)}
+    redrawn = frozenset(old[rig.keys[node]] for node in rig.shapes if rig.keys[node] in old)
+    keyed = _keyed(before, rig, after.rig)
     if keyed is before and not redrawn and not reposed:
         return document
-    return Intended(document, rig if reposed else keyed, after, redrawn)
+    return Intended(document, rig if reposed else keyed, after, redrawn, keyed.keys)
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
-    """The rig that was read, with the keys of the result where names have changed, and keys are names."""
+    """The rig that was read, with the result's keys of renamed nodes of ours: keys may be names."""
+    new = {key: node for node, key in enumerate(rig.keys) if key is not None}
+    ours = [node for node in before.own if before.keys[node] in new]
+    renamed = [node for node in ours if rig.names[new[before.keys[node]]] != before.names[node]]
+    if not renamed:
+        return before
     places = {after.path(node): key for node, key in enumerate(after.keys)}
-    keys = [
-        key if rig.path(node) == before.path(node) else places.get(rig.path(node), key)
-        for node, key in enumerate(before.keys)
-    ]
+    keys = list(before.keys)
+    for node in ours:  # also those below a node that was renamed
+        keys[node] = places.get(rig.path(new[before.keys[node]]), keys[node])
     return replace(before, keys=tuple(keys))
