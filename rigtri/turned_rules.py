@@ -1,4 +1,4 @@
-"""Rules by which nodes follow others, told in turned frames.
+"""Rules by which nodes follow others, and what pose readers look for, told in turned frames.
 
 With row matrices, C of the child, D of a driver and the parent's P: where ``world' = C·world``, an
 offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local rotations
@@ -10,7 +10,7 @@ Source: derived from `rigtri.rules`; docs/exactness.md.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -35,7 +35,44 @@ def turned_notes(rig: Rig, turn: Floats) -> Mapping[int, Mapping[str, Any]]:
         if _touched(rig, rule, turn) and not _lost(rig, rule, turn):
             told = note_of(rig, _turned(rig, rule, turn))
             notes[node] = {**notes[node], **{key: told[key] for key in _TURNED if key in told}}
+    for node, note in rig.notes.items():
+        if note.get("type") == "poseReader":
+            notes[node] = _turned_reader(rig, note, turn)
+        elif note.get("type") == "twist" and "axis" in note:
+            joint = rig.known(note.get("joint"))
+            notes[node] = note if joint is None else {**note, "axis": _seen(note["axis"], _of(turn, joint))}
     return notes
+
+
+def _seen(vector: Sequence[float], own: Floats) -> list[float]:
+    """A vector of a node's axes, seen from its new ones; the very numbers where it does not turn."""
+    if not (own != IDENTITY).any():
+        return list(vector)
+    return [float(x) for x in rotate(conjugate(own), np.array(vector, dtype=np.float64))]
+
+
+def _turned_reader(rig: Rig, note: Mapping[str, Any], turn: Floats) -> Mapping[str, Any]:
+    """What a pose reader looks for, seen from the new axes of its driver and of its frame."""
+    driver, frame = rig.known(note.get("driver")), rig.known(note.get("frame") or None)
+    if driver is None or (frame is None and note.get("frame")):
+        return note
+    own, above = _of(turn, driver), IDENTITY if frame is None else _of(turn, frame)
+    if not ((own != IDENTITY).any() or (above != IDENTITY).any()):
+        return note
+
+    def rotation(values: Sequence[float]) -> list[float]:
+        return [float(x) for x in multiply(conjugate(above), multiply(np.array(values), own))]
+
+    def target(said: Mapping[str, Any]) -> dict[str, Any]:
+        found = dict(said)
+        if "direction" in said:
+            found["direction"] = _seen(said["direction"], above)
+        if "rotation" in said:
+            found["rotation"] = rotation(said["rotation"])
+        return found
+
+    told = {"axis": _seen(note["axis"], own), "targets": [target(said) for said in note["targets"]]}
+    return {**note, **told, **({"rest": rotation(note["rest"])} if "rest" in note else {})}
 
 
 def lost_rules(rig: Rig, turn: Floats) -> list[int]:

@@ -24,6 +24,8 @@ from rigtri.formats import read
 from rigtri.matrices import compose, identity
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
+from rigtri.ops.orient import Options as OrientOptions
+from rigtri.ops.orient import orient_joints
 from rigtri.ops.posereader import Goal, Options, add_posereader
 from rigtri.ops.select import Selection
 from rigtri.pipeline import Outcome, edit
@@ -397,3 +399,50 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> 
         assert all("runs from 0 to 1: its pose is that at 1" in text for text in texts)
         readers.append(next(note for note in out.notes.values() if note["type"] == "poseReader")["targets"])
     assert readers[0] == readers[1]
+
+
+@pytest.mark.parametrize("kind", ["dot", "rbf"])
+def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str, samples: Path) -> None:
+    goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)), Goal(name="b", pose="walk@0.5"))
+    options = Options(driver="forearm_R", targets=goals, reader=kind, mode="both", name="e")  # type: ignore[arg-type]
+    rig = add_posereader(read(samples / "biped.glb").rig, options=options)
+    out = orient_joints(rig, options=OrientOptions())
+    found = []
+    for each in (rig, out):
+        note = next(note for note in each.notes.values() if note["type"] == "poseReader")
+        clip = each.clip("walk")
+        world = pose.worlds(each, pose.locals_at(each, clip, pose.key_times(clip)))
+        driver, frame = (world[:, each.find(note[key])] for key in ("driver", "frame"))
+        found.append(weights(Reader.of_note(note), driver, frame, {}))
+    assert_allclose(found[1], found[0], atol=1e-6)
+    assert np.ptp(found[0]) > 0.01
+
+
+def test_a_morph_target_that_another_reader_drives_is_told(tmp_path: Path) -> None:
+    report = Report()
+    rig = read(arm().glb(tmp_path / "arm.glb")).rig
+    mesh, morph = next((m, m.morph_names[0] if m.morph_names else "0") for m in rig.meshes if len(m.morphs))
+    for name in ("one", "two"):
+        options = Options(
+            driver=rig.names[int(rig.skins[0].joints[-1])],
+            targets=(Goal(name="a", direction=(0.0, 1.0, 0.0)),),
+            morphs=(("a", rig.names[mesh.node], morph),),
+            name=name,
+        )
+        rig = add_posereader(rig, options=options, report=report)
+    assert [notice.code for notice in report.warnings if notice.code == "morph-driven-twice"]
+
+
+def test_a_reader_that_drives_a_morph_no_longer_gives_its_keys_back(tmp_path: Path) -> None:
+    source = read(arm().glb(tmp_path / "arm.glb")).rig
+    mesh = next(m for m in source.meshes if len(m.morphs))
+    goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)),)
+    driving = Options(
+        driver="lower", targets=goals, name="r", morphs=(("a", source.names[mesh.node], "bulge"),)
+    )
+    rig = add_posereader(source, options=driving)
+    rig = add_posereader(rig, options=replace(driving, morphs=()))
+    for was, now in zip(source.clips, rig.clips, strict=True):
+        old, new = (next(t for t in c.tracks if t.path == "weights") for c in (was, now))
+        assert np.array_equal(old.times, new.times)
+        assert_allclose(new.values, old.values, atol=1e-7)

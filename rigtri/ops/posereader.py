@@ -226,6 +226,8 @@ class _Builder:
             if self.options.name:
                 refuse_taken(rig, self.options.name)
             rig, node = add(rig, self.name, parent, self.note)
+        else:
+            rig = self._given_back(rig, node)
         self.note[kept_keys.KEY] = list(rig.notes[node].get(kept_keys.KEY, ()))
         self.rig = rig
         values = self._value_nodes(node)
@@ -250,6 +252,18 @@ class _Builder:
             self.report.driven.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
         self._record(node, counts)
         return self.rig
+
+    def _given_back(self, rig: Rig, node: int) -> Rig:
+        """The rig with the keys back that this reader has replaced, where it drives others from now on."""
+        note = rig.notes[node]
+        wanted = [(output.get("mesh"), output.get("morph")) for output in self.note["outputs"]]
+        had = [(output.get("mesh"), output.get("morph")) for output in note.get("outputs", ())]
+        if set(had) <= set(wanted):
+            return rig
+        rig, driven = kept_keys.restored(rig, [node], self.report)
+        for mesh, columns in driven.items():
+            self.report.driven.setdefault(rig.keys[mesh], set()).update(columns)
+        return noted(rig, node, {key: value for key, value in note.items() if key != kept_keys.KEY})
 
     # --- what the note says
 
@@ -376,7 +390,25 @@ class _Builder:
             if column in drive.columns:
                 raise UsageError(f"morph target '{morph}' of '{name}' can follow one target, not two")
             drive.columns[column] = names.index(target)
+            self._tell_shared(meshes[0], column, morph)
         return list(found.values())
+
+    def _tell_shared(self, mesh: Mesh, column: int, morph: str) -> None:
+        """Warn where another reader drives a morph target too: the keys will be this one's."""
+        for note in self.rig.notes.values():
+            if note.get("type") != "poseReader" or note.get("name") == self.name:
+                continue
+            for output in note.get("outputs", ()):
+                if self.rig.known(output.get("mesh")) == mesh.node and output.get("morph") in (
+                    str(column),
+                    *mesh.morph_names[column : column + 1],
+                ):
+                    self.report.warn(
+                        "morph-driven-twice",
+                        f"Morph target '{morph}' of '{mesh.name}' is driven by reader '{note['name']}' too; "
+                        f"its keys are now those of '{self.name}'",
+                        geometry=True,
+                    )
 
     def _with_morphs(self) -> str:
         """Which meshes have some, for a message."""
