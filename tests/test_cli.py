@@ -424,6 +424,7 @@ UNWORKABLE = [
     (["add-polevector", "--limbs", "auto", "--reach", "nan"], NAN),
     (["add-polevector", "--limbs", "auto", "--distance", "inf"], NAN),
     (["add-controls", "--whole-character", "--size", "1e30"], HUGE),
+    (["constrain", "--type", "parent", "--child", "staff", "--driver", "hand_L=1e308"], HUGE),
     (["add-controls", "--whole-character", "--reach", "nan"], NAN),
     (["mirror", "--plane-at", "nan"], NAN),
     (["add-posereader", "--driver", "hand_L", "--target", "rest", "--fps", "inf"], NAN),

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rigtri.bounds import refuse_unworkable
 from rigtri.dependence import applied, circle, waits_for
 from rigtri.errors import UsageError
 from rigtri.euler import ORDERS, Order, from_angles
@@ -93,6 +94,7 @@ class Options:
         for name, weight in self.drivers:
             if not (isfinite(weight) and weight >= 0):
                 raise UsageError(f"--driver {name}: the weight {weight:g} is none; give a number from 0 on")
+            refuse_unworkable(f"--driver {name}", weight)
         self._check_skip()
         self._check_orient()
         self._check_aim()
