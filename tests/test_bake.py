@@ -10,7 +10,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from places import SAMPLES, asset_files, leave_out_refused
+from places import SAMPLES, asset_files, leave_out_refused, sample_files
 
 from rigtri import pose
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
@@ -284,7 +284,10 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
     assert apart(before, after, "walk", pose.key_times(before.clip("walk"))) < BOUND
 
 
-@pytest.mark.parametrize("path", asset_files(".glb", ".gltf", ".vrm"), ids=lambda path: path.name)
+GLTF_FILES = [*sample_files(".glb", ".gltf"), *asset_files(".glb", ".gltf", ".vrm")]
+
+
+@pytest.mark.parametrize("path", GLTF_FILES, ids=lambda path: path.name)
 def test_real_motion_comes_home(path: Path) -> None:
     try:
         rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))

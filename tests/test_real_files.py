@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from places import ASSETS, FROZEN, NO_LIMB, asset_files, leave_out, leave_out_refused
+from places import ASSETS, FROZEN, NO_LIMB, leave_out, leave_out_refused, real_files
 
 from rigtri.compare import verify
 from rigtri.errors import FileError
@@ -30,7 +30,6 @@ from rigtri.skeleton import reference, skeleton
 from rigtri.triangle import STRAIGHT_SINE, bend_sine, pole_position
 from rigtri.vectors import angle, length, normalise
 
-FILES = asset_files()
 # A result in another folder refers to the layers of its source, which lie outside that folder.
 TRUSTING = ReadOptions(allow_external_paths=True)
 # A limb turned by this much (radians) about its hinge is a little more bent.
@@ -65,7 +64,7 @@ def opened(path: Path) -> Rig:
     return rig
 
 
-@pytest.fixture(params=FILES, ids=name_of)
+@pytest.fixture(params=real_files(), ids=name_of)
 def path(request: pytest.FixtureRequest) -> Any:
     return request.param
 
