@@ -135,10 +135,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     if str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz")):
         refuse_given({"--vrm-constraints": "vrm"}, "means nothing for USD files")
-    run_edit("constrain", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("constrain", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     words = []
     for entry in report.added:
         drivers = ", ".join(f"{name} ({weight:g})" for name, weight in entry["drivers"].items())

@@ -60,10 +60,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     check_streams(str(values["source"]), str(values["edited"]))
     from rigtri.steps.take_clips import step
 
-    run_edit("take-clips", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("take-clips", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     clips = [entry for entry in report.added if entry["type"] == "clip"]
     tracks, same = sum(entry["tracks"] for entry in clips), sum(entry["same"] for entry in clips)
     nodes = {name for entry in clips for name in entry["changed"]}
