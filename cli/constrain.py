@@ -95,8 +95,22 @@ def _orient(ctx: click.Context, param: click.Parameter, value: str) -> Any:
     type=click.Choice(["x", "y", "z"]),
     help="orient: only the roll about this axis of the child.",
 )
-@click.option("--aim-axis", callback=_direction, default="x", show_default=True, metavar="AXIS|X,Y,Z")
-@click.option("--up-axis", callback=_direction, default="y", show_default=True, metavar="AXIS|X,Y,Z")
+@click.option(
+    "--aim-axis",
+    callback=_direction,
+    default="x",
+    show_default=True,
+    metavar="AXIS|X,Y,Z",
+    help="aim: the axis of the child that points at the driver.",
+)
+@click.option(
+    "--up-axis",
+    callback=_direction,
+    default="y",
+    show_default=True,
+    metavar="AXIS|X,Y,Z",
+    help="aim: the axis of the child that leans to --world-up.",
+)
 @click.option(
     "--world-up",
     type=click.Choice(["vector", "object", "objectrotation", "none"]),

@@ -132,7 +132,13 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     type=click.Choice(["behavior", "orientation", "blender"]),
     help="Give the other side the mirrored axes of --from-side.",
 )
-@click.option("--from-side", type=click.Choice(["left", "right"]), default="left", show_default=True)
+@click.option(
+    "--from-side",
+    type=click.Choice(["left", "right"]),
+    default="left",
+    show_default=True,
+    help="With --mirror: the side that is copied onto the other.",
+)
 @click.option(
     "--plane",
     type=click.Choice(["yz", "xz", "xy"]),

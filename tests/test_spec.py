@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import Any, get_args
 
 import click
+import jsonschema
 import pytest
 from click.testing import CliRunner
-from places import SAMPLES
+from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from ruamel.yaml import YAML
+from second_opinions import validator
 
 from rigtri.cli.main import program
 from rigtri.compare import verify
@@ -22,6 +25,7 @@ from rigtri.spec.faults import SpecError
 from rigtri.spec.loading import load
 from rigtri.spec.models.base import StepModel
 from rigtri.spec.models.spec import AnyStep
+from rigtri.spec.starter import starter
 from rigtri.steps import STEPS, step
 
 MODELS: dict[str, type[StepModel]] = {
@@ -414,3 +418,63 @@ def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:
         "bake",
     ]
     assert told["verification"]["deviation"] < 1e-5
+    validator("report").validate(told)
+
+
+def schema() -> Any:
+    result = CliRunner().invoke(program, ["schema"])
+    assert result.exit_code == 0
+    return json.loads(result.stdout)
+
+
+def test_the_schema_is_what_the_models_say() -> None:
+    from rigtri.schemas.make import spec_schema
+
+    assert schema() == spec_schema()
+    jsonschema.Draft202012Validator.check_schema(schema())
+
+
+def test_every_option_of_the_schema_is_told_in_words() -> None:
+    about = schema()["$defs"]
+    steps = [model for model in about.values() if "do" in model["properties"]]
+    assert len(steps) == len(STEPS)
+    for model in steps:
+        for name, option in model["properties"].items():
+            assert name == "do" or option.get("description"), (model["description"], name)
+
+
+@pytest.mark.parametrize("text", [WHOLE, "steps:\n- do: add-twist\n  limbs: auto\n  count: ${n}\n"])
+def test_the_schema_takes_what_a_spec_may_say(text: str) -> None:
+    jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
+
+
+@pytest.mark.parametrize("line", ["preset: maja", "aim: q", "exclud: x", "joints: 3", "do: orient"])
+def test_the_schema_refuses_what_a_spec_may_not_say(line: str) -> None:
+    told = {"do": "orient-joints", **YAML(typ="safe", pure=True).load(line)}
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"steps": [told]}, schema())
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_a_starter_is_a_spec_for_its_character(path: Path, tmp_path: Path) -> None:
+    try:
+        text = starter(read(path).rig, path.name)
+    except FileError as error:
+        leave_out_refused(path, error)
+    spec = load(write(tmp_path, text))
+    assert spec.steps[0].do == "orient-joints"
+    jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
+    if path.suffix == ".glb" and path.stat().st_size < 1 << 20:
+        build(path, tmp_path / path.name, spec)
+        assert verify(read(path), read(tmp_path / path.name)).passes(1e-5)
+
+
+def test_spec_init_and_build_are_two_commands_from_a_character_to_its_rig(tmp_path: Path) -> None:
+    source, spec, out = SAMPLES / "biped.usda", tmp_path / "rig.yaml", tmp_path / "out.usda"
+    for line in (["spec-init", source, "-o", spec], ["build", source, "--spec", spec, "-o", out]):
+        result = CliRunner().invoke(program, list(map(str, line)))
+        assert result.exit_code == 0, result.output
+    again = CliRunner().invoke(program, ["spec-init", str(source), "-o", str(spec)])
+    assert again.exit_code == 2
+    assert "--overwrite" in again.stderr
+    assert any(note["type"] == "control" for note in read(out).rig.notes.values())
