@@ -52,7 +52,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
     axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
-    bit for bit. Clips that were split per object are put together again.
+    bit for bit; of one that was edited in a part, the other part does. A key a frame becomes as few keys
+    as say the same, within --tolerance. Clips that were split per object are put together again.
 
     \b
     Examples:
@@ -63,7 +64,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     from rigtri.ops.take_clips import Options, take_clips
 
     check_streams(str(values["source"]), str(values["edited"]))
-    options = Options(clips=values["clips"], names=_names(values["names"]))
+    options = Options(clips=values["clips"], names=_names(values["names"]), tolerance=values["tolerance"])
     edited = values["edited"]
 
     def step(rig: Rig, report: Report) -> Rig:

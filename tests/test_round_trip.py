@@ -27,6 +27,7 @@ SLOW = pytest.mark.slow
 LOOPS = [
     pytest.param(SAMPLES / "biped.glb", "walk", "hand_L", id="biped"),
     pytest.param(ASSETS / "gltf" / "kaykit_Barbarian.glb", "", "", marks=SLOW, id="barbarian"),
+    pytest.param(ASSETS / "gltf" / "gdquest_mannequiny-0.3.0.glb", "", "", marks=SLOW, id="mannequiny"),
 ]
 # Of the character's size: what no key was moved of is baked from bytes that are RIG's own.
 ELSEWHERE = 1e-6
@@ -106,6 +107,24 @@ def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
     assert apart[still].max() < ELSEWHERE
     assert apart[now.find(chain[2])] > 0.01
     assert_follows(now, clip, control, [now.find(name) for name in chain], size)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usdc"])
+@pytest.mark.parametrize(
+    "path", [pytest.param(loop.values[0], id=loop.id, marks=loop.marks) for loop in LOOPS]
+)
+def test_nothing_is_taken_of_a_loop_in_which_nobody_has_moved_a_key(
+    path: Path, suffix: str, tmp_path: Path
+) -> None:
+    if not path.exists():
+        pytest.skip(NO_ASSETS)
+    rig, edited = read(path).rig, tmp_path / f"edited{suffix}"
+    job = {"source": str(path), "target": str(edited), "clip": rig.clips[0].name, "moves": {}, "keys": []}
+    blender_edit(job, folder=tmp_path)
+    report = Report()
+    assert take_clips(rig, read(edited).rig, report=report) is rig
+    assert report.added[0]["same"] > 60
+    assert not {"other-proportions", "unclear-names", "no-such-node"} & {n.code for n in report.warnings}
 
 
 def assert_follows(rig: Rig, clip: str, control: int, chain: list[int], size: float) -> None:

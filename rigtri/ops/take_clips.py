@@ -11,19 +11,21 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
-from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, frame_of, span
+from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, span
 from rigtri.ops.taking.counterparts import Counterparts
+from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
-from rigtri.ops.taking.sameness import bound_of, lacks_keys, off, same_knots
+from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots
+from rigtri.ops.taking.tolerances import Tolerances
 from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
 from rigtri.records import Clip, Track, key_values
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.solve.keys import shares
 from rigtri.timelines import placed
 from rigtri.trigonometry import Floats
-from rigtri.vectors import length
 
 # Keys that differ by less are one value; only for notices.
 _MOVED = 1e-4
@@ -34,11 +36,19 @@ class Options:
     """Everything that `take_clips` can be told; the defaults are the command's.
 
     clips: globs of the clips, by their names in either file; all where there is none. names: the clip
-    of the rig that a clip of the edited file is, where the names do not say it.
+    of the rig that a clip of the edited file is, where the names do not say it. tolerance: how far what
+    counts as unchanged, and keys left out of what is taken, may be off, as a share of the rig's size.
     """
 
     clips: tuple[str, ...] = ()
     names: Mapping[str, str] = field(default_factory=dict)
+    tolerance: float = 1e-5
+
+    def checked(self) -> Options:
+        """These options. UsageError for what cannot be."""
+        if not self.tolerance >= 0:
+            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
+        return self
 
 
 def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report: Report | None = None) -> Rig:
@@ -49,7 +59,7 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
     UsageError (several clips for a format that has one).
     """
     report = report if report is not None else Report()
-    options = options or Options()
+    options = (options or Options()).checked()
     both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(
@@ -63,7 +73,7 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
         )
     _tell(both, report)
     for taken in names.taken(options.clips):
-        rig = _Taking(rig, both, taken, report).done()
+        rig = _Taking(rig, both, taken, options.tolerance, report).done()
     return rig
 
 
@@ -110,12 +120,13 @@ def _some(names: Iterable[str]) -> str:
 class _Taking:
     """One clip that is taken."""
 
-    def __init__(self, rig: Rig, both: Counterparts, taken: Taken, report: Report) -> None:
+    def __init__(self, rig: Rig, both: Counterparts, taken: Taken, tolerance: float, report: Report) -> None:
         self.rig, self.both, self.taken, self.report = rig, both, taken, report
         self.clock = Clock(rig, both.other, taken)
-        self.frame = frame_of(taken.clip) * self.clock.factor
         home = taken.home.clip if taken.home is not None else None
         self.transfer = Transfer(both, taken.clip, home, self.clock.times)
+        self.tolerances = Tolerances(both, self.transfer, tolerance)
+        self.thin = tolerance
         self.changed: list[Track] = []
         self.same = 0
         self.sampled: list[str] = []
@@ -157,7 +168,7 @@ class _Taking:
 
     def _take(self, node: int) -> None:
         moved = self.transfer.of(node)
-        fresh = [track for track in map(self.clock.told, moved.tracks) if not self._says_the_same(track)]
+        fresh = [now for track in moved.tracks if (now := self._fresh(track)) is not None]
         # No clip can move a glTF node with a matrix; a USD joint has its keys beside its rest.
         if fresh and self.rig.has_matrix[node] and not self.rig.raw:
             self.report.warn(
@@ -186,29 +197,36 @@ class _Taking:
         home = self.taken.home
         return {(t.node, t.path): t for t in home.clip.tracks} if home is not None else {}
 
-    def _says_the_same(self, now: Track) -> bool:
-        """Whether the rig says already, in this clip or at rest, what a track says."""
-        bound = bound_of(now, self.both.size / self._unit_above(now.node))
-        was = self._old(now.node, now.path)
-        if was is None:
-            was = Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
+    def _fresh(self, theirs: Track) -> Track | None:
+        """What a track at EDITED's times becomes here; None where the rig says it already."""
+        bound, now = self.tolerances.of(theirs), self.clock.told(theirs)
+        old = self._old(now.node, now.path)
+        was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
         if was.values.shape[-1] != now.values.shape[-1]:
-            return False
-        if bool((off(was, now) <= bound).all()):
-            same = not lacks_keys(was, now, self.frame, bound)
-        else:
-            far = same_knots(was, now, bound)
-            same = far is not None
-            if far is not None:
-                self.splines.append((self.rig.names[now.node], far))
-        self.same += same
-        return same
+            return thinned(now, self._thin(now))
+        changed = differing(was, now, bound)
+        changed |= lacking(was, now, self._frames, bound, self.tolerances.unit_of(theirs))
+        if not changed.any():
+            self.same += 1
+            return None
+        if (far := same_knots(was, now, bound)) is not None:
+            self.splines.append((self.rig.names[now.node], far))
+            self.same += 1
+            return None
+        return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
 
-    def _unit_above(self, node: int) -> float:
-        """How large a node's parent makes it: units of the world in one of the node's translation."""
-        above = int(self.rig.parents[node])
-        size = float(length(self.rig.world[above, :3, :3]).max()) if above >= 0 else 1.0
-        return size if np.isfinite(size) and size > 0 else 1.0
+    @cached_property
+    def _frames(self) -> Floats:
+        return self.clock.times(self.transfer.frames)
+
+    def _thin(self, track: Track) -> float:
+        """How far keys of a track that are left out may be off."""
+        known = {"translation": self._shares[0], "rotation": self._shares[1]}.get(track.path)
+        return float(known[track.node]) if known is not None else self.thin / 2.0
+
+    @cached_property
+    def _shares(self) -> tuple[Floats, Floats]:
+        return shares(self.rig, self.thin * self.both.size, self.both.size)
 
     def _rest(self, track: Track) -> Floats:
         """What the rig says at rest, (1, c)."""
@@ -229,9 +247,8 @@ class _Taking:
                 continue
             parts = factored(self.transfer.still(node)[np.newaxis])
             for path, values in zip(PATHS, parts, strict=True):
-                track = self.clock.told(Track(node, path, "STEP", start, values))
-                if np.isfinite(values).all() and not self._says_the_same(track):
-                    self.changed.append(track)
+                if np.isfinite(values).all():
+                    self._add(self._fresh(Track(node, path, "STEP", start, values)))
 
     # --- morphs
 
@@ -242,14 +259,18 @@ class _Taking:
         ours, theirs = MorphNames(self.rig), MorphNames(self.both.other)
         for track in tracks:
             node = self.both.back[track.node]
-            told = ours.told(node, self.clock.told(track), theirs, self._old(node, "weights"))
+            told = ours.told(node, track, theirs, self._old(node, "weights"), self.clock.times)
             if told is None:
                 self.report.warn(
                     "other-morphs",
                     f"'{self.rig.title(node)}' has other morph targets in EDITED; their motion was left out",
                 )
-            elif not self._says_the_same(told):
-                self.changed.append(told)
+            else:
+                self._add(self._fresh(told))
+
+    def _add(self, track: Track | None) -> None:
+        if track is not None:
+            self.changed.append(track)
 
     # --- the whole
 
