@@ -118,7 +118,7 @@ def test_a_file_takes_nothing_from_itself_nor_from_itself_with_other_axes(path: 
         turned = orient_joints(rig)
     except (FileError, GeometryError) as error:
         leave_out_refused(path, error)
-    if not rig.clips or not any(rig.names):
+    if not rig.clips:
         with pytest.raises(GeometryError):
             take_clips(rig, turned)
         return
@@ -515,6 +515,40 @@ def test_a_usd_mesh_below_a_prim_of_its_name_and_names_that_begin_with_digits_ar
     report = Report()
     take_clips(ours, turned, report=report)
     assert {name for entry in report.added for name in entry["changed"]} == {"2hand_L", "thigh_L"}
+
+
+def test_nodes_without_names_are_known_by_their_place_where_both_files_are_built_alike() -> None:
+    rig = rig_of()
+    ours = replace(rig, names=("",) * len(rig))
+    edited = turned_key(orient_joints(rig), "shin_L")
+    for theirs in (("",) * len(rig), edited.names):
+        report = Report()
+        home = take_clips(ours, replace(edited, names=theirs), report=report)
+        named = replace(home, names=rig.names)
+        assert apart(named, edited, "walk") < CLOSE
+        assert apart(named, rig, "walk") > 0.01
+        assert notices(report).count("by-place") == 1
+    # Some alone: the others say whether the order is one.
+    some = tuple("" if name == "shin_L" else name for name in rig.names)
+    home = take_clips(replace(rig, names=some), replace(edited, names=some))
+    assert apart(replace(home, names=rig.names), edited, "walk") < CLOSE
+
+
+def test_nodes_without_names_are_refused_where_a_place_does_not_tell() -> None:
+    rig = rig_of()
+    ours = replace(rig, names=("",) * len(rig))
+    nameless = replace(in_metal(rig), names=("",) * (len(rig) + 1))
+    with pytest.raises(GeometryError, match=f"RIG and EDITED have no names.*{len(rig)} nodes and EDITED"):
+        take_clips(ours, nameless)
+    twisted = rig.parents.copy()
+    twisted[rig.find("hand_L")] = rig.find("chest")
+    with pytest.raises(GeometryError, match="other parents"):
+        take_clips(ours, replace(ours, parents=twisted))
+    skin = rig.skins[0]
+    bind = skin.inverse_bind.copy()
+    bind[3, 3, :3] += 0.2
+    with pytest.raises(GeometryError, match="bind poses differ"):
+        take_clips(ours, replace(ours, skins=(replace(skin, inverse_bind=bind), *ours.skins[1:])))
 
 
 # --- what exporters lose

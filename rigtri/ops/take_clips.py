@@ -5,7 +5,7 @@ Source: docs/take-clips.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -17,18 +17,16 @@ from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, span
 from rigtri.ops.taking.counterparts import Counterparts
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
+from rigtri.ops.taking.notices import moves, some, strangers, tell
 from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots
 from rigtri.ops.taking.tolerances import Tolerances
 from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
-from rigtri.records import Clip, Track, key_values
+from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.keys import shares
 from rigtri.timelines import placed
 from rigtri.trigonometry import Floats
-
-# Keys that differ by less are one value; only for notices.
-_MOVED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -62,59 +60,16 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
     options = (options or Options()).checked()
     both = Counterparts(rig, edited)
     if not both.of:
-        raise GeometryError(
-            f"No node of EDITED has the name of one of RIG: there are {_some(edited.names)} and "
-            f"{_some(rig.names)}. Were they made of one another?"
-        )
+        raise GeometryError(strangers(rig, edited))
     names = ClipNames(rig, edited, options.names, report)
     if not names.theirs:
         raise GeometryError(
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
-    _tell(both, report)
+    tell(both, report)
     for taken in names.taken(options.clips):
         rig = _Taking(rig, both, taken, options.tolerance, report).done()
     return rig
-
-
-def _tell(both: Counterparts, report: Report) -> None:
-    """What differs between the two files beside motion."""
-    rig, edited = both.rig, both.other
-    driven = {edited.names[t.node] for clip in edited.clips for t in clip.tracks if _moves(t)}
-    if unclear := [name for name in both.unclear if name in driven]:
-        report.warn(
-            "unclear-names",
-            f"Several nodes are called {_some(unclear)}, and nothing tells which is which; "
-            "they were left out",
-        )
-    moved = []
-    for node, theirs in both.of.items():
-        above, below = int(rig.parents[node]), int(edited.parents[theirs])
-        if rig.is_joint[node] and above >= 0 and rig.is_joint[above] and both.of.get(above) != below:
-            moved.append(rig.names[node])
-    if moved:
-        report.warn(
-            "other-parents",
-            f"{_some(moved)} have other parents in EDITED; their motion was taken through the world",
-        )
-    if both.other_proportions:
-        report.warn(
-            "other-proportions",
-            f"The bind poses of the two files differ by {both.proportions:.2g} of the size beside turn, size "
-            "and place; joints move as in EDITED, about RIG's own bind pose",
-        )
-
-
-def _moves(track: Track) -> bool:
-    """Whether a track says more than one thing."""
-    values = key_values(track)
-    return bool(np.abs(values - values[0]).max(initial=0.0) > _MOVED)
-
-
-def _some(names: Iterable[str]) -> str:
-    listed = list(dict.fromkeys(name for name in names if name))
-    more = f" and {len(listed) - 4} more" if len(listed) > 4 else ""
-    return ", ".join(f"'{name}'" for name in listed[:4]) + more if listed else "no names"
 
 
 class _Taking:
@@ -185,7 +140,7 @@ class _Taking:
     def _keep(self, node: int, said: Sequence[str]) -> None:
         """Note a node that moves by keys of ours alone."""
         old = [self._old(node, path) for path in PATHS if path not in said]
-        if any(track is not None and _moves(track) for track in old):
+        if any(track is not None and moves(track) for track in old):
             self.kept.append(self.rig.names[node])
 
     def _old(self, node: int, path: str) -> Track | None:
@@ -285,24 +240,24 @@ class _Taking:
         if self.sampled:
             report.warn(
                 "sampled",
-                f"In '{name}' the motion of {_some(self.sampled)} had to be worked out at EDITED's keys: "
+                f"In '{name}' the motion of {some(self.sampled)} had to be worked out at EDITED's keys: "
                 "what is above them, or their axes, move or shear; between keys it may differ",
             )
         if self.kept:
             report.warn(
                 "kept-keys",
-                f"EDITED has no keys for {_some(self.kept)} in '{name}'; RIG's were kept",
+                f"EDITED has no keys for {some(self.kept)} in '{name}'; RIG's were kept",
             )
         if self.splines:
             far = max(size for _, size in self.splines)
             report.warn(
                 "splines-kept",
-                f"In '{name}' EDITED says at the spline keys of {_some(n for n, _ in self.splines)} "
+                f"In '{name}' EDITED says at the spline keys of {some(n for n, _ in self.splines)} "
                 f"what RIG says, and has other curves between (up to {far:.2g}); RIG's splines were kept",
             )
         lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
         if lost:
-            report.warn("no-such-node", f"RIG has no {_some(lost)}; their motion in '{name}' was left out")
+            report.warn("no-such-node", f"RIG has no {some(lost)}; their motion in '{name}' was left out")
         report.added.append(
             {
                 "type": "clip",
@@ -317,4 +272,4 @@ class _Taking:
         )
 
     def _movers(self) -> Sequence[int]:
-        return sorted({t.node for t in self.taken.clip.tracks if _moves(t)})
+        return sorted({t.node for t in self.taken.clip.tracks if moves(t)})

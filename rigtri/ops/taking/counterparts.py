@@ -40,7 +40,7 @@ class Counterparts:
     def __init__(self, rig: Rig, other: Rig) -> None:
         self.rig, self.other = rig, other
         found = pairs(rig, other)
-        self.of, self.unclear = found.of, found.unclear
+        self.of, self.unclear, self.placed = found.of, found.unclear, found.placed
         self.back = {theirs: ours for ours, theirs in self.of.items()}
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
         self.proportions = 0.0  # how far bind poses are apart beside turn, size and place

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from rigtri.matrices import inverse
+from rigtri.ops.taking.fitting import OTHER_SHAPE, fitted
 from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
 
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """What is called alike. of: by node of the rig the node of the other. unclear: names of several."""
+    """What is one node. of: by node of the rig the node of the other. unclear: names of several.
+
+    placed: nodes of the rig that were told by their place, as they have no name in one of the files.
+    """
 
     of: dict[int, int]
     unclear: tuple[str, ...]
+    placed: tuple[int, ...] = ()
 
 
 def pairs(rig: Rig, other: Rig) -> Pairs:
@@ -33,7 +42,45 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
             found |= made
             if len(made) < min(len(left), len(free)):
                 unclear[rig.names[left[0]]] = None
-    return Pairs(found, tuple(unclear))
+    placed = _by_place(rig, other, found)
+    return Pairs(found | placed, tuple(unclear), tuple(placed))
+
+
+def why_apart(rig: Rig, other: Rig) -> str:
+    """Why nodes without names cannot be told by their place; empty where they can."""
+    if len(rig) != len(other):
+        return f"RIG has {len(rig)} nodes and EDITED {len(other)}"
+    if not np.array_equal(rig.parents, other.parents):
+        return "the nodes have other parents, or another order"
+    if not np.array_equal(rig.is_joint, other.is_joint):
+        return "other nodes are joints"
+    ours, theirs = _bones(rig), _bones(other)
+    if len(ours) != len(theirs):
+        return "the skins have other joints"
+    alone = not len(ours)  # without skins, what is stored as rest
+    if alone:
+        ours, theirs = rig.world[:, 3, :3], other.world[:, 3, :3]
+    if not (np.isfinite(ours).all() and np.isfinite(theirs).all()):
+        return "not all of their places are numbers"
+    if fitted(theirs, ours, about_origin=False).residual > OTHER_SHAPE:
+        return "the nodes lie elsewhere" if alone else "the bind poses differ"
+    return ""
+
+
+def _bones(rig: Rig) -> Floats:
+    """The places of all joints in the bind poses of their skins, (j, 3)."""
+    stored = [skin for skin in rig.skins if skin.stored]
+    rows = [inverse(skin.inverse_bind)[:, 3, :3] for skin in stored]
+    return np.concatenate([*rows, np.zeros((0, 3))])
+
+
+def _by_place(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
+    """The nodes without a name in one of two files that are built alike, node by node."""
+    left = [node for node in range(len(rig)) if node not in found and node < len(other)]
+    left = [node for node in left if not (rig.names[node] and other.names[node])]
+    if not left or any(node != theirs for node, theirs in found.items()) or why_apart(rig, other):
+        return {}
+    return {node: node for node in left}
 
 
 def as_usd(name: str) -> str:
