@@ -142,8 +142,8 @@ def assert_rest_is_the_rigs(home: Rig, rig: Rig, clip: str, moved: tuple[int, ..
 
 
 def assert_follows(rig: Rig, clip: str, control: int, chain: list[int], size: float) -> None:
-    """As far as the limb reaches, its end is where the control is."""
-    keys = pose.key_times(rig.clip(clip))
+    """As far as the limb reaches, its end is where the control is, at the control's keys."""
+    (keys,) = (t.times for t in rig.clip(clip).tracks if (t.node, t.path) == (control, "translation"))
     at = places(rig, clip, keys)
     # As long as the bones are at that key: some clips stretch them.
     reach = sum(np.linalg.norm(at[:, a] - at[:, b], axis=-1) for a, b in pairwise(chain))

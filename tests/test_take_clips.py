@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 from morphs import arm
 from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from pxr import Usd
 
 from rigtri import pose
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
@@ -20,6 +21,10 @@ from rigtri.following import factored
 from rigtri.formats import read
 from rigtri.matrices import inverse
 from rigtri.matrices import multiply as matrices
+from rigtri.ops.bake import Options as Bake
+from rigtri.ops.bake import bake
+from rigtri.ops.controls import Options as Controls
+from rigtri.ops.controls import add_controls
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.take_clips import Options, take_clips
 from rigtri.pipeline import edit
@@ -726,3 +731,55 @@ def test_a_new_clip_of_a_key_a_frame_has_as_few_keys_as_it_needs_and_its_length(
     assert apart(replace(home, clips=home.clips[2:]), edited, "stroll") < 1e-5
     with pytest.raises(UsageError, match="--tolerance"):
         take_clips(rig, edited, options=Options(tolerance=-1.0))
+
+
+def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Path) -> None:
+    """RIG, flattened to a crate by OpenUSD, one control moved there."""
+    rigged, flat, moved, home, game, before = (
+        tmp_path / name
+        for name in ("rigged.usda", "flat.usdc", "moved.usdc", "home.usda", "game.usda", "before.usda")
+    )
+
+    def controls(rig: Rig, report: Report) -> Rig:
+        rig = add_controls(rig, options=Controls(whole_character=True), report=report)
+        return bake(rig, options=Bake(to="controls"), report=report)
+
+    def joints(rig: Rig, report: Report) -> Rig:
+        return bake(rig, options=Bake(to="joints"), report=report)
+
+    def lifted(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        hand = rig.find("hand_L_ik_ctl")
+
+        def changed(track: Track) -> Track:
+            if (track.node, track.path) != (hand, "translation"):
+                return track
+            values = track.values.copy()
+            values[3, 1] += 0.1
+            return replace(track, values=values)
+
+        clips = tuple(replace(c, tracks=tuple(map(changed, c.tracks))) for c in rig.clips)
+        return replace(rig, clips=clips)
+
+    edit(SAMPLES / "biped.usda", rigged, controls)
+    Usd.Stage.Open(str(rigged)).Flatten().Export(str(flat))
+    edit(rigged, home, lambda rig, report: take_clips(rig, rig_of(flat), report=report))
+    assert home.read_bytes() == rigged.read_bytes()
+    edit(flat, moved, lifted)
+    reports: list[Report] = []
+
+    def taken(rig: Rig, report: Report) -> Rig:
+        reports.append(report)
+        return take_clips(rig, rig_of(moved), report=report)
+
+    home.unlink()
+    edit(rigged, home, taken)
+    assert [entry["changed"] for entry in reports[0].added] == [["hand_L_ik_ctl"]]
+    edit(home, game, joints)
+    edit(rigged, before, joints)
+    now, was = rig_of(game), rig_of(before)
+    times = pose.key_times(was.clip("walk"))
+    mine, its = places(now, "walk", times), places(was, "walk", times)
+    far = {name: float(np.abs(mine[name] - its[name]).max()) for name in mine}
+    assert {name for name, apart in far.items() if apart > 1e-6} == {"forearm_L", "hand_L", "fingers_L"}
+    assert far["hand_L"] > 0.05
