@@ -49,7 +49,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
     axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
-    bit for bit. Clips that were split per object are put together again.
+    bit for bit; of one that was edited in a part, the other part does. A key a frame becomes as few keys
+    as say the same, within --tolerance. Clips that were split per object are put together again.
 
     \b
     Examples:
