@@ -16,6 +16,7 @@ from .options import (
     output_options,
     read_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
 )
@@ -23,7 +24,6 @@ from .words import plain
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("pose")
@@ -66,18 +66,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri pose rigged.glb --at walk@0.5 --json
         rigtri pose rigged.glb -o stand.glb --at idle@0
     """
-    from rigtri.ops.posing import Options, take_pose
+    from rigtri.steps.pose import asked, step
 
-    options = Options(at=values["at"], evaluate=values["evaluate"])
     if values["target"] is None:
-        _print(values, options)
+        _print(values, asked(request(values)))
         return
     copy_ahead(ctx, values)
-
-    def step(rig: Rig, report: Report) -> Rig:
-        return take_pose(rig, options=options, report=report)
-
-    run_edit("pose", values, step, given_options(ctx), _summary)
+    run_edit("pose", values, step(request(values)), given_options(ctx), _summary)
 
 
 def _summary(report: Report) -> str:

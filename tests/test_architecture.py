@@ -50,6 +50,7 @@ delivery
 ahead ops formats
 inputs outputs
 checks pipeline difference
+steps
 confined
 cli
 """.strip().splitlines()

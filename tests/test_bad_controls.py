@@ -155,8 +155,6 @@ def test_a_clip_of_no_length_is_one_pose(name: str) -> None:
         again = pose_of(done, Options(at))
         hands = [each.world(rig.find("hand_L")) for each in (again, posed)]
         np.testing.assert_allclose(*hands, atol=1e-5)
-            again.world(rig.find("hand_L")), posed.world(rig.find("hand_L")), atol=1e-5
-        )
 
 
 @pytest.mark.parametrize("name", NAMES)
