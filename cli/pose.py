@@ -85,13 +85,17 @@ def _print(values: dict[str, Any], options: Any) -> None:
     from rigtri.formats import read
     from rigtri.inputs import opened
     from rigtri.ops.posing import table
+    from rigtri.report import Report
 
     for word in ("report_path", "sidecar", "dry_run", "overwrite"):
         if values[word]:
             raise UsageError(f"--{word.removesuffix('_path').replace('_', '-')} is for a file: give -o OUT")
     with opened(values["source"]) as path:
         document = read(path, read_options(values))
-        found = {"file": values["source"]} | table(document.rig, options)
+        report = Report()
+        found = {"file": values["source"]} | table(document.rig, options, report)
+    for notice in report.warnings:
+        click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
     if values["as_json"]:
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
         return
