@@ -28,7 +28,7 @@ from rigtri.rules import rules_of
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed
-from rigtri.solve.match import Matched, matched
+from rigtri.solve.match import Block, matched
 from rigtri.solve.posed import Posed, sampled
 from rigtri.solve.reference import Reference
 from rigtri.timelines import (
@@ -335,18 +335,23 @@ class _Baker:
         parts = sampled(self.rig, joints.clip, times)
         found = matched(solver, parts, keep)
         self.rig = placed(self.rig, timeline, tracks)
-        self._record(timeline, solver, times, tracks, sorted(found.controls), self._deviation(found, parts))
+        controls = sorted({node for block in found for node in block.found.controls})
+        self._record(timeline, solver, times, tracks, controls, self._deviation(found))
 
-    def _deviation(self, found: Matched, parts: Mapping[int, Parts]) -> dict[str, float]:
+    def _deviation(self, blocks: Sequence[Block]) -> dict[str, float]:
         """How far the rig that the controls make is off, and what limbs hold beside IK."""
-        source = Posed(self.rig, parts)
-        joints = np.flatnonzero(self.rig.is_joint).tolist() or sorted(parts)
-        far = 0.0
-        for joint in joints:
-            a, b = found.posed.world(joint), source.world(joint)
-            far = max(far, float(np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3])).max()))
-        turn = max((r.turn for r in found.residuals), default=0.0)
-        move = max((r.move for r in found.residuals), default=0.0)
+        rig, far = self.rig, 0.0
+        for source, found in blocks:
+            joints = np.flatnonzero(rig.is_joint).tolist() or sorted(source.parts)
+            for joint in joints:
+                a, b = found.posed.world(joint), source.world(joint)
+                far = max(far, float(np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3])).max()))
+            if len(blocks) > 1:
+                source.forget()
+                found.posed.forget()
+        residuals = [residual for block in blocks for residual in block.found.residuals]
+        turn = max((r.turn for r in residuals), default=0.0)
+        move = max((r.move for r in residuals), default=0.0)
         return {
             "deviation": far / self.size,
             "residual_degrees": float(np.degrees(turn)),

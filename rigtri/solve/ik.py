@@ -94,11 +94,12 @@ class Ik:
 
     @property
     def needs(self) -> tuple[int, ...]:
-        nodes = (self._above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ()))
+        nodes = (self.above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ()))
         return tuple(node for node in nodes if node >= 0)
 
     @property
-    def _above(self) -> int:
+    def above(self) -> int:
+        """What the limb hangs on, −1 for nothing."""
         return int(self.rig.parents[self.limb.chain[0]])
 
     @cached_property
@@ -148,7 +149,7 @@ class Ik:
         """The triangle is the one of the joints, in the plane of the pole: turns are counted from it, so
         bones lie where the solver wants them. What parts the middle joint from that plane, which is
         rounding, is not seen."""
-        world, above = self.reference.world, self._above
+        world, above = self.reference.world, self.above
         a, b, c = self._points
         chord, side = self._line, self._pole - a
         bends, _ = sides(chord, side, side, length(b - a) + length(c - b))
@@ -173,19 +174,22 @@ class Ik:
             return self.fk[node].rest
         return factored(self.reference.local[node][np.newaxis])
 
-    def _root(self, posed: Posed) -> Floats:
-        """Where the solver has the root joint, (1 or f, 3), in the world."""
-        return transform_points(self._own(self.limb.chain[0]).translation, posed.world(self._above))
+    @cached_property
+    def start(self) -> Floats:
+        """Where the limb's root is, (1, 3), seen from what it hangs on."""
+        return self._own(self.limb.chain[0]).translation
 
-    def _lengths(self, posed: Posed) -> tuple[Floats, Floats]:
-        """How long the solver has the bones, (1 or f,) each, in the world."""
-        world, (upper, lower) = posed.world(self._above), self.rest.lines
+    def lengths(self, posed: Posed) -> tuple[Floats, Floats]:
+        """How long the two bones are, (1 or f,) each, in the world."""
+        world = posed.world(self.above)
+        upper, lower = self.rest.lines
         return length(transform_directions(upper, world)), length(transform_directions(lower, world))
 
     def solve(self, posed: Posed, target: Floats, place: Floats) -> Solved:
         """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
-        rest, turn = self.rest, _turn(posed, self._above)
-        root, target, place, first, second = _level(self._root(posed), target, place, *self._lengths(posed))
+        rest, turn = self.rest, _turn(posed, self.above)
+        root = transform_points(self.start, posed.world(self.above))
+        root, target, place, first, second = _level(root, target, place, *self.lengths(posed))
         return two_bone(
             root,
             (first, second),
@@ -200,7 +204,7 @@ class Ik:
     def solved(self, posed: Posed, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
         """Local parts of the limb's joints, before their FK controls. hand: the turn of the end, (f, 4)."""
         found = self.solve(posed, target, place)
-        rest, turn = self.rest, _turn(posed, self._above)
+        rest, turn = self.rest, _turn(posed, self.above)
         start, middle, end = self.limb.chain
         upper = product(product(conjugate(turn), found.upper), conjugate(rest.upper))
         fold = product(product(conjugate(found.upper), found.lower), conjugate(rest.lower))
@@ -264,8 +268,9 @@ class Ik:
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
         # Without a pole it bends to where it bends at rest.
-        turn = _turn(posed, self._above)
-        return self._root(posed) + rotate(turn, self.rest.side)
+        turn = _turn(posed, self.above)
+        root = transform_points(self.start, posed.world(self.above))
+        return root + rotate(turn, self.rest.side)
 
     def grasp(self, built: Posed, source: Posed) -> Floats:
         """World matrices, (f, 4, 4), of a control with which the limb's end stands as in ``source``.
@@ -277,8 +282,8 @@ class Ik:
         axes = to_axes(product(product(parent, source.part(end).rotation), conjugate(self.grip)))
         place = source.world(end)[:, 3, :3]
         if self.limb.soft > 0 and not self.limb.stretch:
-            first, second = self._lengths(built)
-            away = place - self._root(built)
+            first, second = self.lengths(built)
+            away = place - transform_points(self.start, built.world(self.above))
             reach = length(away)
             wanted = distance_for(reach, first + second, self.limb.soft)
             share = np.where(reach > 0, wanted / np.where(reach > 0, reach, 1.0), 1.0)
@@ -298,7 +303,7 @@ class Ik:
         line = normalise(c - a)
         bend = (b - a) - dot(b - a, line)[:, np.newaxis] * line
         start = self.limb.chain[0]
-        turned = product(_turn(source, self._above), source.part(start).rotation)
+        turned = product(_turn(source, self.above), source.part(start).rotation)
         inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
         own = rotate(turned, inside)
         own = normalise(own - dot(own, line)[:, np.newaxis] * line)

@@ -50,6 +50,10 @@ class Posed:
             raise ValueError(f"'{self.rig.title(node)}' is moved after its place was used")
         self.parts[node] = parts
 
+    def forget(self) -> None:
+        """Give up places in the world, and their memory; they are worked out again when asked for."""
+        self._worlds.clear()
+
     def world(self, node: int) -> Floats:
         """The world matrices of a node, (1 or f, 4, 4); of −1 the world's own."""
         if node < 0:
