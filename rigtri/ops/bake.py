@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
+from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding
 from rigtri.ops.posing import at_rest
 from rigtri.ops.twist_keys import keyed
@@ -28,7 +29,7 @@ from rigtri.rules import rules_of
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed
-from rigtri.solve.match import Block, matched
+from rigtri.solve.match import matched
 from rigtri.solve.posed import Posed, sampled
 from rigtri.solve.reference import Reference
 from rigtri.timelines import (
@@ -336,27 +337,11 @@ class _Baker:
         found = matched(solver, parts, keep)
         self.rig = placed(self.rig, timeline, tracks)
         controls = sorted({node for block in found for node in block.found.controls})
-        self._record(timeline, solver, times, tracks, controls, self._deviation(found))
-
-    def _deviation(self, blocks: Sequence[Block]) -> dict[str, float]:
-        """How far the rig that the controls make is off, and what limbs hold beside IK."""
-        rig, far = self.rig, 0.0
-        for source, found in blocks:
-            joints = np.flatnonzero(rig.is_joint).tolist() or sorted(source.parts)
-            for joint in joints:
-                a, b = found.posed.world(joint), source.world(joint)
-                far = max(far, float(np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3])).max()))
-            if len(blocks) > 1:
-                source.forget()
-                found.posed.forget()
-        residuals = [residual for block in blocks for residual in block.found.residuals]
-        turn = max((r.turn for r in residuals), default=0.0)
-        move = max((r.move for r in residuals), default=0.0)
-        return {
-            "deviation": far / self.size,
-            "residual_degrees": float(np.degrees(turn)),
-            "residual_move": move / self.size,
-        }
+        told, notices = fidelity(
+            self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance
+        )
+        self.report.hear(notices)
+        self._record(timeline, solver, times, tracks, controls, told)
 
     def _record(
         self,
