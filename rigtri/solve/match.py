@@ -72,8 +72,8 @@ def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int =
     """The controls' parts for a motion, node → (f, ·) each, by the joints that they move; in blocks.
 
     keep: rounds and thins out what is to be stored of a control, and says what is read from it; it
-    is given all frames at once. Places in the world are forgotten from one control to the next where
-    there are several blocks, so that no more is held than what goes in and comes out.
+    is given all frames at once. From one control to the next places are forgotten where there are
+    several blocks, so that no more is held than what goes in and comes out.
     """
     count = frames(parts)
     each = []
