@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from rigtri.formats import Options
     from rigtri.pipeline import Outcome
     from rigtri.report import Report
+    from rigtri.steps.request import Request
 
 
 class Tolerance(click.FloatRange):
@@ -71,16 +72,10 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     """A direction: x,y,z or an axis name."""
     if value is None:
         return None
-    from rigtri.ops.ups import vector
-    from rigtri.triangle import axis_of
+    from rigtri.ops import ups
 
     try:
-        letter, sign = axis_of(value)
-        return tuple(sign if k == letter else 0.0 for k in range(3))
-    except ValueError:
-        pass
-    try:
-        return tuple(float(x) for x in vector(value))
+        return ups.direction(value)
     except ValueError as error:
         raise click.BadParameter(str(error), ctx, param) from error
 
@@ -323,7 +318,7 @@ def run_edit(
     step: Callable[[Any, Report], Any],
     options: dict[str, Any],
     summary: Callable[[Report], str],
-    besides: Callable[[], None] = lambda: None,
+    besides: Callable[[Report], None] = lambda report: None,
 ) -> Outcome:
     """Run an edit with a command's shared options; print and write its report.
 
@@ -371,7 +366,7 @@ def run_edit(
         dry_run=values["dry_run"],
     )
     _write_beside(values, document)
-    besides()
+    besides(report)
     if values["as_json"]:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     if not quiet:
@@ -398,9 +393,9 @@ def _check_format(values: dict[str, Any]) -> None:
 
 def refuse_given(options: dict[str, str], why: str) -> None:
     """UsageError for the first of these options (flag → parameter) that the user gave."""
-    ctx = click.get_current_context()
+    given = _given(click.get_current_context())
     for flag, name in options.items():
-        if ctx.get_parameter_source(name) not in (None, click.core.ParameterSource.DEFAULT):
+        if name in given:
             raise UsageError(f"{flag} {why}")
 
 
@@ -509,24 +504,35 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo(f"Wrote {where}", err=True)
 
 
-def load_json(path: str) -> Any:
-    """A JSON file as Python values; FileError where it cannot be read."""
-    from pathlib import Path
+def points(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+    """Coordinates as three numbers; of many points each."""
+    if value is None or isinstance(value, tuple):
+        return None if value is None else tuple(_numbers(text, ctx, param) for text in value)
+    return _numbers(value, ctx, param)
 
+
+def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[float, float, float]:
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror}") from error
-    except (ValueError, RecursionError) as error:
-        raise FileError(f"{path} is no JSON: {error}") from error
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"'{text}' is no point: give x,y,z", ctx, param) from None
+    return x, y, z
+
+
+def request(values: dict[str, Any]) -> Request:
+    """What the user asks of the operation of this command."""
+    from rigtri.steps.request import Request
+
+    ctx = click.get_current_context()
+    return Request(values, frozenset(_given(ctx)), read_options(values))
+
+
+def _given(ctx: click.Context) -> list[str]:
+    unsaid = (None, click.core.ParameterSource.DEFAULT)
+    return [name for name in ctx.params if ctx.get_parameter_source(name) not in unsaid]
 
 
 def given_options(ctx: click.Context) -> dict[str, Any]:
     """The options that the user gave, for the report."""
     quiet = ("source", "target", "as_json", "quiet", "verbose", "report_path")
-    given = click.core.ParameterSource.DEFAULT
-    return {
-        name: value
-        for name, value in ctx.params.items()
-        if name not in quiet and ctx.get_parameter_source(name) != given
-    }
+    return {name: ctx.params[name] for name in _given(ctx) if name not in quiet}

@@ -6,22 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
-
 from .options import (
     check_streams,
     edit_options,
     given_options,
     output_options,
-    read_options,
     reading_options,
+    request,
     run_edit,
     target_option,
 )
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("take-clips")
@@ -60,36 +57,10 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri take-clips rigged.glb --from edited.usda -o home.glb --clip 'walk*'
         rigtri take-clips rigged.glb --from edited.glb -o home.glb --as hand_ctlAction=walk
     """
-    from rigtri.ops.take_clips import Options, take_clips
-
     check_streams(str(values["source"]), str(values["edited"]))
-    options = Options(clips=values["clips"], names=_names(values["names"]))
-    edited = values["edited"]
+    from rigtri.steps.take_clips import step
 
-    def step(rig: Rig, report: Report) -> Rig:
-        from dataclasses import replace
-
-        from rigtri.formats import read
-        from rigtri.inputs import opened
-
-        how = replace(read_options(values), root=None, empty=True)
-        with opened(edited) as path:
-            document = read(path, how)
-            result = take_clips(rig, document.rig, options=options, report=report)
-        report.hear(document.warnings)
-        return result
-
-    run_edit("take-clips", values, step, given_options(ctx), _summary)
-
-
-def _names(given: tuple[str, ...]) -> dict[str, str]:
-    names = {}
-    for text in given:
-        name, mark, clip = text.rpartition("=")
-        if not mark or not name or not clip:
-            raise UsageError(f"--as {text}: give NAME=CLIP, a clip of EDITED and what it is called in RIG")
-        names[name] = clip
-    return names
+    run_edit("take-clips", values, step(request(values)), given_options(ctx), _summary)
 
 
 def _summary(report: Report) -> str:

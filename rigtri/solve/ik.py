@@ -119,12 +119,13 @@ class Ik:
 
     @cached_property
     def _seat(self) -> Floats:
-        """The limb's target seen from its control, (3,): the end joint, where but rounding parts the two."""
-        control, end = self.reference.world[self.limb.control], self._points[2]
-        size = float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0))
-        seat = transform_points(end, inverse(control))
-        near = length(end - control[3, :3]) <= SAME_PLACE * size and np.isfinite(seat).all()
-        return seat if near else np.zeros(3)
+        """From the control to the limb's target, seen from how the control is turned, (3,), whatever its
+        scale: to the end joint, where but rounding parts the two."""
+        control = self.limb.control
+        apart = self._points[2] - self.reference.world[control, 3, :3]
+        if length(apart) > SAME_PLACE * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
+            return np.zeros(3)
+        return rotate(conjugate(self.reference.turn(control)), apart)
 
     @cached_property
     def _pole(self) -> Floats:
@@ -234,7 +235,7 @@ class Ik:
     def run(self, posed: Posed) -> None:
         """Move the limb's joints to where control and pole want them."""
         control = self.limb.control
-        hand = product(posed.turn(control), self.grip)
+        hand = product(_turn(posed, control), self.grip)
         found = self.solved(posed, self.target(posed), self.place(posed), hand)
         for node, parts in found.items():
             if node in self.fk:
@@ -250,7 +251,8 @@ class Ik:
 
     def target(self, posed: Posed) -> Floats:
         """Where the limb is to end, (1 or f, 3), by its control."""
-        return transform_points(self._seat, posed.world(self.limb.control))
+        control = self.limb.control
+        return posed.world(control)[:, 3, :3] + rotate(_turn(posed, control), self._seat)
 
     def place(self, posed: Posed) -> Floats:
         """Where the pole is, (1 or f, 3)."""
@@ -279,7 +281,7 @@ class Ik:
         """
         _, _, end = self.limb.chain
         parent = _turn(source, int(self.rig.parents[end]))
-        axes = to_axes(product(product(parent, source.part(end).rotation), conjugate(self.grip)))
+        turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
         place = source.world(end)[:, 3, :3]
         if self.limb.soft > 0 and not self.limb.stretch:
             first, second = self.lengths(built)
@@ -288,8 +290,7 @@ class Ik:
             wanted = distance_for(reach, first + second, self.limb.soft)
             share = np.where(reach > 0, wanted / np.where(reach > 0, reach, 1.0), 1.0)
             place = place + away * (share - 1.0)[:, np.newaxis]
-        seat = transform_directions(self._seat, from_frame(axes, np.zeros(3)))
-        return from_frame(axes, place - seat)
+        return from_frame(to_axes(turn), place - rotate(turn, self._seat))
 
     def side(self, source: Posed) -> Floats:
         """Where a pole tells the bend that the joints have in ``source``, (f, 3), in the world.
@@ -322,7 +323,15 @@ class Ik:
 
 
 def _turn(posed: Posed, node: int) -> Floats:
-    return posed.turn(node) if node >= 0 else np.array([[0.0, 0.0, 0.0, 1.0]])
+    """How a node is turned in the world, (1 or f, 4); by rotations where a scale of zero leaves no axes."""
+    if node < 0:
+        return np.array([[0.0, 0.0, 0.0, 1.0]])
+    found = posed.turn(node)
+    whole = np.isfinite(found).all(axis=-1, keepdims=True)
+    if whole.all():
+        return found
+    above = _turn(posed, int(posed.rig.parents[node]))
+    return np.where(whole, found, product(above, posed.part(node).rotation))
 
 
 def _level(*arrays: Floats) -> list[Floats]:

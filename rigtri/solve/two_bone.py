@@ -15,8 +15,9 @@ from rigtri.records import Booleans
 from rigtri.trigonometry import Floats, exponential
 from rigtri.vectors import cross, dot, length, normalise
 
-# As a share of the limb: a target or a pole nearer than this tells no direction.
-NOWHERE = 1e-7
+# As shares of the limb: a target nearer than this to the root tells no direction, and a pole nearer than
+# this to the line to the target no side: files hold float32, some nodes deep.
+NOWHERE, ON_LINE = 1e-7, 1e-5
 # How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
 _BEYOND, _NEWTON = 5.0, 12
 
@@ -114,7 +115,7 @@ def distance_for(reach: Floats, total: Floats, soft: float) -> Floats:
 def sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Floats, Booleans]:
     """Unit directions, (f, 3), square to ``along``, on the pole's side; and where the pole told none."""
     across = pole - dot(pole, along)[..., np.newaxis] * along
-    lost = length(across) <= NOWHERE * total
+    lost = length(across) <= ON_LINE * total
     own = side - dot(side, along)[..., np.newaxis] * along
     # A limb that points where its side was: any direction is as good, the same one every time.
     aside = cross(along, np.eye(3)[np.argmin(np.abs(along), axis=-1)])
