@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 @click.option(
     "--fps",
     type=Number(min=0, min_open=True),
-    help="Also so many samples a second, not only the keys.",
+    help="So many samples a second besides the keys, and no others. [as many as --tolerance needs]",
 )
 @click.option(
     "--soft",
@@ -86,6 +86,8 @@ def summary(report: Report) -> str:
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
     line = ", ".join([counted(len(clips), "clip"), counted(frames, "frame"), counted(keys, "key")])
     line += f" for {counted(max(e['nodes'] for e in clips), 'node')}"
+    curved = max(entry["between_samples"] for entry in clips)
+    line += f"; between samples within {curved:.2g} of the size" if curved else ""
     if clips[0]["to"] == "controls":
         far = max(entry["deviation"] for entry in clips)
         turn = max(entry["residual_degrees"] for entry in clips)

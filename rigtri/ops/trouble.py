@@ -37,7 +37,7 @@ def troubles(solver: Solver, posed: Posed, where: str) -> Iterator[Notice]:
 
 def _limb(ik: Ik, posed: Posed, where: str) -> Iterator[Notice]:
     rig, limb = ik.rig, ik.limb
-    target, place = posed.world(limb.control)[:, 3, :3], ik.place(posed)
+    target, place = ik.target(posed), ik.place(posed)
     solved, lengths = ik.solve(posed, target, place), ik.lengths(posed)
     longest, shortest = lengths[0] + lengths[1], np.abs(lengths[0] - lengths[1])
     distance = length(target - transform_points(ik.start, posed.world(ik.above)))

@@ -90,10 +90,10 @@ def _gaps(kept: Booleans) -> Integers:
 def _off(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
     """How far values are from the line between two others, (m,)."""
     share = (times[at] - times[left]) / (times[right] - times[left])
+    start, end, there = (np.take(values.T, rows, axis=1).T for rows in (left, right, at))
     if values.shape[1] == 4:
-        return _apart(slerp(values[left], values[right], share), values[at])
-    line = values[left] + (values[right] - values[left]) * share[:, np.newaxis]
-    return _apart(line, values[at])
+        return _apart(slerp(start, end, share), there)
+    return _apart(start + (end - start) * share[:, np.newaxis], there)
 
 
 def _apart(a: Floats, b: Floats) -> Floats:
