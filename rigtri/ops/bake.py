@@ -29,7 +29,7 @@ from rigtri.rules import rules_of
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
 from rigtri.solve.between import MOST_A_SECOND, ControlCurve, JointCurve, Refined, refined
 from rigtri.solve.evaluate import Solver
-from rigtri.solve.keys import needed
+from rigtri.solve.keys import needed, shares
 from rigtri.solve.match import matched
 from rigtri.solve.posed import Posed, sampled
 from rigtri.solve.reference import Reference
