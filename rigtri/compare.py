@@ -38,6 +38,7 @@ from rigtri.watched import (
     frames,
     mesh_title,
     origins,
+    own_frames,
     points_of,
     rigid_corners,
     skin_corners,
@@ -217,6 +218,7 @@ def self_check(
     closely: bool = False,
     points: bool = False,
     driven: Driven | None = None,
+    own: bool = False,
 ) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
@@ -227,7 +229,8 @@ def self_check(
     meshes, where else the box that the file states for all stands for what any joint moves. points:
     move the points themselves, at the weights that their morphs have; a box has room for what all
     morphs add at once, which may be far more. driven: morph weights that are meant to be other ones:
-    they are set aside in both and told apart.
+    they are set aside in both and told apart. own: what rigtri itself has added, which else may
+    move, is to stand and turn as in ``before``, too.
     """
     rigs = before.rig, after.rig
     if driven:
@@ -254,6 +257,7 @@ def self_check(
     watched: list[Watched] = [
         *bodies,
         *frames(mine, matching, meshes, moving, diagonal),
+        *(own_frames(mine, matching, moving, diagonal) if own else ()),
         origins(mine, matching, moving),
     ]
     different, changed = compare_scenery((mine, theirs), before.scenery(), after.scenery(), matching)

@@ -9,6 +9,7 @@ from rigtri.compare import Source
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
+from rigtri.timelines import played_at_once, timelines
 
 
 @dataclass(frozen=True)
@@ -40,15 +41,23 @@ class Intended:
         return replace(found, nodes={**found.nodes, **lines})
 
 
-def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> Source:
-    """The document, as the edit to ``rig`` means it; reposed: what it shows is to move as ``rig`` does."""
+def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> tuple[Source, Source]:
+    """The document, as the edit to ``rig`` means it, and the result, to be compared with each other.
+
+    reposed: what the document shows is to move as ``rig`` does. Then both have one clip for all that plays
+    at once: it shows one pose, whichever of a stage's clips holds which keys.
+    """
     before = document.rig
     old = {key: node for node, key in enumerate(before.keys)}
     redrawn = frozenset(old[rig.keys[node]] for node in rig.shapes if rig.keys[node] in old)
     keyed = _keyed(before, rig, after.rig)
     if keyed is before and not redrawn and not reposed:
-        return document
-    return Intended(document, rig if reposed else keyed, after, redrawn, keyed.keys)
+        return document, after
+    if not reposed:
+        return Intended(document, keyed, after, redrawn, keyed.keys), after
+    name = next((t.name for t in reversed(timelines(rig))), "")
+    meant, made = played_at_once(rig, name), played_at_once(after.rig, name)
+    return Intended(document, meant, after, redrawn, keyed.keys), Intended(after, made, after)
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
