@@ -30,7 +30,7 @@ matrices
 euler triangle shapes records
 rig
 pose constraints rules spread twist
-following timelines fitting triangles
+following timelines insertion fitting triangles
 carried readers driven dependence
 solve
 turned_rules
