@@ -282,7 +282,9 @@ def _compare_clips(
                 now = theirs.pop((after.frame_of.get(target[0], -1), track.path), None)
             if now is None:
                 resting = target[0] in after.own and _says_rest(track, after, target[0])
-                (news.changed if resting else news.lost).append(f"{of} is told by its rest" if resting else of)
+                (news.changed if resting else news.lost).append(
+                    f"{of} is told by its rest" if resting else of
+                )
             else:
                 _compare_track(track, now, of, news)
         news.added += [f"{title}: {t.path} of {after.title(t.node)}" for t in theirs.values()]
