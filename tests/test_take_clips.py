@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 from morphs import arm
 from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from rigs import chain
 
 from rigtri import pose
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
@@ -349,6 +350,22 @@ def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
     assert "other-parents" in notices(report)
     mine, its = places(home, "walk", times), places(edited, "walk", times)
     assert np.abs(mine["head"] - its["head"]).max() < 1e-5
+
+
+def test_a_joint_that_edited_lets_rest_stays_there_where_rig_has_a_moving_one_above_it() -> None:
+    times = np.array([0.0, 0.5, 1.0])
+    turns = from_axis_angle([0.0, 0.0, 1.0], np.array([0.0, 0.8, -0.4]))
+    ours, theirs = (
+        chain((0, 0, 0), (1, 0, 0), (3, 0, 0), names="abc"),
+        chain((0, 0, 0), (3, 0, 0), names="ac"),
+    )
+    walk = (Track(1, "rotation", "LINEAR", times, turns), Track(0, "rotation", "LINEAR", times, turns))
+    rig = replace(ours, clips=(Clip("walk", walk),))
+    edited = replace(theirs, clips=(Clip("walk", (Track(0, "rotation", "LINEAR", times, turns[::-1]),)),))
+    home = take_clips(rig, edited)
+    mine, its = places(home, "walk", times), places(edited, "walk", times)
+    np.testing.assert_allclose(mine["c"], its["c"], atol=CLOSE)
+    assert np.abs(places(rig, "walk", times)["c"] - its["c"]).max() > 0.1
 
 
 def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:

@@ -225,3 +225,17 @@ def test_keys_that_say_what_a_node_of_ours_is_at_rest_are_not_lost_and_others_ar
     assert lost("translation", [[1, 2, 3], [1, 2, 3.001]])
     assert lost("rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
     assert lost("scale", [[1, 1, 1], [1, 1, 1]], rig)  # of a node of somebody else
+
+
+def test_a_scale_that_sixteen_bits_cannot_hold_is_told_by_name(tmp_path: Path) -> None:
+    def larger(rig: Rig, report: Report, by: float) -> Rig:
+        report.reposed = True
+        track = tracks(rig, "hips", "scale")[0]
+        wide = replace(track, values=np.full_like(track.values, by))
+        clips = (replace(c, tracks=tuple(wide if t is track else t for t in c.tracks)) for c in rig.clips)
+        return replace(rig, clips=tuple(clips))
+
+    with pytest.raises(DeviationError, match="16-bit numbers, which cannot say the new ones of 'hips'"):
+        edit(SAMPLES / "biped.usda", tmp_path / "out.usda", lambda rig, report: larger(rig, report, 1.2589))
+    # 1.25 is a number of 16 bits.
+    edit(SAMPLES / "biped.usda", tmp_path / "out.usda", lambda rig, report: larger(rig, report, 1.25))
