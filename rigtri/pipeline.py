@@ -201,8 +201,9 @@ def _checked(
             return check_split(document, after)
         if rig.removed:
             return _without(after, document, rig, report.driven)
-        meant, made = intended(document, rig, after, reposed=report.reposed)
-        check = partial(self_check, meant, made, driven=report.driven, own=report.reposed)
+        reposed = report.reposed and rig is not document.rig
+        meant, made = intended(document, rig, after, reposed=reposed)
+        check = partial(self_check, meant, made, driven=report.driven, meant=reposed)
         result = check()
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
             result = check(closely=True)

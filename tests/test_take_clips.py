@@ -390,6 +390,11 @@ def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:
     assert notices(report) == []
 
 
+def test_one_name_in_place_of_a_list_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"\('walk',\)"):
+        take_clips(rig_of(), rig_of(), options=Options(clips="walk"))  # type: ignore[arg-type]
+
+
 def test_what_has_no_motion_or_no_common_name_is_an_error() -> None:
     rig = rig_of()
     with pytest.raises(GeometryError, match="no clips"):

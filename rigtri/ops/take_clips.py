@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.bounds import refuse_single_name
 from rigtri.errors import GeometryError
 from rigtri.following import factored
 from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, frame_of, span
@@ -50,6 +51,7 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
     """
     report = report if report is not None else Report()
     options = options or Options()
+    refuse_single_name("--clip", options.clips)
     both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(
