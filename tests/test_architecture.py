@@ -50,6 +50,8 @@ delivery
 ahead ops formats
 inputs outputs
 checks pipeline difference
+steps
+spec
 confined
 cli
 """.strip().splitlines()

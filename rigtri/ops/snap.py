@@ -117,6 +117,11 @@ class _Limb:
         times = self.times if already or self.timeline is None else self._all_times(self.timeline)
         before = self._posed(self.rig, times)
         channels = self._to_ik(ik, before) if self.to == "ik" else self._to_fk(ik, fks, before)
+        if not all(np.isfinite(each).all() for parts in channels.values() for each in parts):
+            raise GeometryError(
+                f"The limb that ends in '{self.rig.title(self.chain[2])}' has a scale of zero at one of the "
+                "moments, or above it; no control can tell what has no axes"
+            )
         if self.timeline is None:
             if self.to == "fk" and was_ik:
                 zero = Parts(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
