@@ -374,6 +374,20 @@ def test_a_joint_that_edited_lets_rest_stays_there_where_rig_has_a_moving_one_ab
     assert np.abs(places(rig, "walk", times)["c"] - its["c"]).max() > 0.1
 
 
+def test_a_rig_of_other_proportions_keeps_its_size() -> None:
+    times, turns = np.array([0.0, 1.0]), from_axis_angle([0.0, 0.0, 1.0], np.array([0.0, 0.8]))
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 1, 1))
+    other = chain((0, 0, 0), (0, 1.9, 0), (0, 1.9, 1.1))
+    edited = replace(other, clips=(Clip("walk", (Track(0, "rotation", "LINEAR", times, turns),)),))
+    report = Report()
+    home = take_clips(rig, edited, report=report)
+    assert "other-proportions" in notices(report)
+    world = pose.worlds(home, pose.locals_at(home, home.clip("walk"), times))
+    np.testing.assert_allclose(np.linalg.norm(world[..., :3, :3], axis=-1), 1.0, atol=CLOSE)
+    bones = np.linalg.norm(np.diff(world[..., 3, :3], axis=1), axis=-1)
+    np.testing.assert_allclose(bones, 1.0, atol=CLOSE)
+
+
 def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:
     rig = rig_of(arm().glb(tmp_path / "arm.glb"))
     other = arm()
