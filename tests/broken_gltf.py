@@ -425,6 +425,19 @@ GLTF: dict[str, list[Make]] = {
     "gltf.mesh.weight-negative": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[1.5, -0.5, 0, 0]])],
     "gltf.mesh.weight-sum": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[0.5, 0.4, 0, 0]])],
     "gltf.mesh.weight-zero": [attribute("WEIGHTS_0", [[1, 0, 0, 0]] * 2 + [[0, 0, 0, 0]])],
+    "gltf.note.circle": [
+        _note(
+            {
+                "v": 1,
+                "type": "constraint",
+                "kind": "point",
+                "child": "joint 0",
+                "drivers": ["joint 2"],
+                "weights": [1.0],
+                "offsets": np.eye(4).ravel().tolist(),
+            }
+        )
+    ],
     "gltf.note.unknown": [_note({"v": 2, "type": "group"}), _note({"v": 1, "type": "locator"})],
     "gltf.note.broken": [
         _note(5),

@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from usd_files import MESH, ONE, animation, at, save, scene, skeleton
 
 Make = Callable[[Path], Path]
@@ -326,6 +327,15 @@ USD: dict[str, list[Make]] = {
         replaced("uniform vector3f[] offsets = [(0, 0, 1)]", ""),
     ],
     "usd.blend.point": [replaced("pointIndices = [1]", "pointIndices = [3]")],
+    "usd.note.circle": [
+        _note(
+            'custom int rigtri:v = 1\ncustom token rigtri:type = "constraint"\n'
+            'custom token rigtri:kind = "point"\n'
+            'custom token rigtri:child = "a"\ncustom token[] rigtri:drivers = ["b"]\n'
+            "custom double[] rigtri:weights = [1]\n"
+            f"custom double[] rigtri:offsets = {np.eye(4).ravel().tolist()}"
+        )
+    ],
     "usd.note.unknown": [
         _note('custom int rigtri:v = 2\ncustom token rigtri:type = "group"'),
         _note('custom int rigtri:v = 1\ncustom token rigtri:type = "locator"'),

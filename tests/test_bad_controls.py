@@ -10,7 +10,7 @@ import pytest
 from test_bake import control, rigged
 
 from rigtri.errors import GeometryError
-from rigtri.matrices import inverse, transform_points
+from rigtri.matrices import inverse, multiply, transform_points
 from rigtri.ops.bake import Options as BakeOptions
 from rigtri.ops.bake import bake
 from rigtri.ops.constrain import Options as ConstrainOptions
@@ -178,3 +178,60 @@ def test_controls_that_go_round_in_a_circle_are_named(name: str) -> None:
     ):
         with pytest.raises(GeometryError, match=r"circle.*hand_L|circle.*upper_arm_L"):
             run()
+
+
+def below(rig: Rig, child: str, above: str) -> Rig:
+    """The rig with a node of ours below another one, and the nodes in an order that has parents first."""
+    moved, to = rig.find(child, "node"), rig.find(above, "node")
+    assert to < moved
+    parents = rig.parents.copy()
+    parents[moved] = to
+    return replace(rig, parents=parents)
+
+
+CIRCLES = [
+    ("hand_L_ik_ctl_offset", "hand_L", ["hand_L", "hand_L_ik_ctl", "hand_L_ik_ctl_offset"]),
+    ("forearm_L_pole", "forearm_L", ["forearm_L", "forearm_L_pole"]),
+    ("hand_L_ik_ctl_offset", "fingers_L_ctl", ["hand_L_ctl_offset", "hand_L_ik_ctl", "fingers_L_ctl"]),
+    ("chest_ctl_offset", "hand_R", ["chest", "chest_ctl", "chest_ctl_offset", "hand_R", "clavicle_R"]),
+]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("child", "above", "way"), CIRCLES)
+def test_a_control_below_what_it_moves_is_a_circle_that_names_all_on_the_way(
+    name: str, child: str, above: str, way: list[str]
+) -> None:
+    rig = below(bake(rigged(name), options=BakeOptions(to="controls")), child, above)
+    at = f"{rig.clips[0].name}@0.5"
+    for run in (
+        lambda: bake(rig, options=BakeOptions()),
+        lambda: bake(rig, options=BakeOptions(to="controls")),
+        lambda: pose_of(rig, Options(at)),
+        lambda: snap(rig, options=SnapOptions("ik", (at,), (ARM,))),
+    ):
+        with pytest.raises(GeometryError, match="circle") as caught:
+            run()
+        places = [str(caught.value).find(f"'{node}'") for node in way]
+        assert -1 not in places
+        assert places == sorted(places)
+
+
+def test_an_ik_end_below_the_head_is_no_circle() -> None:
+    rig = below(bake(rigged(), options=BakeOptions(to="controls")), "hand_L_ik_ctl_offset", "head")
+    assert all(np.isfinite(t.values).all() for c in bake(rig, options=BakeOptions()).clips for t in c.tracks)
+
+
+def test_an_ik_end_below_a_finger_of_the_other_hand_goes_where_ik_takes_that_hand() -> None:
+    """The control of a finger hangs on the hand's, whose offset follows IK while that is at work."""
+    rig = below(rigged(), "hand_L_ik_ctl_offset", "fingers_R_ctl")
+    other = control(rig, "hand_R", "ik")
+    end, finger = control(rig, "hand_L", "ik"), rig.find("fingers_R")
+    rest = rig.translation[other] + rig.local[other, 3, :3]
+    posed = [
+        pose_of(asked(rig, (other, "translation", rest + move)), Options("new@0.5"))
+        for move in (np.zeros(3), np.array([0.0, 0.1, 0.05]))
+    ]
+    seen = [multiply(p.world(end), inverse(p.world(finger))) for p in posed]
+    assert np.abs(posed[1].world(finger) - posed[0].world(finger)).max() > 0.02
+    np.testing.assert_allclose(seen[1], seen[0], atol=1e-6)

@@ -12,7 +12,6 @@ from typing import Protocol
 
 import numpy as np
 
-from rigtri.errors import GeometryError
 from rigtri.following import Parts, evaluate, factored
 from rigtri.matrices import inverse, multiply
 from rigtri.records import Path
@@ -21,6 +20,7 @@ from rigtri.rules import Rule, rules_of
 from rigtri.solve.blocks import BLOCK, blocks, cut, frames, joined
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
+from rigtri.solve.order import Uses, ordered, steps_for
 from rigtri.solve.posed import Posed
 from rigtri.solve.reference import FkControl, Reference
 from rigtri.twist import Twist, twists
@@ -28,15 +28,9 @@ from rigtri.twist import Twist, twists
 _CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
 
 
-class Step(Protocol):
-    """Something that moves nodes. sets: them. reads: nodes whose local parts, needs: whose places it uses."""
+class Step(Uses, Protocol):
+    """Something that moves nodes."""
 
-    @property
-    def sets(self) -> tuple[int, ...]: ...
-    @property
-    def reads(self) -> tuple[int, ...]: ...
-    @property
-    def needs(self) -> tuple[int, ...]: ...
     def run(self, posed: Posed) -> None: ...
 
 
@@ -167,7 +161,7 @@ class Solver:
     """The steps of a rig, in the order in which they can be taken.
 
     driven: the controls, IK ends and poles that are at work; None: all of them.
-    Raises GeometryError for a circle.
+    Raises CircleError.
     """
 
     def __init__(self, rig: Rig, driven: Collection[int] | None = None) -> None:
@@ -205,13 +199,16 @@ class Solver:
 
     @cached_property
     def _looked_at(self) -> set[int]:
-        """What rules look at, and all nodes above that."""
+        """What rules, IK ends, poles and controls beside their joints hang on, and all nodes above that."""
+        looking = [node for rule in rules_of(self.rig).values() for node in rule.sources]
+        for limb in self.reference.limbs:
+            looking += [limb.control, limb.pole]
+        looking += [node for own in self.reference.fk.values() for node in Fk(self.reference, own).needs]
         found = set[int]()
-        for rule in rules_of(self.rig).values():
-            for node in rule.sources:
-                while node >= 0 and node not in found:
-                    found.add(node)
-                    node = int(self.rig.parents[node])
+        for node in looking:
+            while node >= 0 and node not in found:
+                found.add(node)
+                node = int(self.rig.parents[node])
         return found
 
     @cached_property
@@ -233,7 +230,7 @@ class Solver:
                 found.append(Root(self.reference, own))
                 taken.add(own.joint)
         found += [Turned(self.rig, twist) for twist in twists(self.rig) if twist.node not in taken]
-        return self._ordered(self._with_rules(found))
+        return ordered(self.rig, self._with_rules(found))
 
     def _with_rules(self, steps: Sequence[Step]) -> list[Step]:
         """Rules come on top of what else moves their children; what moves a whole limb stays as it is."""
@@ -247,69 +244,9 @@ class Solver:
             result.append(Follow(self.rig, tuple(order), base))
         return result
 
-    def _ordered(self, steps: Sequence[Step]) -> list[Step]:
-        """Steps by what they use: parents' places take part in those of their children."""
-        setter = self._setters(steps)
-        waits = [self._waits(step, k, setter) for k, step in enumerate(steps)]
-        done: list[int] = []
-        state = [0] * len(steps)
-        for start in range(len(steps)):
-            self._visit(start, waits, state, done, steps)
-        return [steps[k] for k in done]
-
-    @staticmethod
-    def _setters(steps: Sequence[Step]) -> dict[int, int]:
-        """Which step sets a node, by its place."""
-        setter = {node: k for k, step in enumerate(steps) for node in step.sets}
-        return setter | {n: k for k, step in enumerate(steps) if isinstance(step, Ik) for n in step.carries}
-
     def steps_for(self, nodes: Collection[int]) -> list[Step]:
         """The steps that what becomes of some nodes needs, in order."""
-        setter = self._setters(self.steps)
-        taken = {setter[node] for node in nodes if node in setter}
-        for k in range(len(self.steps) - 1, -1, -1):
-            if k in taken:
-                taken.update(self._waits(self.steps[k], k, setter))
-        return [step for k, step in enumerate(self.steps) if k in taken]
-
-    def _waits(self, step: Step, own: int, setter: Mapping[int, int]) -> list[int]:
-        found = {setter[node] for node in step.reads if node in setter}
-        for node in step.needs:
-            above = node
-            while above >= 0:
-                if above in setter:
-                    found.add(setter[above])
-                above = int(self.rig.parents[above])
-        return sorted(found - {own})
-
-    def _visit(
-        self,
-        start: int,
-        waits: Sequence[Sequence[int]],
-        state: list[int],
-        done: list[int],
-        steps: Sequence[Step],
-    ) -> None:
-        """Depth first, without recursion: a step after all that it waits for. state: 1 entered, 2 done."""
-        if state[start]:
-            return
-        state[start] = 1
-        stack = [(start, iter(waits[start]))]
-        while stack:
-            step, left = stack[-1]
-            following = next(left, None)
-            if following is None:
-                state[step] = 2
-                done.append(step)
-                stack.pop()
-            elif state[following] == 1:
-                circle = [k for k, _ in stack]
-                names = [steps[k].sets[0] for k in circle[circle.index(following) :]]
-                told = " → ".join(f"'{self.rig.title(node)}'" for node in (*names, names[0]))
-                raise GeometryError(f"Controls and constraints go round in a circle: {told}")
-            elif state[following] == 0:
-                state[following] = 1
-                stack.append((following, iter(waits[following])))
+        return steps_for(self.rig, self.steps, nodes)
 
     def run(self, sampled: Mapping[int, Parts], steps: Sequence[Step] | None = None) -> Posed:
         """The rig with all steps taken, or some. sampled: the parts of what a clip moves, (f, ·) each."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from rigtri.checks.circles import check_circles
 from rigtri.checks.findings import Findings
 from rigtri.checks.gltf import (
     animations,
@@ -44,6 +45,8 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         vrm.check(view)
         springs.check(view)
         notes.check(view)
+        if notes.waiting(view):
+            check_circles(path, "gltf.note.circle", findings, allow_external=allow_external)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
 

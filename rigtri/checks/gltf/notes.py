@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rigtri.checks.circles import WAITING
 from rigtri.checks.gltf.view import View
 from rigtri.checks.notes import broken, unknown
 
@@ -17,6 +18,12 @@ def check(view: View) -> None:
             if why or newer:
                 rule = "gltf.note.broken" if why else "gltf.note.unknown"
                 view.add(rule, view.title(index), f"/nodes/{index}/extras/rigtri", why or newer)
+
+
+def waiting(view: View) -> bool:
+    """Whether some node follows or moves another one."""
+    stored = [extras.get("rigtri") for node in view.nodes if isinstance(extras := node.get("extras"), dict)]
+    return any(isinstance(note, dict) and note.get("type") in WAITING for note in stored)
 
 
 def _address(view: View, name: str) -> bool:

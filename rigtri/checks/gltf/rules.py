@@ -298,6 +298,13 @@ RULES = (
         "Run the command again that made the node, or remove extras.rigtri.",
     ),
     Rule(
+        "gltf.note.circle",
+        "error",
+        "Controls and constraints wait for each other: a control of IK below the limb that it moves, say. "
+        "bake, pose and snap refuse the rig.",
+        "Hang one of the nodes named below another one, or take a constraint out.",
+    ),
+    Rule(
         "gltf.note.unknown",
         "info",
         "What rigtri stored on a node has a version or a type that this rigtri does not know.",

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.checks import notes as judged
+from rigtri.checks.circles import check_circles
 from rigtri.checks.findings import Findings
 from rigtri.checks.usd import animations, bindings, blend_shapes, packages, skeletons
 from rigtri.checks.usd.scene import Scene
@@ -42,6 +43,8 @@ def check_usd(
         scene.guard(prim, blend_shapes.check)
     for prim in scene.noted:
         scene.guard(prim, _check_notes)
+    if scene.noted:
+        check_circles(path, "usd.note.circle", findings, allow_external=allow_external)
     if external:
         from rigtri.checks.usd.openusd import validate
 

@@ -224,6 +224,13 @@ RULES = (
         "Run the command again that made it, or remove the rigtri: attributes.",
     ),
     Rule(
+        "usd.note.circle",
+        "error",
+        "Controls and constraints wait for each other: a control of IK below the limb that it moves, say. "
+        "bake, pose and snap refuse the rig.",
+        "Hang one of the nodes named below another one, or take a constraint out.",
+    ),
+    Rule(
         "usd.note.unknown",
         "info",
         "What rigtri stored on a prim or joint has a version or a type that this rigtri does not know.",
