@@ -84,6 +84,38 @@ class Worst:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """How far what a file shows is from where it was, on purpose, at most; as a share of its size.
+
+    per_clip: by clip, of those that both files have. morphs: how far other morph weights move points
+    of each mesh, which the deviation does not count.
+    """
+
+    deviation: float
+    worst: Worst | None
+    per_clip: Mapping[str, float]
+    morphs: Mapping[str, float] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        worst = self.worst if self.deviation > 0 else None
+        return {
+            "deviation": _finite(self.deviation),
+            "worst": worst and {"what": worst.what, "clip": worst.clip, "time": worst.time},
+            "clips": {name: _finite(value) for name, value in self.per_clip.items()},
+            "morphs": {name: _finite(value) for name, value in self.morphs.items()},
+        }
+
+    def summary(self) -> str:
+        told = []
+        if self.deviation != 0:
+            told.append(f"motion differs from IN by up to {self.deviation:.2g} of the size ({self.worst})")
+        if self.morphs:
+            name, most = max(self.morphs.items(), key=lambda item: item[1])
+            told.append(f"other morph weights move points by up to {most:.2g} of the size ({name})")
+        return "; ".join(told) or "all that IN shows moves as in IN"
+
+
+@dataclass(frozen=True)
 class Comparison:
     """How far two rigs are apart.
 
@@ -100,6 +132,7 @@ class Comparison:
     purpose, how far, relative to ``diagonal``; None where none was meant to. driven: how far morph
     weights that the edit drives on purpose move points of each mesh, of the diagonal; the rest is
     without them. meant: an edit moves things on purpose, and what it meant is what was compared with.
+    motion: how far it moves them.
     """
 
     deviation: float
@@ -120,6 +153,7 @@ class Comparison:
     raw_counts: bool = False
     driven: Mapping[str, float] = field(default_factory=dict)
     meant: bool = False
+    motion: Motion | None = None
 
     @property
     def shown(self) -> float:
@@ -157,6 +191,7 @@ class Comparison:
             "identical": self.identical,
             "boxed": list(self.boxed),
             **({} if self.moved is None else {"moved": _finite(self.moved)}),
+            **({} if self.motion is None else {"motion": self.motion.as_json()}),
             **(
                 {"driven": {name: _finite(value) for name, value in self.driven.items()}}
                 if self.driven
@@ -166,7 +201,8 @@ class Comparison:
 
     def summary(self) -> str:
         """One line: the number, where it is, what rotations that are not unit show, and what is lost."""
-        line = f"max deviation {self.deviation:.2g} of the size"
+        start = "max deviation" if self.motion is None else "as intended within"
+        line = f"{start} {self.deviation:.2g} of the size"
         if self.identical:
             line += ": nothing that was there has changed"
         if self.worst is not None and self.deviation > 0:
@@ -186,7 +222,7 @@ class Comparison:
         for word, found in (("lost", self.lost), ("different", self.different)):
             if found:
                 line += f"; {word}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
-        return line
+        return line if self.motion is None else f"{line}; {self.motion.summary()}"
 
     def describe(self, *, verbose: bool = False) -> str:
         """All of it for people, the number first; ``verbose`` names every mesh, clip and change."""
@@ -271,6 +307,28 @@ def self_check(
     far = moved((before.rig, after.rig), (before.meshes(), after.meshes()), driven) if driven else {}
     shares = {name: value / diagonal for name, value in far.items()}
     return replace(compared, boxed=() if closely else boxed, driven=shares, meant=meant)
+
+
+def motion_between(before: Source, after: Source) -> Motion:
+    """How far joints, meshes and nodes of one file are from where they are in another, with keys alike.
+
+    The corners of what each joint moves, as in `self_check`; what is the same to the bit is not evaluated.
+    Not the lenses of cameras, nor what rigtri itself has added.
+    """
+    mine, theirs = played_together(before.rig, after.rig, by_key=True)
+    matching = match(mine, theirs, by_key=True)
+    meshes = _fitting(before, before.outlines)
+    moving = moving_nodes(mine, theirs, matching)
+    watched: list[Watched] = [
+        *skin_corners(mine, theirs, matching, meshes, moving),
+        *rigid_corners(mine, matching, meshes, moving),
+        origins(mine, matching, moving),
+    ]
+    tally = _Tally([w for w in watched if len(w.titles)])
+    _run(*side_by_side(mine, theirs, matching), tally, normalised=True)
+    diagonal = size_of(mine, meshes)
+    clips = {name: value / diagonal for name, value in tally.clips.items()}
+    return Motion(tally.largest / diagonal, tally.worst, clips)
 
 
 def verify(before: Source, after: Source) -> Comparison:

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
-from rigtri.compare import Source
-from rigtri.records import Mesh
+import numpy as np
+
+from rigtri.compare import Motion, Source, motion_between
+from rigtri.driven import Driven, moved
+from rigtri.reach import size_of
+from rigtri.records import Clip, Mesh, Track
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
-from rigtri.timelines import played_at_once, timelines
+from rigtri.timelines import PLAYED, played_at_once, timelines
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,53 @@ def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> tup
         Intended(document, meant, after, redrawn, keyed.keys, place),
         Intended(after, made, after, place=range(len(made))),
     )
+
+
+def motion(document: Source, meant: Source, made: Source, driven: Driven) -> Motion:
+    """How far what the document shows moves otherwise in a result; meant, made: of `intended`.
+
+    At rest and in the clips that both have, at keys and between them. driven: morph weights that are
+    told elsewhere.
+    """
+    rig = document.rig
+    keys = meant.keys if isinstance(meant, Intended) else rig.keys
+    played = next((clip for clip in made.rig.clips if clip.key == PLAYED), None)
+    if played is not None:
+        rig = played_at_once(rig, played.name)
+        if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
+            rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
+    was = Intended(document, replace(rig, keys=keys), made, keys=keys, place=range(len(rig)))
+    found = motion_between(was, made)
+    others = {key: () for key in _other_weights(was.rig, made.rig) if key not in driven}
+    if not others:
+        return found
+    far = moved((was.rig, made.rig), (was.meshes(), made.meshes()), others)
+    size = size_of(was.rig, was.outlines())
+    return replace(found, morphs={name: value / size for name, value in far.items() if value > 0})
+
+
+def _other_weights(before: Rig, after: Rig) -> set[Hashable]:
+    """The keys of the nodes whose morph weights are driven otherwise in a clip that both have."""
+    found: set[Hashable] = set()
+    theirs = {(clip.key, clip.name): clip for clip in after.clips}
+    for clip in before.clips:
+        other = theirs.get((clip.key, clip.name))
+        if other is not None:
+            was, now = _weights(before, clip), _weights(after, other)
+            found |= {key for key in was.keys() | now.keys() if not _alike(was.get(key), now.get(key))}
+    return found
+
+
+def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
+    return {rig.keys[t.node]: t for t in clip.tracks if t.path == "weights"}
+
+
+def _alike(a: Track | None, b: Track | None) -> bool:
+    """Whether two tracks are the same to the bit."""
+    if a is None or b is None:
+        return a is b
+    same = np.array_equal(a.times, b.times) and np.array_equal(a.values, b.values)
+    return same and a.interpolation == b.interpolation
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:

@@ -27,7 +27,7 @@ from rigtri.driven import Driven
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
 from rigtri.inputs import called, opened
-from rigtri.intended import intended
+from rigtri.intended import intended, motion
 from rigtri.outputs import Written, as_file_error, destination, spare
 from rigtri.report import Notice, Report
 from rigtri.rig import Rig
@@ -230,8 +230,10 @@ def _checked(
             result = check(closely=True)
         if not result.passes(tolerance) and result.passes(np.inf):  # and so may boxes of morphs be
             exact = check(points=True)
-            return exact if exact.passes(tolerance) else result
-        return result
+            result = exact if exact.passes(tolerance) else result
+        if not reposed or not result.passes(tolerance):
+            return result
+        return replace(result, motion=motion(document, meant, made, report.driven))
 
 
 def _to_stdout(written: Written) -> None:

@@ -21,6 +21,8 @@ from rigtri.trigonometry import Floats
 SAME_VALUE = 1e-6
 # Formats that keep times as float32 can tell two keys this far apart, as a share of the time.
 _SINGLE = np.float32
+# The key of the clip that `played_at_once` makes.
+PLAYED = ("played", "")
 # Keys that evenly spaced times may come to in one clip.
 MOST_KEYS = 1_000_000
 
@@ -71,7 +73,7 @@ def played_at_once(rig: Rig, name: str) -> Rig:
         for k, clip in enumerate(rig.clips)
         if k not in found.members or _is_default(clip) or (clip.idle and clip.tracks)
     ]
-    return replace(rig, clips=(replace(found.clip, name=name, key=("played", "")), *apart))
+    return replace(rig, clips=(replace(found.clip, name=name, key=PLAYED), *apart))
 
 
 def moment(rig: Rig, text: str) -> tuple[Timeline | None, float]:

@@ -133,6 +133,8 @@ class _Limb:
             offsets = [fk.own.offset for fk in ik.fk.values()]
             working = ends if self.to == "ik" else controls
             rig = self._replaced(channels, times, {*ends, *controls, *offsets}, working)
+        # What controls show, and tracks that go, are so on purpose.
+        self.report.reposed |= rig is not self.rig
         self._record(rig, times)
         return rig
 
@@ -253,8 +255,6 @@ class _Limb:
                 )
         # New tracks stand where those that go were.
         left = [k for k in timeline.members if any(t.node in gone for t in clips[k].tracks)]
-        # Of a track that goes, the self-check is to know that it was meant to.
-        self.report.reposed |= bool(left)
         for k in left:
             kept = []
             for track in clips[k].tracks:

@@ -1,0 +1,155 @@
+"""What edits say of motion that they change on purpose: how far, where and when."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from places import SAMPLES
+from test_bake import WHOLE, control
+
+from rigtri import pose
+from rigtri.formats import read
+from rigtri.ops.bake import Options, bake
+from rigtri.ops.controls import add_controls
+from rigtri.ops.posing import Options as PoseOptions
+from rigtri.ops.posing import take_pose
+from rigtri.ops.snap import Options as SnapOptions
+from rigtri.ops.snap import snap
+from rigtri.ops.take_clips import take_clips
+from rigtri.pipeline import Outcome, edit
+from rigtri.records import Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+NAMES = ["biped.glb", "biped.usda"]
+MOVE = np.array([0.3, 0.0, 0.4])  # half a unit
+
+
+def carried(rig: Rig) -> Rig:
+    """The rig whose root control goes half a unit away in a second of the first clip."""
+    root = control(rig, "hips", "root")
+    rest, times = rig.translation[root], np.array([0.0, 1.0]) * rig.per_second
+    track = Track(root, "translation", "LINEAR", times, np.stack([rest, rest + MOVE]))
+    first = rig.clips[0]
+    return replace(rig, clips=(replace(first, tracks=(*first.tracks, track)), *rig.clips[1:]))
+
+
+def whole(name: str, folder: Path, *, move: bool = True) -> Path:
+    """A file with controls, of which one moves."""
+
+    def step(rig: Rig, report: Report) -> Rig:
+        rig = add_controls(rig, options=WHOLE, report=report)
+        return carried(rig) if move else rig
+
+    path = folder / f"rigged.{name}"
+    edit(SAMPLES / name, path, step)
+    return path
+
+
+def baked(source: Path, target: Path) -> Outcome:
+    return edit(source, target, lambda rig, report: bake(rig, options=Options(), report=report))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bake_tells_how_far_it_moves_joints_where_and_when(name: str, tmp_path: Path) -> None:
+    source = whole(name, tmp_path)
+    told = baked(source, tmp_path / name).verification
+    assert told is not None
+    assert told.motion is not None
+    # All goes half a unit: points of what joints move, and so joints.
+    assert told.motion.deviation * told.diagonal == pytest.approx(0.5, rel=1e-3)
+    worst = told.motion.worst
+    assert worst is not None
+    assert worst.clip == read(source).rig.clips[0].name
+    assert worst.time >= 0.99 * read(source).rig.per_second
+    assert told.summary().startswith("as intended within ")
+    assert (
+        f"motion differs from IN by up to {told.motion.deviation:.2g} of the size ({worst})" in told.summary()
+    )
+    assert "has changed" not in told.summary()
+    assert told.as_json()["motion"]["clips"][worst.clip] == told.motion.deviation
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_moves_nothing_says_so(name: str, tmp_path: Path) -> None:
+    source = whole(name, tmp_path, move=False)
+    at = f"{read(source).rig.clips[0].name}@0.5"
+    options = SnapOptions("ik", (at,), (("upper_arm_L", "forearm_L", "hand_L"),))
+    told = edit(source, tmp_path / name, lambda rig, report: snap(rig, options=options, report=report))
+    assert told.verification is not None
+    assert told.verification.motion is not None
+    assert told.verification.motion.deviation == 0
+    assert told.verification.summary().endswith("; all that IN shows moves as in IN")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_take_clips_tells_how_far_what_it_took_moves(name: str, tmp_path: Path) -> None:
+    edited = tmp_path / f"edited.{name}"
+    baked(whole(name, tmp_path), edited)
+    home = edit(
+        SAMPLES / name,
+        tmp_path / name,
+        lambda rig, report: take_clips(rig, read(edited).rig, report=report),
+    ).verification
+    assert home is not None
+    assert home.motion is not None
+    assert home.motion.deviation * home.diagonal == pytest.approx(0.5, rel=1e-3)
+
+
+def test_between_its_keys_too_motion_is_measured(tmp_path: Path) -> None:
+    """A step between two keys that agree with both: keys alone would see nothing."""
+    source, target = SAMPLES / "biped.glb", tmp_path / "a.glb"
+
+    def held(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        clip = rig.clips[0]
+        tracks = tuple(replace(t, interpolation="STEP") if t.path == "rotation" else t for t in clip.tracks)
+        return replace(rig, clips=(replace(clip, tracks=tracks), *rig.clips[1:]))
+
+    told = edit(source, target, held).verification
+    assert told is not None
+    assert told.motion is not None
+    assert told.motion.worst is not None
+    before, after = read(source).rig, read(target).rig
+    times = pose.between_keys(pose.key_times(before.clips[0]))
+    joints = np.flatnonzero(before.is_joint)
+    far = max(
+        float(np.linalg.norm(a - b, axis=-1).max())
+        for a, b in [
+            [pose.worlds(r, pose.locals_at(r, r.clips[0], times))[:, joints, 3, :3] for r in (before, after)]
+        ]
+    )
+    assert far > 0.01
+    assert told.motion.deviation * told.diagonal >= far * (1 - 1e-6)
+
+
+def test_a_pose_tells_how_far_the_rest_moves(tmp_path: Path) -> None:
+    told = edit(
+        SAMPLES / "biped.glb",
+        tmp_path / "a.glb",
+        lambda rig, report: take_pose(rig, options=PoseOptions("walk@0.3"), report=report),
+    ).verification
+    assert told is not None
+    assert told.motion is not None
+    assert told.motion.worst is not None
+    assert told.motion.worst.clip == ""
+    assert "at rest" in told.summary()
+
+
+def test_the_report_of_a_command_has_the_motion(app: click.Group, tmp_path: Path) -> None:
+    source, out = whole("biped.glb", tmp_path), tmp_path / "out.glb"
+    report = tmp_path / "report.json"
+    done = CliRunner().invoke(app, ["bake", str(source), "-o", str(out), "--report", str(report)])
+    assert done.exit_code == 0, done.output
+    assert "motion differs from IN by up to" in done.output
+    told = json.loads(report.read_text("utf-8"))["verification"]["motion"]
+    assert told["deviation"] > 0.1
+    assert told["worst"]["clip"] == "walk"
+    bare = ["bake", str(source), "-o", str(out), "--overwrite", "--no-verify"]
+    assert "motion differs" not in CliRunner().invoke(app, bare).output
