@@ -19,6 +19,7 @@ from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding
 from rigtri.ops.posing import at_rest
+from rigtri.ops.trouble import clip_troubles, troubles
 from rigtri.ops.twist_keys import keyed
 from rigtri.pose import sample
 from rigtri.quaternions import unit
@@ -287,6 +288,7 @@ class _Baker:
             for track in self._tracks(timeline, times, held, node, parts[node])
             if track.path in {path for path, _ in solver.writes[node]}
         ]
+        self.report.hear(clip_troubles(solver, timeline, times, parts))
         self.rig = placed(self.rig, timeline, tracks)
         self._record(timeline, solver, samples, tracks, nodes)
 
@@ -326,6 +328,7 @@ class _Baker:
         if not solver.steps:
             return
         posed = solver.run({})
+        self.report.hear(troubles(solver, posed, lambda _: "the rest pose"))
         moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
         moves, _ = self.bounds
         least = np.minimum(moves, NOTHING * self.size)
