@@ -120,10 +120,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     copy_ahead(ctx, values)
     from rigtri.steps.add_controls import step
 
-    run_edit("add-controls", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("add-controls", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     new = [entry for entry in report.added if entry["new"]]
     kinds = [entry["kind"] for entry in report.added]
     counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))

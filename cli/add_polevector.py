@@ -102,10 +102,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     asked = step(request(values))
     if not values["quiet"]:
         tell_root(str(values["source"]), values["root"])
-    run_edit("add-polevector", values, asked, given_options(ctx), _summary)
+    run_edit("add-polevector", values, asked, given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     lines = []
     for entry in report.limbs:
         x, y, z = entry["position"]

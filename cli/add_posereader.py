@@ -112,10 +112,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     """
     from rigtri.steps.add_posereader import step
 
-    run_edit("add-posereader", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("add-posereader", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     (entry,) = (entry for entry in report.added if entry["type"] == "poseReader")
     rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
     rest = ", ".join(f"{name} {value:.3g}" for name, value in entry["rest"].items())

@@ -98,10 +98,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     """
     from rigtri.steps.add_rivet import step
 
-    run_edit("add-rivet", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("add-rivet", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     new = sum(entry["new"] for entry in report.added)
     keys = sum(count for entry in report.added for count in entry["keys"].values())
     off = max((entry["deviation"] for entry in report.added), default=0.0)

@@ -106,10 +106,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     """
     from rigtri.steps.add_twist import step
 
-    run_edit("add-twist", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("add-twist", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     made = [entry for entry in report.added if entry["type"] == "twist"]
     new = [entry for entry in made if entry["new"]]
     bones = {(entry["joint"], entry["to"]) for entry in made}

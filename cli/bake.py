@@ -75,10 +75,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     """
     from rigtri.steps.bake import step
 
-    run_edit("bake", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("bake", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     clips = [entry for entry in report.added if entry["type"] == "clip"]
     if not clips:
         return "no clip has keys of controls or constraints; nothing was baked"

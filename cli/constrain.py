@@ -95,8 +95,22 @@ def _orient(ctx: click.Context, param: click.Parameter, value: str) -> Any:
     type=click.Choice(["x", "y", "z"]),
     help="orient: only the roll about this axis of the child.",
 )
-@click.option("--aim-axis", callback=_direction, default="x", show_default=True, metavar="AXIS|X,Y,Z")
-@click.option("--up-axis", callback=_direction, default="y", show_default=True, metavar="AXIS|X,Y,Z")
+@click.option(
+    "--aim-axis",
+    callback=_direction,
+    default="x",
+    show_default=True,
+    metavar="AXIS|X,Y,Z",
+    help="aim: the axis of the child that points at the driver.",
+)
+@click.option(
+    "--up-axis",
+    callback=_direction,
+    default="y",
+    show_default=True,
+    metavar="AXIS|X,Y,Z",
+    help="aim: the axis of the child that leans to --world-up.",
+)
 @click.option(
     "--world-up",
     type=click.Choice(["vector", "object", "objectrotation", "none"]),
@@ -135,10 +149,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     if str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz")):
         refuse_given({"--vrm-constraints": "vrm"}, "means nothing for USD files")
-    run_edit("constrain", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("constrain", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     words = []
     for entry in report.added:
         drivers = ", ".join(f"{name} ({weight:g})" for name, weight in entry["drivers"].items())

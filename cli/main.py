@@ -33,7 +33,11 @@ COMMANDS = {
     "pose": "Print the pose of one moment, evaluated, or make it the rest pose.",
     "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
     "strip": "Take out again what rigtri has put into a file.",
+    "build": "Build a rig by a spec: the steps that a file lists, in one go.",
+    "spec-init": "Write a rig spec to start from: steps for the joints that a character has.",
+    "schema": "Print a JSON Schema: of rig specs, or of what rigtri writes.",
     "check": "Find all that is wrong with the skinned rigs in files.",
+    "completion": "Print the lines by which bash, zsh or fish complete commands and options.",
     "verify": "Measure how far two files look apart, in every pose.",
     "diff": "Say in rig terms and in file terms what differs between two files.",
 }

@@ -154,7 +154,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             new = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
             refuse_given(new, "is for new files, without IN")
 
-        run_edit("make-limb", values | {"empty": True}, asked, given, _summary)
+        run_edit("make-limb", values | {"empty": True}, asked, given, summary)
 
 
 def _blank(folder: Path, values: dict[str, Any]) -> str:
@@ -176,7 +176,8 @@ def _blank(folder: Path, values: dict[str, Any]) -> str:
     return str(path)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     joints = [entry for entry in report.added if entry["type"] == "limb"]
     new = "new" if joints[0]["new"] else "moved"
     moved = [f"{entry['node']} by {entry['moved']:.4g}" for entry in joints if entry["moved"] > 0]

@@ -133,7 +133,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         return
     if values["target"] is None:
         raise UsageError("give the file to write with -o OUT, or --check to write none")
-    run_edit("mirror", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("mirror", values, step(request(values)), given_options(ctx), summary)
 
 
 def _check(values: dict[str, Any], options: Options) -> None:
@@ -181,7 +181,8 @@ def _check(values: dict[str, Any], options: Options) -> None:
         sys.exit(1)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     turned = sum(entry["status"] == "turned" for entry in report.joints)
     new = sum(entry["new"] for entry in report.added)
     made = len(report.added)

@@ -326,21 +326,14 @@ def run_edit(
     that fails, only the words are lost.
     """
 
-    from rigtri.pipeline import edit, report_json
-    from rigtri.report import Report
+    from rigtri.pipeline import edit
 
-    source, target, quiet = values["source"], values["target"], values["quiet"]
-    if values["as_json"] and target == "-":
-        raise UsageError("--json and -o - both want standard output; use --report FILE.json")
-    if values["sidecar"] and target == "-":
-        raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
     _check_format(values)
-    check_side_files(values)
-    report = Report()
-    try:
-        outcome = edit(
-            source,
-            target,
+
+    def done(report: Report) -> Outcome:
+        return edit(
+            values["source"],
+            values["target"],
             step,
             options=read_options(values),
             report=report,
@@ -349,9 +342,35 @@ def run_edit(
             tolerance=values["tolerance"],
             dry_run=values["dry_run"],
             strict=values["strict"],
-            side_files=tuple(_side_files(values).values()),
+            side_files=side_files(values),
             ahead=click.get_current_context().obj,
         )
+
+    return run(name, values, done, options, summary, besides)
+
+
+def run(
+    name: str,
+    values: dict[str, Any],
+    done: Callable[[Report], Outcome],
+    options: dict[str, Any],
+    summary: Callable[[Report], str],
+    besides: Callable[[Report], None] = lambda report: None,
+    more: Callable[[], dict[str, Any]] = dict,
+) -> Outcome:
+    """Do what writes a file, and tell and report it as every command does; more: for the report."""
+    from rigtri.pipeline import report_json
+    from rigtri.report import Report
+
+    source, target, quiet = values["source"], values["target"], values["quiet"]
+    if values["as_json"] and target == "-":
+        raise UsageError("--json and -o - both want standard output; use --report FILE.json")
+    if values["sidecar"] and target == "-":
+        raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
+    check_side_files(values)
+    report = Report()
+    try:
+        outcome = done(report)
     except RigtriError:
         if not quiet:
             tell_warnings(report, values["verbose"])
@@ -365,6 +384,7 @@ def run_edit(
         tolerance=values["tolerance"],
         dry_run=values["dry_run"],
     )
+    document |= more()
     _write_beside(values, document)
     besides(report)
     if values["as_json"]:
@@ -399,6 +419,11 @@ def refuse_given(options: dict[str, str], why: str) -> None:
             raise UsageError(f"{flag} {why}")
 
 
+def side_files(values: dict[str, Any]) -> tuple[Path, ...]:
+    """The files that a command is to write beside OUT."""
+    return tuple(_side_files(values).values())
+
+
 def _side_files(values: dict[str, Any]) -> dict[str, Path]:
     from pathlib import Path
 
@@ -430,7 +455,8 @@ def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
         write_text(Path(values["report_path"]), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
     if not values["sidecar"] or values["dry_run"]:
         return
-    rig = read(Path(values["target"]), read_options(values)).rig
+    reading = values.get("reading") or read_options(values)
+    rig = read(Path(values["target"]), reading).rig
     write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
 
 

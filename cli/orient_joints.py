@@ -132,7 +132,13 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     type=click.Choice(["behavior", "orientation", "blender"]),
     help="Give the other side the mirrored axes of --from-side.",
 )
-@click.option("--from-side", type=click.Choice(["left", "right"]), default="left", show_default=True)
+@click.option(
+    "--from-side",
+    type=click.Choice(["left", "right"]),
+    default="left",
+    show_default=True,
+    help="With --mirror: the side that is copied onto the other.",
+)
 @click.option(
     "--plane",
     type=click.Choice(["yz", "xz", "xy"]),
@@ -185,7 +191,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     from rigtri.steps.orient_joints import step
 
     asked = step(request(values | {"order": ctx.meta["rigtri.order"]}))
-    run_edit("orient-joints", values, asked, given_options(ctx), _summary, partial(_save_frames, values))
+    run_edit("orient-joints", values, asked, given_options(ctx), summary, partial(_save_frames, values))
 
 
 def _save_frames(values: dict[str, Any], report: Report) -> None:
@@ -196,7 +202,8 @@ def _save_frames(values: dict[str, Any], report: Report) -> None:
         write_text(Path(values["save_frames"]), json.dumps(frames_json(report), indent=1) + "\n")
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1

@@ -72,10 +72,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         _print(values, asked(request(values)))
         return
     copy_ahead(ctx, values)
-    run_edit("pose", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("pose", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     (told,) = (entry for entry in report.added if entry["type"] == "pose")
     return f"{told['nodes']} nodes rest as in {told['at']}" if told["nodes"] else "all nodes rest so already"
 

@@ -61,10 +61,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     copy_ahead(ctx, values)
     from rigtri.steps.snap import step
 
-    run_edit("snap", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("snap", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     told = [entry for entry in report.added if entry["type"] == "snap"]
     far = max((entry["deviation"] for entry in told), default=0.0)
     limbs = len({tuple(entry["limb"]) for entry in told})

@@ -46,10 +46,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     copy_ahead(ctx, values)
     from rigtri.steps.strip import step
 
-    run_edit("strip", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("strip", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     nodes = sum(not entry["kept"] for entry in report.removed)
     notes = len(report.removed) - nodes
     if not report.removed:

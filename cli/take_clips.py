@@ -49,7 +49,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
     axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
-    bit for bit. Clips that were split per object are put together again.
+    bit for bit; of one that was edited in a part, the other part does. A key a frame becomes as few keys
+    as say the same, within --tolerance. Clips that were split per object are put together again.
 
     \b
     Examples:
@@ -60,10 +61,11 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     check_streams(str(values["source"]), str(values["edited"]))
     from rigtri.steps.take_clips import step
 
-    run_edit("take-clips", values, step(request(values)), given_options(ctx), _summary)
+    run_edit("take-clips", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     clips = [entry for entry in report.added if entry["type"] == "clip"]
     tracks, same = sum(entry["tracks"] for entry in clips), sum(entry["same"] for entry in clips)
     nodes = {name for entry in clips for name in entry["changed"]}

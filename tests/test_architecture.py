@@ -51,6 +51,7 @@ ahead ops formats
 inputs outputs
 checks pipeline difference
 steps
+spec
 confined
 cli
 """.strip().splitlines()

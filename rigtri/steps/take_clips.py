@@ -15,7 +15,8 @@ from rigtri.steps.request import Request, Step
 
 def step(request: Request) -> Step:
     """Raises UsageError for names that name no clip."""
-    options = Options(clips=request["clips"], names=_names(request["names"]))
+    names = _names(request["names"])
+    options = Options(clips=request["clips"], names=names, tolerance=request["tolerance"])
 
     def applied(rig: Rig, report: Report) -> Rig:
         with opened(request["edited"]) as path:
