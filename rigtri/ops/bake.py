@@ -60,8 +60,8 @@ class Options:
 
     to: ``joints`` or ``controls``. clips: globs of the clips, all of them where there is none.
     fps: so many samples a second besides the keys; None: as many as the tolerance needs. tolerance: how
-    far thinned keys, and what lies between samples, may be off, as a share of the rig's size. soft,
-    stretch: of all limbs, instead of what their controls say.
+    far thinned keys, and what lies between samples, may be off, as a share of the rig's size.
+    soft, stretch: of all limbs, instead of what their controls say.
     """
 
     to: Direction = "joints"
