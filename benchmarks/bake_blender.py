@@ -1,5 +1,5 @@
 """The peer of bake.py: an armature with two IK legs and arms with poles, twist bones, a parent constraint and
-keys on all bones, baked frame by frame with Blender's nla.bake: place, turn and size of all bones, visual keying.
+keys on all bones, baked frame by frame with Blender's nla.bake: place, turn, size of all bones, visual keys.
 Run by bake.py with BPY_PYTHON: JOINTS FRAMES; prints seconds.
 """
 

@@ -8,6 +8,7 @@ import click
 
 from .options import (
     Number,
+    Tolerance,
     edit_options,
     given_options,
     output_options,
@@ -44,7 +45,14 @@ if TYPE_CHECKING:
 @click.option(
     "--fps",
     type=Number(min=0, min_open=True),
-    help="So many samples a second besides the keys, and no others. [as many as --tolerance needs]",
+    help="So many samples a second besides the keys, and no others. [as many as --between needs]",
+)
+@click.option(
+    "--between",
+    type=Tolerance(),
+    default=1e-3,
+    show_default=True,
+    help="How far what lies between samples may be off, as a share of the rig's size.",
 )
 @click.option(
     "--soft",

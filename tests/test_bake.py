@@ -331,7 +331,8 @@ def test_real_motion_comes_home(path: Path) -> None:
         leave_out_refused(path, error)
     clips = [clip.name for clip in rig.shown_clips if clip.tracks]
     report = Report()
-    home = bake(bake(rig, options=Options(to="controls"), report=report), options=Options())
+    up = bake(rig, options=Options(to="controls", fps=30.0), report=report)
+    home = bake(up, options=Options(fps=30.0))
     assert "controls-off" not in {notice.code for notice in report.warnings}
     for name in clips:
         clip = rig.clip(name)

@@ -36,7 +36,11 @@ def reaching(name: str) -> Rig:
 @pytest.mark.parametrize("clip", ["walk", "wave"])
 def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
     rig, report = rigged(), Report()
-    home = bake(bake(rig, options=Options(to="controls"), report=report), options=Options(), report=report)
+    home = bake(
+        bake(rig, options=Options(to="controls", between=5e-6), report=report),
+        options=Options(between=5e-6),
+        report=report,
+    )
     keys = pose.key_times(rig.clip(clip))
     assert apart(rig, home, clip, np.linspace(keys[0], keys[-1], 2001)) < BOUND
     assert all(entry["between_samples"] <= BOUND for entry in report.added)
@@ -46,7 +50,7 @@ def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_joints_follow_ik_between_keys(name: str) -> None:
     rig, report = reaching(name), Report()
-    baked = bake(rig, options=Options(), report=report)
+    baked = bake(rig, options=Options(between=5e-6), report=report)
     times = np.linspace(0.0, rig.per_second, 500)
     timeline = timelines(rig)[0]
     there = Solver(rig, keyed_in(rig, timeline)).run(sampled(rig, timeline.clip, times))
@@ -64,7 +68,7 @@ def test_a_larger_tolerance_takes_fewer_samples() -> None:
     counts = []
     for tolerance in (1e-3, 1e-4, 1e-5):
         report = Report()
-        bake(reaching("biped.glb"), options=Options(tolerance=tolerance), report=report)
+        bake(reaching("biped.glb"), options=Options(between=tolerance / 2), report=report)
         counts.append(report.added[0]["frames"])
     assert counts[0] < counts[1] < counts[2]
 
@@ -85,14 +89,14 @@ def test_what_moves_on_lines_gets_no_more_samples() -> None:
     head = control(rig, "head", "fk")
     rig = animated(rig, head, "rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
     report = Report()
-    bake(rig, options=Options(), report=report)
+    bake(rig, options=Options(between=5e-6), report=report)
     assert [(e["frames"], e["between_samples"]) for e in report.added] == [(2, 0.0)]
 
 
 def test_a_highest_rate_bounds_the_samples_and_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(between, "MOST_A_SECOND", 8.0)
     report = Report()
-    bake(reaching("biped.glb"), options=Options(), report=report)
+    bake(reaching("biped.glb"), options=Options(between=5e-6), report=report)
     assert report.added[0]["frames"] == 9
     assert [notice.code for notice in report.warnings] == ["samples-limited"]
     assert "'new'" in report.warnings[0].text

@@ -20,6 +20,7 @@ from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding
 from rigtri.ops.posing import at_rest
 from rigtri.ops.stretched import refuse_endless
+from rigtri.ops.trouble import clip_troubles, troubles
 from rigtri.ops.twist_keys import keyed
 from rigtri.pose import sample
 from rigtri.quaternions import unit
@@ -50,6 +51,9 @@ from rigtri.twist import is_twist, twists
 Direction = Literal["joints", "controls"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+# How far what lies between samples may be off unless another share of the size is given: less than what
+# thirty frames a second leave, and few keys for animators; a hundredth of it takes ten times as many.
+BETWEEN = 1e-3
 # Notes of nodes whose keys follow joints, and are made anew after them.
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 
@@ -59,14 +63,15 @@ class Options:
     """Everything that `bake` can be told; the defaults are the command's.
 
     to: ``joints`` or ``controls``. clips: globs of the clips, all of them where there is none.
-    fps: so many samples a second besides the keys; None: as many as the tolerance needs. tolerance: how
-    far thinned keys, and what lies between samples, may be off, as a share of the rig's size. soft,
-    stretch: of all limbs, instead of what their controls say.
+    fps: so many samples a second besides the keys; None: as many as ``between`` needs: how far what lies
+    between samples may be off. tolerance: how far thinned keys may be off. Both are shares of the rig's size.
+    soft, stretch: of all limbs, instead of what their controls say.
     """
 
     to: Direction = "joints"
     clips: tuple[str, ...] = ()
     fps: float | None = None
+    between: float = BETWEEN
     tolerance: float = 1e-5
     soft: float | None = None
     stretch: bool | None = None
@@ -80,6 +85,8 @@ class Options:
             refuse_unworkable(flag, number)
         if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
+        if not self.between >= 0:
+            raise UsageError("--between is a share of the rig's size, 0 or more")
         if not self.tolerance >= 0:
             raise UsageError("--tolerance is a share of the rig's size, 0 or more")
         if self.soft is not None and not 0 <= self.soft < 1:
@@ -232,13 +239,14 @@ class _Baker:
         times = self._times(telling)
         if steps_only(telling) or not curve.nodes:
             return Refined(times, curve.at(times), 0.0, limited=False)
-        bound = np.inf if self.options.fps else max(self.options.tolerance / 2.0, NOTHING) * self.size
+        bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
         return refined(curve, times, bound=bound, per_second=self.rig.per_second)
 
     def _tell_limited(self) -> None:
         """One warning for all clips whose samples could not be near enough."""
         entries = [e for e in self.report.added if e.get("type") == "clip" and e.get("limited")]
-        far = [e for e in entries if e["between_samples"] > self.options.tolerance]
+        most = max(self.options.between, self.options.tolerance)
+        far = [e for e in entries if e["between_samples"] > most]
         if far:
             worst = max(far, key=lambda entry: float(entry["between_samples"]))
             more = f" ({len(far) - 1} more clips alike)" if len(far) > 1 else ""
@@ -246,7 +254,7 @@ class _Baker:
                 "samples-limited",
                 f"Clip '{worst['clip']}': with {MOST_A_SECOND:g} samples a second, the most, what lies "
                 f"between two of them is off by up to {worst['between_samples']:.2g} of the size{more}. "
-                "--tolerance or --fps ask for fewer",
+                "--between or --fps ask for fewer",
             )
 
     @staticmethod
@@ -276,6 +284,7 @@ class _Baker:
             for track in self._tracks(timeline, times, held, node, parts[node])
             if track.path in {path for path, _ in solver.writes[node]}
         ]
+        self.report.hear(clip_troubles(solver, timeline, times, parts))
         self.rig = placed(self.rig, timeline, tracks)
         self._record(timeline, solver, samples, tracks, nodes)
 
@@ -315,6 +324,7 @@ class _Baker:
         if not solver.steps:
             return
         posed = solver.run({})
+        self.report.hear(troubles(solver, posed, lambda _: "the rest pose"))
         moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
         moves, _ = self.bounds
         least = np.minimum(moves, NOTHING * self.size)

@@ -19,7 +19,7 @@ from rigtri.vectors import cross, dot, length, normalise
 # this to the line to the target no side: files hold float32, some nodes deep.
 NOWHERE, ON_LINE = 1e-7, 1e-5
 # How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
-_BEYOND, _NEWTON = 5.0, 12
+BEYOND, _NEWTON = 5.0, 12
 
 
 class Solved(NamedTuple):
@@ -96,7 +96,7 @@ def distance_for(reach: Floats, total: Floats, soft: float) -> Floats:
     """How far off, (f,), a target is for which a soft limb's end goes as far as ``reach``, (f,).
 
     The inverse of what `two_bone` makes of the distance. A limb that is nearly straight would need a
-    target at any distance: it is at most `_BEYOND` of the ways over which the limb slows down, from
+    target at any distance: it is at most `BEYOND` of the ways over which the limb slows down, from
     where it begins to.
     """
     if soft <= 0:
@@ -105,7 +105,7 @@ def distance_for(reach: Floats, total: Floats, soft: float) -> Floats:
     first = total - last
     with np.errstate(invalid="ignore", divide="ignore"):
         left = np.where(last > 0, (total - reach) / last, 1.0)
-    left = np.clip(left, exponential(-_BEYOND), 1.0)
+    left = np.clip(left, exponential(-BEYOND), 1.0)
     ways = np.zeros_like(left)
     for _ in range(_NEWTON):  # e^-ways = left, by Newton's method, which comes from below
         ways = ways + 1.0 - left / exponential(-ways)
