@@ -79,7 +79,7 @@ def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> tup
     place = [new[key] for key in before.keys]
     return (
         Intended(document, meant, after, redrawn, keyed.keys, place),
-        Intended(after, made, after, place=range(len(made))),
+        Intended(after, made, after, frozenset(), after.rig.keys, range(len(made))),
     )
 
 
