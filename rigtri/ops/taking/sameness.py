@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigtri.ops.taking.transfer import one_way_round
 from rigtri.pose import sample
-from rigtri.quaternions import conjugate, slerp, turn_angle, unit
+from rigtri.quaternions import conjugate, norm, slerp, turn_angle, unit
 from rigtri.quaternions import multiply as product
 from rigtri.records import Booleans, Track, key_values
 from rigtri.trigonometry import Floats
@@ -22,6 +23,8 @@ _GAP = 1.5
 # Exporters leave out all keys between the first and the last where no number moves by more than this,
 # in EDITED's units: Blender's does, unless it is told to keep them.
 _STILL = 1e-4
+# How much steeper than a natural spline the tangents may be that a DCC makes of keys.
+_STEEPER = 1.5
 
 
 def apart(path: str, a: Floats, b: Floats) -> Floats:
@@ -129,11 +132,10 @@ def same_knots(was: Track, now: Track, bound: Floats) -> float | None:
         return None
     knots = was.times[(was.times >= now.times[0]) & (was.times <= now.times[-1])]
     at = np.clip(np.searchsorted(now.times, knots), 1, len(now.times) - 2)
-    values = key_values(now)
-    # A key between two frames: the frames tell it no nearer than the curve bends there.
-    line = _between(now.path, values[at - 1], values[at + 1])
+    # A key between two frames: the frames tell it no nearer than the curve bends at either.
     on_frame = np.abs(_nearest(now.times, knots)[:, 0] - knots) <= MISSED
-    bend = np.where(on_frame, 0.0, apart(now.path, line, values[at]))
+    bends = _bends(now)
+    bend = np.where(on_frame, 0.0, np.maximum(bends[at - 1], bends[at]))
     near = np.interp(knots, now.times, bound)
     if (apart(now.path, sample(now, knots), sample(was, knots)) > near + bend).any():
         return None
@@ -144,7 +146,59 @@ def same_knots(was: Track, now: Track, bound: Floats) -> float | None:
     chord = _linear(was)
     bulge = np.zeros(len(reach))
     np.maximum.at(bulge, segment, apart(was.path, sample(was, now.times), sample(chord, now.times)))
-    return None if (far > bound + bulge[segment] + 0.5 * reach[segment]).any() else float(far.max())
+    swing = np.maximum(0.5 * reach, _swing(was))
+    return None if (far > bound + bulge[segment] + swing[segment]).any() else float(far.max())
+
+
+def _bends(track: Track) -> Floats:
+    """How far keys are from the middle between their neighbours, (k,); of the ends, as of those beside them."""
+    values = key_values(track)
+    line = _between(track.path, values[:-2], values[2:])
+    found = apart(track.path, line, values[1:-1])
+    return np.concatenate([found[:1], found, found[-1:]])
+
+
+def _swing(was: Track) -> Floats:
+    """How far between its keys, (k − 1,), a curve through them may go from lines whose tangents a DCC has made.
+
+    A cubic with the slopes m of its ends is off its chord d by t(1 − t)²(m₀ − d) − t²(1 − t)(m₁ − d), and
+    t(1 − t)² is 4/27 at most. Blender's own tangents make a curve without jumps of acceleration, which
+    also swings where keys beside a move are alike.
+    """
+    values = key_values(was)
+    turn = was.path == "rotation"
+    values = one_way_round(unit(values)) if turn else values
+    gaps = np.diff(was.times)[:, np.newaxis]
+    chords = np.diff(values, axis=0)
+    slopes = _smooth(gaps, chords / gaps)
+    ends = (gaps * side - chords for side in (slopes[:-1], slopes[1:]))
+    far = (2.0 * norm(side) if turn else np.abs(side).max(axis=1) for side in ends)
+    widest = 1.0 if turn else np.sqrt(values.shape[1])  # of a box, across
+    return np.asarray(_STEEPER * 4.0 / 27.0 * widest * sum(far))
+
+
+def _smooth(gaps: Floats, chords: Floats) -> Floats:
+    """The slopes, (k, c), at the keys of a natural cubic spline: gaps (k − 1, 1), slopes of its chords (k − 1, c).
+
+    Each second derivative has one value from both sides, and the outermost are 0: three numbers a row,
+    eliminated from the first key to the last.
+    """
+    count = len(gaps) + 1
+    weight = 1.0 / gaps
+    diagonal, right = np.empty((count, 1)), np.empty((count, chords.shape[1]))
+    diagonal[0], right[0] = 2.0 * weight[0], 3.0 * weight[0] * chords[0]
+    diagonal[-1], right[-1] = 2.0 * weight[-1], 3.0 * weight[-1] * chords[-1]
+    diagonal[1:-1] = 2.0 * (weight[:-1] + weight[1:])
+    right[1:-1] = 3.0 * (weight[:-1] * chords[:-1] + weight[1:] * chords[1:])
+    for k in range(1, count):
+        share = weight[k - 1] / diagonal[k - 1]
+        diagonal[k] -= share * weight[k - 1]
+        right[k] -= share * right[k - 1]
+    found = np.empty_like(right)
+    found[-1] = right[-1] / diagonal[-1]
+    for k in range(count - 2, -1, -1):
+        found[k] = (right[k] - weight[k] * found[k + 1]) / diagonal[k]
+    return found
 
 
 def _linear(track: Track) -> Track:

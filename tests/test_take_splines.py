@@ -1,0 +1,74 @@
+"""A spline that a DCC has made into a key a frame, with tangents of its own, has not been edited."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rigs import chain
+
+from rigtri.ops.take_clips import take_clips
+from rigtri.pose import sample
+from rigtri.quaternions import from_axis_angle
+from rigtri.records import Clip, Track
+from rigtri.records import Path as TrackPath
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+# Keys of thirty frames a second, and frames of twenty-four: most keys lie between two frames.
+KNOTS = np.arange(20) * 4 / 30
+FRAMES = np.arange(61) / 24
+
+
+def natural(values: Floats) -> Floats:
+    """The slopes of the curve without jumps of acceleration, by solving for all of them at once."""
+    count, step = len(values), KNOTS[1]
+    matrix, right = np.zeros((count, count)), np.zeros(values.shape)
+    for k in range(count):
+        for j in (k - 1, k):
+            if 0 <= j < count - 1:
+                other = j + 1 if j == k else j
+                matrix[k, k] += 2 / step
+                matrix[k, other] += 1 / step
+                right[k] += 3 / step**2 * (values[j + 1] - values[j])
+    return np.asarray(np.linalg.solve(matrix, right))
+
+
+def spline(node: int, path: TrackPath, values: Floats, slopes: Floats) -> Track:
+    return Track(node, path, "CUBICSPLINE", KNOTS, np.stack([slopes, values, slopes], axis=1))
+
+
+def framed(track: Track) -> Track:
+    return Track(track.node, track.path, "LINEAR", FRAMES, sample(track, FRAMES))
+
+
+def playing(rig: Rig, *tracks: Track) -> Rig:
+    return replace(rig, clips=(Clip("walk", tracks),))
+
+
+RIG = chain((0, 0, 0), (0, 1, 0), (0, 2, 0))
+JUMP = np.where(np.arange(20) < 12, 0.0, 0.3)
+PLACES = np.stack([0 * JUMP, 1 + JUMP, 0 * JUMP], axis=1)
+TURNS = from_axis_angle([1.0, 0.0, 0.0], np.sin(np.arange(20.0)) * 0.4)
+
+
+@pytest.mark.parametrize(("path", "values"), [("translation", PLACES), ("rotation", TURNS)])
+def test_the_smooth_curve_of_a_dcc_through_the_keys_is_no_edit(path: TrackPath, values: Floats) -> None:
+    """It swings beside a jump, where the keys of the spline, which lie flat, do not move at all."""
+    flat, smooth = (spline(1, path, values, m) for m in (np.zeros_like(values), natural(values)))
+    now = framed(smooth)
+    assert np.abs(now.values - sample(flat, FRAMES)).max() > 1e-3
+    rig, report = playing(RIG, flat), Report()
+    assert take_clips(rig, playing(RIG, now), report=report) is rig
+    assert "splines-kept" in {notice.code for notice in report.warnings}
+
+
+@pytest.mark.parametrize(("path", "values"), [("translation", PLACES), ("rotation", TURNS)])
+def test_a_frame_that_is_moved_away_from_the_curve_is_one(path: TrackPath, values: Floats) -> None:
+    rig = playing(RIG, spline(1, path, values, np.zeros_like(values)))
+    now = framed(spline(1, path, values, natural(values)))
+    moved = now.values.copy()
+    moved[8] = moved[8] + [0.1, 0, 0] if path == "translation" else from_axis_angle([0.0, 0.0, 1.0], 0.5)
+    assert take_clips(rig, playing(RIG, replace(now, values=moved))) is not rig
