@@ -151,7 +151,7 @@ def same_knots(was: Track, now: Track, bound: Floats) -> float | None:
 
 
 def _bends(track: Track) -> Floats:
-    """How far keys are from the middle between their neighbours, (k,); of the ends, as of those beside them."""
+    """How far keys are from the middle between their neighbours, (k,); the ends as those beside them."""
     values = key_values(track)
     line = _between(track.path, values[:-2], values[2:])
     found = apart(track.path, line, values[1:-1])
@@ -159,7 +159,7 @@ def _bends(track: Track) -> Floats:
 
 
 def _swing(was: Track) -> Floats:
-    """How far between its keys, (k − 1,), a curve through them may go from lines whose tangents a DCC has made.
+    """How far from lines between its keys, (k − 1,), a curve through them may go that a DCC has made.
 
     A cubic with the slopes m of its ends is off its chord d by t(1 − t)²(m₀ − d) − t²(1 − t)(m₁ − d), and
     t(1 − t)² is 4/27 at most. Blender's own tangents make a curve without jumps of acceleration, which
@@ -178,7 +178,7 @@ def _swing(was: Track) -> Floats:
 
 
 def _smooth(gaps: Floats, chords: Floats) -> Floats:
-    """The slopes, (k, c), at the keys of a natural cubic spline: gaps (k − 1, 1), slopes of its chords (k − 1, c).
+    """The slopes, (k, c), at the keys of a natural cubic spline; gaps: (k − 1, 1), chords: their slopes.
 
     Each second derivative has one value from both sides, and the outermost are 0: three numbers a row,
     eliminated from the first key to the last.
