@@ -32,7 +32,7 @@ def _names(given: tuple[str, ...]) -> dict[str, str]:
     names = {}
     for text in given:
         name, mark, clip = text.rpartition("=")
-        if not mark or not name or not clip:
+        if not mark or not name:
             raise UsageError(f"--as {text}: give NAME=CLIP, a clip of EDITED and what it is called in RIG")
         names[name] = clip
     return names

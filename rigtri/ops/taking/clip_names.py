@@ -1,7 +1,8 @@
 """Which clip of the rig a clip of the edited file is, also where a DCC has split it per object.
 
 In this order: what the user said; the same name; ``Object|clip`` and ``clip_Object``; ``ObjectAction``,
-which is the clip of the same times. A clip that is none of these is a new one.
+which is the clip of the same times; without a name, the one clip that is left, of the same length. A clip
+that is none of these is a new one.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -51,10 +53,12 @@ def frame_of(clip: Clip) -> float:
 
 
 class ClipNames:
-    """The clips of two files. said: what the user calls clips of the edited file, by their names there."""
+    """The clips of two files. said: what the user calls clips of the edited file, by their names there:
+    a name, ``#2`` for a clip by its number, "" for the one without a name.
+    """
 
     def __init__(self, rig: Rig, edited: Rig, said: Mapping[str, str], report: Report) -> None:
-        self.rig, self.edited, self.said, self.report = rig, edited, said, report
+        self.rig, self.edited, self.report = rig, edited, report
         self.ours, self.theirs = timelines(rig), timelines(edited)
         self.known: dict[str, list[Timeline]] = {}
         for timeline in self.ours:
@@ -63,6 +67,67 @@ class ClipNames:
         for name in said:
             if name not in {t.name for t in self.theirs}:
                 raise NameNotFoundError("clip", name, [t.name for t in self.theirs])
+        for shared in [known for known in self.known.values() if len(known) > 1]:
+            self.known |= {f"#{timeline.members[0]}": [timeline] for timeline in shared}
+        self.said = {name: self._called(name, clip) for name, clip in said.items()}
+        self.unclear: dict[str, str] = {}  # of parts of some clip: why it is not known of which
+        self.paired: dict[str, str] = {}
+        self.paired = self._pair()
+
+    def _called(self, name: str, clip: str) -> str:
+        """The name by which a clip that the user has said is known here."""
+        if not clip:
+            unnamed = [timeline.name for timeline in self.ours if not timeline.clip.name]
+            if len(unnamed) == 1:
+                return unnamed[0]
+            which = f"give one of {', '.join(unnamed)}" if unnamed else "all of RIG's have names"
+            raise UsageError(f"--as '{name}=' means the one clip without a name: {which}")
+        numbered = [t.name for t in self.ours if clip == f"#{t.members[0]}" and clip not in self.known]
+        return numbered[0] if numbered else clip
+
+    def _pair(self) -> dict[str, str]:
+        """The one clip of the edited file that has no counterpart, as the one of the rig that has none.
+
+        Where one of them has no name, and their lengths are the same, to one frame.
+        """
+        homes = {timeline.name: self._home_of(timeline) for timeline in self.theirs}
+        left = [t for name, found in self.known.items() for t in found if name not in homes.values()]
+        lost = [t for t in self.theirs if homes[t.name] not in self.known and t.name not in self.said]
+        if len(left) != 1 or len({homes[t.name] for t in lost}) != 1 or self._one_timeline:
+            return {}
+        if left[0].clip.name and all(t.clip.name for t in lost):
+            return {}
+        factor = self.rig.per_second / self.edited.per_second
+        spans = [span(t.clip) for t in lost]
+        theirs = (max(end for _, end in spans) - min(start for start, _ in spans)) * factor
+        start, end = span(left[0].clip)
+        near = max(frame_of(t.clip) for t in self.theirs) * factor * (1.0 + SAME_SIZE)
+        return {} if abs(end - start - theirs) > near else {t.name: left[0].name for t in lost}
+
+    def _tell(self, together: Mapping[str, Sequence[Timeline]]) -> None:
+        """Tell of clips that were not known by name."""
+        left = [name for name in self.known if name not in together]
+        for name, parts in together.items():
+            called = f"'{parts[0].name}'"
+            if parts[0].name in self.paired:
+                self.report.warn(
+                    "clip-paired",
+                    f"EDITED's clip {called} was taken as '{name}', the only one of RIG that EDITED lacks, "
+                    f"and of the same length. If it is a new one, say --as {called[:-1]}={parts[0].name}'",
+                )
+                continue
+            for part in parts:
+                if part.name in self.unclear:
+                    self.report.warn("split-clip", self.unclear[part.name])
+            unsaid = self.said.get(parts[0].name) != parts[0].name
+            if name not in self.known and unsaid and not any(p.name in self.unclear for p in parts):
+                close = get_close_matches(name, list(self.known), n=3) or left[:3]
+                hint = f" Did you mean {', '.join(map(repr, close))}?" if close else ""
+                self.report.warn(
+                    "new-clip",
+                    f"RIG has no clip '{name}', so it gets a new one.{hint} "
+                    f"Say which of RIG's it is with --as {called[:-1]}=CLIP'",
+                )
 
     def taken(self, patterns: Sequence[str]) -> list[Taken]:
         """The clips to be taken, of those that a glob matches by either name."""
@@ -77,6 +142,7 @@ class ClipNames:
                 together.setdefault(known[-1], []).append(timeline)
         if self._one_timeline:
             together = self._alone(together)
+        self._tell(together)
         return [self._merged(name, parts) for name, parts in together.items()]
 
     def _names(self, timeline: Timeline) -> tuple[str, ...]:
@@ -109,6 +175,8 @@ class ClipNames:
         name = timeline.name
         if name in self.said:
             return self.said[name]
+        if name in self.paired:
+            return self.paired[name]
         if name in self.known:
             return name
         if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
@@ -152,10 +220,9 @@ class ClipNames:
         if len(found) == 1:
             return found[0]
         why = "several clips have" if found else "no clip has"
-        self.report.warn(
-            "split-clip",
+        self.unclear[timeline.name] = (
             f"'{timeline.name}' may be a part of another clip, but {why} its times; it is taken as a clip of "
-            f"its own. Say which it is with --as '{timeline.name}=CLIP'",
+            f"its own. Say which it is with --as '{timeline.name}=CLIP'"
         )
         return None
 

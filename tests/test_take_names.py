@@ -1,0 +1,109 @@
+"""Which clip of RIG a clip of EDITED is that has another name, or none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from places import SAMPLES
+from rigs import chain
+
+from rigtri.errors import UsageError
+from rigtri.ops.take_clips import Options, take_clips
+from rigtri.records import Clip, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+LONG = 2.0
+
+
+def playing(**clips: tuple[float, float]) -> Rig:
+    """A rig with clips of some lengths, in which a joint goes so far; ``unnamed`` has no name."""
+    made = []
+    for name, (seconds, far) in clips.items():
+        times = np.linspace(0.0, seconds, 49)
+        values = np.stack([far * times**2 / seconds**2, np.ones(49), np.zeros(49)], axis=1)
+        track = Track(1, "translation", "LINEAR", times, values)
+        made.append(Clip("" if name == "unnamed" else name, (track,)))
+    return replace(chain((0, 0, 0), (0, 1, 0)), clips=tuple(made))
+
+
+def taken(rig: Rig, edited: Rig, **names: str) -> tuple[dict[str, float], dict[str, str]]:
+    """How far the joint goes in each clip of the result, and the notices."""
+    report = Report()
+    done = take_clips(rig, edited, options=Options(names=names), report=report)
+    far = {clip.name: float(clip.tracks[0].values[-1, 0]) for clip in done.clips}
+    return far, {notice.code: notice.text for notice in report.warnings}
+
+
+def test_the_one_clip_that_is_left_on_both_sides_is_the_same_where_lengths_agree() -> None:
+    rig = playing(walk=(LONG, 0.1), unnamed=(LONG, 0.2))
+    far, notices = taken(rig, playing(walk=(LONG, 0.1), Anim_0=(LONG, 0.7)))
+    assert far == {"walk": 0.1, "": 0.7}
+    assert "'Anim_0' was taken as '#1'" in notices["clip-paired"]
+
+
+@pytest.mark.parametrize(
+    "edited",
+    [playing(walk=(LONG, 0.1), Anim_0=(1.5, 0.7)), playing(Anim_0=(LONG, 0.7))],
+    ids=["another length", "two are left"],
+)
+def test_else_it_is_a_new_one_with_a_warning_that_names_the_way(edited: Rig) -> None:
+    far, notices = taken(playing(walk=(LONG, 0.1), unnamed=(LONG, 0.2)), edited)
+    assert far == {"walk": 0.1, "": 0.2, "Anim_0": 0.7}
+    assert "--as 'Anim_0=CLIP'" in notices["new-clip"]
+    assert "'#1'" in notices["new-clip"]
+
+
+@pytest.mark.parametrize("said", ["#1", ""])
+def test_a_clip_can_be_called_by_its_number_or_by_having_no_name(said: str) -> None:
+    rig = playing(walk=(LONG, 0.1), unnamed=(LONG, 0.2))
+    far, notices = taken(rig, playing(walk=(LONG, 0.1), Anim_0=(1.5, 0.7)), Anim_0=said)
+    assert far == {"walk": 0.1, "": 0.7}
+    assert not notices
+
+
+def test_a_clip_with_a_name_of_its_own_is_new_whatever_its_length() -> None:
+    far, notices = taken(
+        playing(walk=(LONG, 0.1), idle=(LONG, 0.2)), playing(walk=(LONG, 0.1), run=(LONG, 0.7))
+    )
+    assert far == {"walk": 0.1, "idle": 0.2, "run": 0.7}
+    assert "'idle'" in notices["new-clip"]
+
+
+def test_a_number_is_also_of_a_clip_with_a_name() -> None:
+    far, _ = taken(playing(walk=(LONG, 0.1), run=(LONG, 0.2)), playing(x=(LONG, 0.7)), x="#1")
+    assert far == {"walk": 0.1, "run": 0.7}
+
+
+def test_no_name_means_exactly_one_clip() -> None:
+    with pytest.raises(UsageError, match="all of RIG's have names"):
+        taken(playing(walk=(LONG, 0.1)), playing(x=(LONG, 0.7)), x="")
+
+
+def test_a_name_that_rig_has_not_is_told_as_new_with_what_may_be_meant() -> None:
+    rig = playing(walk=(LONG, 0.1), run=(LONG, 0.2))
+    far, notices = taken(rig, playing(walk=(LONG, 0.7)), walk="walkk")
+    assert far == {"walk": 0.1, "run": 0.2, "walkk": 0.7}
+    assert "RIG has no clip 'walkk'" in notices["new-clip"]
+    assert "Did you mean 'walk'?" in notices["new-clip"]
+
+
+def test_a_clip_that_was_said_to_be_new_is_no_warning() -> None:
+    far, notices = taken(playing(walk=(LONG, 0.1)), playing(walk=(LONG, 0.1), run=(LONG, 0.7)), run="run")
+    assert far == {"walk": 0.1, "run": 0.7}
+    assert not notices
+
+
+def test_the_command_takes_both_spellings(app: click.Group, tmp_path: Path) -> None:
+    biped, out = str(SAMPLES / "biped.glb"), str(tmp_path / "out.glb")
+    words = ["take-clips", biped, "--from", biped, "-o", out, "--overwrite"]
+    assert CliRunner().invoke(app, [*words, "--as", "walk=#0"]).exit_code == 0
+    done = CliRunner().invoke(app, [*words, "--as", "walk=nope"])
+    assert "RIG has no clip 'nope'" in done.output
+    assert CliRunner().invoke(app, [*words, "--as", "walk="]).exit_code == 2
+    assert "#0" in CliRunner().invoke(app, ["take-clips", "--help"]).output
