@@ -15,15 +15,19 @@ from .options import (
     reading_options,
     request,
     run_edit,
+    says_more,
     source_argument,
     target_option,
 )
-from .words import counted
+from .words import counted, grown
 
 if TYPE_CHECKING:
     from rigtri.report import Report
 
 
+@says_more(
+    "tolerance", "Also how far keys that are left out may be off, all together, as a share of the rig's size."
+)
 @click.command("bake")
 @source_argument
 @target_option
@@ -92,11 +96,13 @@ def summary(report: Report) -> str:
     resting = {name for entry in report.added if entry["type"] == "rest" for name in entry["nodes"]}
     at_rest = f"{counted(len(resting), 'node')} at rest" if resting else ""
     if not clips:
-        nothing = "no clip has keys of controls or constraints"
+        bare = any(notice.code == "no-clips" for notice in report.warnings)
+        nothing = "the file has no clips" if bare else "no clip has keys of controls or constraints"
         return f"{nothing}; {at_rest}" if at_rest else f"{nothing}; nothing was baked"
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
     line = ", ".join([counted(len(clips), "clip"), counted(frames, "frame"), counted(keys, "key")])
     line += f" for {counted(max(e['nodes'] for e in clips), 'node')}"
+    line += grown(clips)
     curved = max(entry["between_samples"] for entry in clips)
     line += f"; between samples within {curved:.2g} of the size" if curved else ""
     line += f"; {at_rest}" if at_rest else ""

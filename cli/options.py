@@ -229,6 +229,18 @@ def output_options(command: F) -> F:
     return json_option(quiet_option(verbose(command)))
 
 
+def says_more(name: str, text: str) -> Callable[[click.Command], click.Command]:
+    """Tell what else an option that commands share means for one of them."""
+
+    def told(command: click.Command) -> click.Command:
+        for option in command.params:
+            if isinstance(option, click.Option) and option.name == name:
+                option.help = f"{option.help} {text}"
+        return command
+
+    return told
+
+
 def edit_options(command: F) -> F:
     """What every edit of a file has in common."""
     for option in (

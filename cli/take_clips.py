@@ -14,13 +14,19 @@ from .options import (
     reading_options,
     request,
     run_edit,
+    says_more,
     target_option,
 )
+from .words import grown
 
 if TYPE_CHECKING:
     from rigtri.report import Report
 
 
+@says_more(
+    "tolerance",
+    "Also how far what counts as unchanged, and keys that are left out, may be off, as a share of the rig's size.",
+)
 @click.command("take-clips")
 @click.argument("source", metavar="RIG", type=click.Path(allow_dash=True))
 @target_option
@@ -74,4 +80,5 @@ def summary(report: Report) -> str:
         return f"{len(clips)} clips, {same} tracks: EDITED says nothing that RIG does not; nothing was taken"
     new = sum(entry["new"] for entry in clips)
     more = f", {new} of them new" if new else ""
-    return f"{len(clips)} clips{more}: {tracks} tracks of {len(nodes)} nodes were taken, {same} say the same"
+    line = f"{len(clips)} clips{more}: {tracks} tracks of {len(nodes)} nodes were taken, {same} say the same"
+    return line + grown(clips)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 
 def plain(text: str, *, one_line: bool = False) -> str:
@@ -26,6 +28,18 @@ def counted(count: int, noun: str) -> str:
     ('1 clip', '2 clips')
     """
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def grown(clips: Sequence[Mapping[str, Any]]) -> str:
+    """What is told of clips, as reports have them, whose keys have become more than twice as many.
+
+    >>> grown([{"keys": 9, "keys_before": 2}]), grown([{"keys": 9, "keys_before": 0}])
+    ('; the same properties had 2 keys before (a larger --tolerance leaves out more)', '')
+    """
+    now, before = (sum(entry.get(word, 0) for entry in clips) for word in ("keys", "keys_before"))
+    if not before or now <= 2 * before:
+        return ""
+    return f"; the same properties had {counted(before, 'key')} before (a larger --tolerance leaves out more)"
 
 
 def _controls(letter: str) -> bool:

@@ -153,3 +153,66 @@ def test_the_report_of_a_command_has_the_motion(app: click.Group, tmp_path: Path
     assert told["worst"]["clip"] == "walk"
     bare = ["bake", str(source), "-o", str(out), "--overwrite", "--no-verify"]
     assert "motion differs" not in CliRunner().invoke(app, bare).output
+
+
+def test_more_keys_than_there_were_are_told(app: click.Group, tmp_path: Path) -> None:
+    """The joints of the sample's walk have few keys; with IK at work they bend between them."""
+    up, edited, out = (tmp_path / f"{name}.glb" for name in ("up", "edited", "out"))
+    words = ["bake", str(whole("biped.glb", tmp_path, move=False)), "-o", str(up), "--to", "controls"]
+    assert CliRunner().invoke(app, words).exit_code == 0
+
+    def lifted(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        end = control(rig, "hand_L", "ik")
+        clips = []
+        for clip in rig.clips:
+            tracks = []
+            for track in clip.tracks:
+                if (track.node, track.path) == (end, "translation"):
+                    track = replace(track, values=track.values + [[0.0, 0.2, 0.0]])
+                tracks.append(track)
+            clips.append(replace(clip, tracks=tuple(tracks)))
+        return replace(rig, clips=tuple(clips))
+
+    edit(up, edited, lifted)
+    report = tmp_path / "report.json"
+    done = CliRunner().invoke(app, ["bake", str(edited), "-o", str(out), "--report", str(report)])
+    assert done.exit_code == 0, done.output
+    clips = json.loads(report.read_text("utf-8"))["added"]
+    before = sum(entry["keys_before"] for entry in clips)
+    assert sum(entry["keys"] for entry in clips) > 2 * before > 0
+    assert f"the same properties had {before} keys before" in done.output
+
+
+def test_a_file_without_clips_says_so(app: click.Group, tmp_path: Path) -> None:
+    source, bare, out = whole("biped.glb", tmp_path, move=False), tmp_path / "bare.glb", tmp_path / "out.glb"
+
+    def still(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        return replace(rig, clips=tuple(replace(clip, tracks=()) for clip in rig.clips))
+
+    edit(source, bare, still)
+    done = CliRunner().invoke(app, ["bake", str(bare), "-o", str(out), "--to", "controls"])
+    assert done.exit_code == 0, done.output
+    assert "The file has no clips" in done.output
+    assert "the file has no clips; nothing was baked" in done.output
+
+
+def test_help_says_what_else_the_tolerance_bounds(app: click.Group) -> None:
+    words = " ".join(CliRunner().invoke(app, ["bake", "--help"]).output.split())
+    assert "how far keys that are left out may be off" in words
+    assert "keys that are left out" not in CliRunner().invoke(app, ["orient-joints", "--help"]).output
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_key_before_0_is_refused_in_gltf(name: str, app: click.Group, tmp_path: Path) -> None:
+    source, out = whole(name, tmp_path), tmp_path / f"out.{name}"
+    clip = read(source).rig.clips[0].name
+    words = ["snap", str(source), "-o", str(out), "--all-limbs", "--to", "ik", "--at", f"{clip}@-5"]
+    done = CliRunner().invoke(app, words)
+    if name == "biped.usda":
+        assert done.exit_code == 0, done.output  # time codes may be anything
+        return
+    assert done.exit_code == 5
+    assert "at -5 s in clip 'walk', and glTF has no time before 0" in done.output
+    assert not out.exists()

@@ -123,7 +123,7 @@ class _Baker:
     """One run: the rig as it changes."""
 
     def __init__(self, rig: Rig, options: Options, report: Report) -> None:
-        self.rig, self.options, self.report = rig, options, report
+        self.rig, self.options, self.report, self.start = rig, options, report, rig
         self.solvers: dict[frozenset[int] | None, Solver] = {}
         self.reference = Reference(rig)
         follows = options.to == "joints" and followers(rig)
@@ -137,6 +137,9 @@ class _Baker:
 
     def baked(self) -> Rig:
         if self.options.to == "controls":
+            if not timelines(self.rig):
+                text = "The file has no clips, so there is no motion that controls could be given"
+                self.report.warn("no-clips", text)
             for timeline in self._chosen():
                 self._to_controls(timeline)
             self._tell_limited()
@@ -382,11 +385,18 @@ class _Baker:
                 "nodes": len(nodes),
                 "limbs": len(solver.limbs),
                 "keys": int(sum(len(track.times) for track in tracks)),
+                "keys_before": self._keys_before(timeline, tracks),
                 "between_samples": samples.off / self.size,
                 "limited": samples.limited,
                 **(more or {}),
             }
         )
+
+    def _keys_before(self, timeline: Timeline, tracks: Sequence[Track]) -> int:
+        """How many keys the file has of what gets others."""
+        fresh = {(track.node, track.path) for track in tracks}
+        old = [track for k in timeline.members for track in self.start.clips[k].played.tracks]
+        return sum(len(track.times) for track in old if (track.node, track.path) in fresh)
 
 
 def _same_motion(a: Rig, b: Rig) -> bool:

@@ -270,6 +270,10 @@ class _Taking:
                 "from": list(self.taken.parts),
                 "changed": sorted({self.rig.names[t.node] for t in self.changed}),
                 "tracks": len(self.changed),
+                "keys": sum(len(track.times) for track in self.changed),
+                "keys_before": sum(
+                    len(old.times) for t in self.changed if (old := self._old(t.node, t.path))
+                ),
                 "same": self.same,
             }
         )
