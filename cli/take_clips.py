@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @says_more(
     "tolerance",
-    "Also how far what counts as unchanged, and keys that are left out, may be off, as a share of the rig's size.",
+    "Also how far what counts as unchanged, and keys that are left out, may be off, of the rig's size.",
 )
 @click.command("take-clips")
 @click.argument("source", metavar="RIG", type=click.Path(allow_dash=True))

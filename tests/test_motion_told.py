@@ -169,7 +169,7 @@ def test_more_keys_than_there_were_are_told(app: click.Group, tmp_path: Path) ->
             tracks = []
             for track in clip.tracks:
                 if (track.node, track.path) == (end, "translation"):
-                    track = replace(track, values=track.values + [[0.0, 0.2, 0.0]])
+                    track = replace(track, values=track.values + np.array([0.0, 0.2, 0.0]))
                 tracks.append(track)
             clips.append(replace(clip, tracks=tuple(tracks)))
         return replace(rig, clips=tuple(clips))

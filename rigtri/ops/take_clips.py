@@ -261,6 +261,7 @@ class _Taking:
         lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
         if lost:
             report.warn("no-such-node", f"RIG has no {some(lost)}; their motion in '{name}' was left out")
+        replaced = [self._old(track.node, track.path) for track in self.changed]
         report.added.append(
             {
                 "type": "clip",
@@ -271,9 +272,7 @@ class _Taking:
                 "changed": sorted({self.rig.names[t.node] for t in self.changed}),
                 "tracks": len(self.changed),
                 "keys": sum(len(track.times) for track in self.changed),
-                "keys_before": sum(
-                    len(old.times) for t in self.changed if (old := self._old(t.node, t.path))
-                ),
+                "keys_before": sum(len(old.times) for old in replaced if old is not None),
                 "same": self.same,
             }
         )
