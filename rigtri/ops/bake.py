@@ -329,7 +329,10 @@ class _Baker:
     # --- to controls
 
     def _to_controls(self, timeline: Timeline) -> None:
-        solver = self._solver(None)
+        reference = self.reference
+        # A joint that only the root control carries keeps its own keys; that control gets none.
+        carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
+        solver = self._solver(self.movers - carrying)
         made = self.movers | solver.offsets
         telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
