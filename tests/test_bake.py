@@ -186,7 +186,7 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
     rig = rigged()
     hand = control(rig, "hand_L", "ik")
     far = animated(rig, hand, "translation", [[0, 0, 0], [1e30, 0, 0]])
-    with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@1 .* --no-stretch"):
+    with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@.* --no-stretch"):
         bake(far, options=Options(stretch=True))
     for target, stretch in ((1e30, False), (1e3, True)):
         near = animated(rig, hand, "translation", [[0, 0, 0], [target, 0, 0]])
