@@ -814,7 +814,7 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
     edit(home, game, joints)
     edit(rigged, before, joints)
     now, was = rig_of(game), rig_of(before)
-    times = pose.key_times(was.clip("walk"))
+    times = np.union1d(pose.key_times(was.clip("walk")), pose.key_times(now.clip("walk")))
     mine, its = places(now, "walk", times), places(was, "walk", times)
     far = {name: float(np.abs(mine[name] - its[name]).max()) for name in mine}
     assert {name for name, apart in far.items() if apart > 1e-6} == {"forearm_L", "hand_L", "fingers_L"}
