@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from places import SAMPLES, USD, asset_files, leave_out_refused, sample_files
+from second_opinions import validator
 
 from rigtri import pose
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
@@ -180,6 +182,39 @@ def test_stretch_and_soft_of_the_options_hold_for_all_limbs() -> None:
     )
 
 
+def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
+    rig = rigged()
+    hand = control(rig, "hand_L", "ik")
+    far = animated(rig, hand, "translation", [[0, 0, 0], [1e30, 0, 0]])
+    with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@.* --no-stretch"):
+        bake(far, options=Options(stretch=True))
+    for target, stretch in ((1e30, False), (1e3, True)):
+        near = animated(rig, hand, "translation", [[0, 0, 0], [target, 0, 0]])
+        baked = bake(near, options=Options(stretch=stretch))
+        assert all(np.isfinite(track.values).all() for clip in baked.clips for track in clip.tracks)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_control_that_was_moved_at_rest_is_told_of(suffix: str, tmp_path: Path) -> None:
+    whole, turned, out, again = (tmp_path / f"{k}{suffix}" for k in ("whole", "turned", "out", "again"))
+    run("add-controls", SAMPLES / f"biped{suffix}", "-o", whole, "--whole-character")
+
+    def move(rig: Rig, report: Report) -> Rig:
+        return moved(rig, rig.find("chest_ctl"), np.array([0.0, 0.125, 0.0]))
+
+    edit(whole, turned, move)
+    result = run("bake", turned, "-o", out, "--report", tmp_path / "report.json")
+    assert "1 node at rest" in result.output
+    assert "nothing" not in result.output
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert {"type": "rest", "nodes": ["chest"]} in report["added"]
+    validator("report").validate(report)
+    result = run("bake", out, "-o", again)
+    assert "nothing was baked" in result.output
+    assert "nothing that was there has changed" in result.output
+    assert again.read_bytes() == out.read_bytes()
+
+
 def test_a_constraint_is_worked_out_in_every_clip() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
@@ -242,6 +277,9 @@ def test_thinned_keys_keep_what_was_linear_few() -> None:
     [
         (Options(clips=("wlak",)), NameNotFoundError),
         (Options(fps=0.0), UsageError),
+        (Options(tolerance=np.inf), UsageError),
+        (Options(fps="a"), UsageError),  # type: ignore[arg-type]
+        (Options(clips="walk"), UsageError),  # type: ignore[arg-type]
         (Options(soft=1.0), UsageError),
         (Options(to="bones"), UsageError),  # type: ignore[arg-type]
     ],

@@ -13,12 +13,13 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from rigtri.bounds import refuse_unworkable
+from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding
 from rigtri.ops.posing import at_rest
+from rigtri.ops.stretched import refuse_endless
 from rigtri.ops.trouble import clip_troubles, troubles
 from rigtri.ops.twist_keys import keyed
 from rigtri.pose import sample
@@ -79,7 +80,10 @@ class Options:
         """These options. UsageError for what cannot be."""
         if self.to not in DIRECTIONS:
             raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
-        refuse_unworkable("--fps", self.fps)
+        refuse_single_name("--clip", self.clips)
+        told = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
+        for flag, number in (*told, ("--between", self.between)):
+            refuse_unworkable(flag, number)
         if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
         if not self.between >= 0:
@@ -274,6 +278,7 @@ class _Baker:
         samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
         times, parts = samples.times, samples.parts
         held = self._jumps(telling, times)
+        refuse_endless(self.rig, solver.limbs, parts, timeline.name, times)
         tracks = [
             track
             for node in nodes
@@ -324,7 +329,9 @@ class _Baker:
         moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
         moves, _ = self.bounds
         least = np.minimum(moves, NOTHING * self.size)
-        self.rig, _ = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
+        self.rig, found = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
+        if found:
+            self.report.added.append({"type": "rest", "nodes": [self.rig.title(node) for node in found]})
 
     # --- to controls
 
