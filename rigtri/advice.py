@@ -74,7 +74,7 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     except FileError:
         return []
     # A reach is that of bones in one line; in a pose they are not.
-    found = np.flatnonzero((effect > _BLAME * shown) & (effect.sum() > shown)).tolist()
+    found = np.flatnonzero((effect > _BLAME * shown) & (sum(effect.tolist()) > shown)).tolist()
     return sorted(found, key=lambda node: -float(effect[node]))
 
 

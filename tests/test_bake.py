@@ -11,7 +11,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from places import SAMPLES, USD, asset_files, leave_out_refused, sample_files
 from second_opinions import validator
 
 from rigtri import pose
@@ -186,7 +186,7 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
     rig = rigged()
     hand = control(rig, "hand_L", "ik")
     far = animated(rig, hand, "translation", [[0, 0, 0], [1e30, 0, 0]])
-    with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@1 .* --no-stretch"):
+    with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@.* --no-stretch"):
         bake(far, options=Options(stretch=True))
     for target, stretch in ((1e30, False), (1e3, True)):
         near = animated(rig, hand, "translation", [[0, 0, 0], [target, 0, 0]])
@@ -323,7 +323,11 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
     assert apart(before, after, "walk", pose.key_times(before.clip("walk"))) < BOUND
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+# A .vrma has nodes of a humanoid and no joints.
+MOVING = (".glb", ".gltf", ".vrm", *USD)
+
+
+@pytest.mark.parametrize("path", [*sample_files(*MOVING), *asset_files(*MOVING)], ids=lambda path: path.name)
 def test_real_motion_comes_home(path: Path) -> None:
     try:
         rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))
@@ -340,20 +344,35 @@ def test_real_motion_comes_home(path: Path) -> None:
         assert apart(rig, home, name, times[:: max(1, len(times) // 50)]) < BOUND
 
 
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_joint_that_only_the_root_control_carries_keeps_its_motion(name: str) -> None:
+    only_limbs = ControlOptions(ik_auto=True, root_control=True)
+    rig, report = stored(add_controls(read(SAMPLES / name).rig, options=only_limbs)), Report()
+    up = bake(rig, options=Options(to="controls"), report=report)
+    assert max(entry["deviation"] for entry in report.added if entry["type"] == "clip") < BOUND
+    home = bake(up, options=Options())
+    for clip in rig.shown_clips:
+        assert apart(rig, home, clip.name, pose.key_times(clip)) < BOUND
+
+
 def without_fk(rig: Rig) -> Rig:
     """The rig whose limbs have IK alone, as other builders make them."""
     notes = {node: note for node, note in rig.notes.items() if note.get("kind") != "fk"}
     return replace(rig, notes=notes)
 
 
-def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_and_how_far() -> None:
-    rig = without_fk(rigged())
+def growing(rig: Rig) -> Rig:
+    """The rig whose left shin moves away from the knee while it walks, which no IK end can say."""
     shin, walk = rig.find("shin_L"), rig.clip("walk")
     longer = rig.translation[shin] * [[1.0], [1.1]]
     track = Track(shin, "translation", "LINEAR", np.array([walk.tracks[0].times[0], 0.5]), longer)
-    rig = replace(rig, clips=(replace(walk, tracks=(*walk.tracks, track)),))
+    return replace(rig, clips=(replace(walk, tracks=(*walk.tracks, track)),))
+
+
+def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_and_how_far() -> None:
+    rig = growing(without_fk(rigged()))
     report = Report()
-    up = bake(rig, options=Options(to="controls"), report=report)
+    up = bake(rig, options=Options(to="controls", between=1e-5), report=report)
     (notice,) = (notice for notice in report.warnings if notice.code == "controls-off")
     assert notice.geometry
     assert "has no FK control" in notice.text
@@ -363,7 +382,7 @@ def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_an
     assert notice.joint is not None
     at = [
         pose.worlds(one, pose.locals_at(one, one.clip("walk"), [time]))[0, rig.find(notice.joint), 3, :3]
-        for one in (rig, bake(up, options=Options()))
+        for one in (rig, bake(up, options=Options(between=1e-5)))
     ]
     assert np.linalg.norm(at[0] - at[1]) / size(rig) == pytest.approx(off, rel=0.1)
     assert off > 1e-3
@@ -371,7 +390,14 @@ def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_an
 
 def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> None:
     whole, bare, up = (tmp_path / f"{k}.glb" for k in ("whole", "bare", "up"))
-    run("add-controls", SAMPLES / "biped.glb", "-o", whole, "--whole-character")
+
+    def moved(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        found = growing(rig).clips
+        return replace(rig, clips=(found[0], *rig.clips[1:]))
+
+    edit(SAMPLES / "biped.glb", tmp_path / "longer.glb", moved)
+    run("add-controls", tmp_path / "longer.glb", "-o", whole, "--whole-character")
     bare.write_bytes(whole.read_bytes().replace(b'"kind":"fk"', b'"kind":"no"'))
     given = ("bake", bare, "-o", up, "--to", "controls", "--overwrite")
     loose = run(*given, "--tolerance", "1", "--strict")

@@ -781,7 +781,7 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
         return bake(rig, options=Bake(to="controls"), report=report)
 
     def joints(rig: Rig, report: Report) -> Rig:
-        return bake(rig, options=Bake(to="joints"), report=report)
+        return bake(rig, options=Bake(to="joints", fps=24.0), report=report)
 
     def lifted(rig: Rig, report: Report) -> Rig:
         report.reposed = True

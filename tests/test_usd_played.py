@@ -28,7 +28,6 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.timelines import played_at_once, timelines
 
-SUFFIXES = ["usda", "usdc", "usdz"]
 # A quarter of a turn about z, xyzw, and the keys that lead to it.
 TURN = from_axis_angle([0.0, 0.0, 1.0], np.pi / 2)
 TIMES = np.array([0.0, 6.0])
@@ -142,9 +141,17 @@ def joint_poses(path: Path) -> np.ndarray:
     return np.array([np.array(query.ComputeJointSkelTransforms(time)) for time in np.arange(0.0, 24.0, 1.5)])
 
 
-@pytest.mark.parametrize("to", ["joints", "controls"])
-@pytest.mark.parametrize("described", ["rigged", "biped.glb"])
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize(
+    ("suffix", "described", "to"),
+    [
+        ("usda", "rigged", "joints"),
+        ("usda", "rigged", "controls"),
+        ("usdc", "rigged", "joints"),
+        ("usdz", "rigged", "controls"),
+        ("usdz", "biped.glb", "joints"),
+        ("usdc", "biped.glb", "controls"),
+    ],
+)
 def test_a_usd_file_that_has_lost_its_notes_is_baked_with_those_of_another(
     suffix: str, described: str, to: str, tmp_path: Path
 ) -> None:

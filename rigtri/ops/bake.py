@@ -81,7 +81,8 @@ class Options:
         if self.to not in DIRECTIONS:
             raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
         refuse_single_name("--clip", self.clips)
-        for flag, number in (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft)):
+        told = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
+        for flag, number in (*told, ("--between", self.between)):
             refuse_unworkable(flag, number)
         if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
@@ -338,7 +339,10 @@ class _Baker:
     # --- to controls
 
     def _to_controls(self, timeline: Timeline) -> None:
-        solver = self._solver(None)
+        reference = self.reference
+        # A joint that only the root control carries keeps its own keys; that control gets none.
+        carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
+        solver = self._solver(self.movers - carrying)
         made = self.movers | solver.offsets
         telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)

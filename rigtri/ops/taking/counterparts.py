@@ -119,9 +119,8 @@ class Counterparts:
             return {}
         points = bind[usable, 3, :3], ours[usable, 3, :3]
         fit = fitted(*points, about_origin=False)
-        if (
-            fit.residual > OTHER_SHAPE
-        ):  # no size fits; with another than the worlds' it would grow while it moves
+        if fit.residual > OTHER_SHAPE:
+            # No size fits, and with another than the worlds' the rig would grow while it moves.
             fit = fitted(*points, about_origin=False, ratio=float(length(self.space[0, :3])))
         self.proportions = max(self.proportions, fit.residual)
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
