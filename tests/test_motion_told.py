@@ -10,6 +10,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from morphs import arm
 from places import SAMPLES
 from test_bake import WHOLE, control
 
@@ -216,3 +217,28 @@ def test_a_key_before_0_is_refused_in_gltf(name: str, app: click.Group, tmp_path
     assert done.exit_code == 5
     assert "at -5 s in clip 'walk', and glTF has no time before 0" in done.output
     assert not out.exists()
+
+
+def test_other_morph_weights_are_told_apart(tmp_path: Path) -> None:
+    """The target ``bulge`` moves all points by one unit along z, and half of it is on top now."""
+    source = arm().glb(tmp_path / "arm.glb")
+
+    def fuller(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        clips = []
+        for clip in rig.clips:
+            tracks = [
+                replace(t, values=t.values + np.array([0.5, 0.0])) if t.path == "weights" else t
+                for t in clip.tracks
+            ]
+            clips.append(replace(clip, tracks=tuple(tracks)))
+        return replace(rig, clips=tuple(clips))
+
+    told = edit(source, tmp_path / "out.glb", fuller).verification
+    assert told is not None
+    assert told.motion is not None
+    assert told.motion.deviation == 0
+    assert {name: far * told.diagonal for name, far in told.motion.morphs.items()} == {
+        "Skin/0": pytest.approx(0.5)
+    }
+    assert "other morph weights move points by up to" in told.summary()
