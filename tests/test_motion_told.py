@@ -242,3 +242,14 @@ def test_other_morph_weights_are_told_apart(tmp_path: Path) -> None:
         "Skin/0": pytest.approx(0.5)
     }
     assert "other morph weights move points by up to" in told.summary()
+
+
+def test_a_build_tells_the_motion_of_its_steps(app: click.Group, tmp_path: Path) -> None:
+    spec = tmp_path / "rig.yaml"
+    text = "steps:\n- {do: add-controls, whole-character: true}\n- {do: pose, at: walk@0.3}\n"
+    spec.write_text(text, "utf-8")
+    source, out = str(SAMPLES / "biped.glb"), str(tmp_path / "out.glb")
+    done = CliRunner().invoke(app, ["build", source, "--spec", str(spec), "-o", out])
+    assert done.exit_code == 0, done.output
+    assert "motion differs from IN by up to" in done.output
+    assert "nothing that was there has changed" not in done.output

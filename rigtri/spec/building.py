@@ -134,15 +134,19 @@ class _Work:
             raise SpecError(faults, self.lost[0][1].exit_code) from self.lost[0][1]
 
     def whole(self) -> Outcome:
-        """What is to be said of all steps together; of deviations the largest of a step."""
+        """What is to be said of all steps together; of deviations, and of motion, the largest of a step."""
         seconds: dict[str, float] = {}
         for outcome in self.outcomes:
             for name, value in outcome.seconds.items():
                 seconds[name] = seconds.get(name, 0.0) + value
         found = [outcome.verification for outcome in self.outcomes if outcome.verification is not None]
+        worst = max(found, key=lambda one: one.deviation) if found else None
+        motions = [one.motion for one in found if one.motion is not None]
+        if worst is not None and motions:
+            worst = replace(worst, meant=True, motion=max(motions, key=lambda one: one.deviation))
         return Outcome(
             self.report,
-            max(found, key=lambda one: one.deviation) if found else None,
+            worst,
             self.outcomes[-1].written,
             any(outcome.changed for outcome in self.outcomes),
             seconds,
