@@ -33,6 +33,8 @@ COMMANDS = {
     "pose": "Print the pose of one moment, evaluated, or make it the rest pose.",
     "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
     "strip": "Take out again what rigtri has put into a file.",
+    "batch": "Do what a spec says to many files, in several processes.",
+    "batch-report": "Say what the manifest of a batch knows: counts, worst, slowest, errors.",
     "check": "Find all that is wrong with the skinned rigs in files.",
     "verify": "Measure how far two files look apart, in every pose.",
     "diff": "Say in rig terms and in file terms what differs between two files.",
