@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
 from rigtri.shapes import KINDS
 
 from .options import (
@@ -17,6 +16,7 @@ from .options import (
     given_options,
     output_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -25,9 +25,6 @@ from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
-
-_SIDES = {"left": "left", "right": "right", "centre": ""}
 
 
 @click.command("add-controls")
@@ -121,66 +118,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-controls hero.usdz -o out.usdz --below spine --shape cube --size 1.5
     """
     copy_ahead(ctx, values)
-    from rigtri.limbs import given
-    from rigtri.ops.controls import Options, add_controls
-    from rigtri.ops.polevector import Options as PoleOptions
-    from rigtri.ops.select import Selection
+    from rigtri.steps.add_controls import step
 
-    shapes = dict(pair for text in values["shapes"] for pair in _shapes(text))
-    colors = dict(_color(text) for text in values["colors"])
-
-    def step(rig: Rig, report: Report) -> Rig:
-        options = Options(
-            selection=Selection(
-                joints=values["joints"],
-                chains=values["chains"],
-                below=values["below"],
-                skin=values["skin"],
-                exclude=values["exclude"],
-            ),
-            whole_character=values["whole_character"],
-            root_control=values["root_control"],
-            ik=tuple(given(rig, *names) for names in values["ik"]),
-            ik_auto=values["auto"] == "auto",
-            size=values["size"],
-            name=values["name"],
-            shapes=shapes,
-            colors=colors,
-            root=values["root"],
-            ends=values["kind"],
-            soft=values["soft"],
-            stretch=values["stretch"],
-            poles=PoleOptions(reach=values["reach"], facing=values["facing"]),
-        )
-        return add_controls(rig, options=options, report=report)
-
-    run_edit("add-controls", values, step, given_options(ctx), _summary)
+    run_edit("add-controls", values, step(request(values)), given_options(ctx), summary)
 
 
-def _shapes(text: str) -> list[tuple[str, Any]]:
-    """One kind of control and its shape, or the shape of FK and IK controls."""
-    kind, mark, shape = text.rpartition("=")
-    if mark and kind not in ("fk", "ik", "root", "pole"):
-        raise UsageError(f"--shape {text}: the kinds of control are fk, ik, root and pole")
-    return [(kind, shape)] if mark else [("fk", shape), ("ik", shape)]
-
-
-def _color(text: str) -> tuple[str, tuple[float, float, float]]:
-    from rigtri.ops.ups import vector
-
-    which, _, numbers = text.partition("=")
-    if which not in _SIDES:
-        raise UsageError(f"--color {text}: give left=R,G,B, right=R,G,B or centre=R,G,B")
-    try:
-        r, g, b = (float(part) for part in vector(numbers))
-    except ValueError as error:
-        raise UsageError(f"--color {text}: {error}") from error
-    if not all(0 <= part <= 1 for part in (r, g, b)):
-        raise UsageError(f"--color {text}: red, green and blue lie between 0 and 1")
-    return _SIDES[which], (r, g, b)
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     new = [entry for entry in report.added if entry["new"]]
     kinds = [entry["kind"] for entry in report.added]
     counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
-
 from .options import (
     copy_ahead,
     edit_options,
@@ -16,7 +14,7 @@ from .options import (
     output_options,
     pole_options,
     reading_options,
-    refuse_given,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -25,10 +23,6 @@ from .options import (
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
-
-# float32 ends at 3e38; squares of distances must still fit.
-_FAR = 1e18
 
 
 @click.command("add-polevector")
@@ -103,59 +97,16 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-polevector hero.glb -o out.glb --limb thigh shin foot --bend shin=0,0,1
     """
     copy_ahead(ctx, values)
-    from rigtri.limbs import given
-    from rigtri.ops.polevector import Options, add_polevector
+    from rigtri.steps.add_polevector import step
 
-    if values["reach"] is not None and values["distance"] is not None:
-        raise UsageError("give --reach or --distance, not both")
-    if values["distance"] is not None:
-        refuse_given({"--reach-of": "reach_of"}, "goes with --reach, not with --distance")
-    for name in ("reach", "distance"):
-        if values[name] is not None and not values[name] < _FAR:
-            raise UsageError(f"--{name} {values[name]:g} is beyond what files can hold")
-    if values["bend_joint"] is not None and len(values["chains"]) != 1:
-        raise UsageError("--bend-joint goes with exactly one --chain")
-    bends = dict(_bend(text) for text in values["bends"])
-
-    def step(rig: Rig, report: Report) -> Rig:
-        options = Options(
-            limbs=tuple(given(rig, *names) for names in values["limbs"]),
-            chains=tuple((start, end, values["bend_joint"]) for start, end in values["chains"]),
-            auto=values["auto"] == "auto",
-            method=values["method"],
-            origin=values["origin"],
-            reach=0.5 if values["reach"] is None else values["reach"],
-            distance=values["distance"],
-            reach_of=values["reach_of"],
-            orientation=values["orientation"],
-            bends=bends,
-            facing=values["facing"],
-            name=values["name"],
-            pose=values["pose"],
-            check_clips=values["check_clips"],
-            kind=values["kind"],
-        )
-        return add_polevector(rig, options=options, report=report)
-
+    asked = step(request(values))
     if not values["quiet"]:
         tell_root(str(values["source"]), values["root"])
-    run_edit("add-polevector", values, step, given_options(ctx), _summary)
+    run_edit("add-polevector", values, asked, given_options(ctx), summary)
 
 
-def _bend(text: str) -> tuple[str, tuple[float, float, float]]:
-    from rigtri.ops.ups import vector
-
-    joint, mark, towards = text.rpartition("=")
-    if not mark or not joint:
-        raise UsageError(f"--bend {text}: give JOINT=X,Y,Z")
-    try:
-        x, y, z = (float(n) for n in vector(towards))
-    except ValueError as error:
-        raise UsageError(f"--bend {text}: {error}") from error
-    return joint, (x, y, z)
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     lines = []
     for entry in report.limbs:
         x, y, z = entry["position"]

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
 import click
-
-from rigtri.errors import UsageError
 
 from .options import (
     Number,
@@ -17,6 +14,7 @@ from .options import (
     given_options,
     output_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -24,11 +22,7 @@ from .options import (
 from .words import counted
 
 if TYPE_CHECKING:
-    from rigtri.ops.posereader import Goal
     from rigtri.report import Report
-    from rigtri.rig import Rig
-
-_NAMED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)=(.*)", re.S)
 
 
 @click.command("add-posereader")
@@ -116,58 +110,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-posereader hero.glb -o out.glb --driver knee --reader cone --outer 60 --target walk@0.4
         rigtri add-posereader hero.usdz -o out.usdz --driver head --reader rbf --target rest --target nod@12
     """
-    from rigtri.ops.posereader import Options, add_posereader
+    from rigtri.steps.add_posereader import step
 
-    def step(rig: Rig, report: Report) -> Rig:
-        options = Options(
-            driver=values["driver"],
-            axis=values["axis"],
-            frame=values["frame"],
-            reader=values["reader"],
-            targets=tuple(_goal(rig, text) for text in values["targets"]),
-            morphs=values["morphs"],
-            attributes=values["attributes"],
-            inner=values["inner"],
-            outer=values["outer"],
-            kernel=values["kernel"],
-            mode=values["mode"],
-            name=values["name"],
-            within=values["within"],
-            fps=values["fps"],
-        )
-        return add_posereader(rig, options=options, report=report)
-
-    foreign = {"cone": ("inner", "outer"), "rbf": ("kernel", "mode")}
-    for kind, names in foreign.items():
-        for name in names:
-            given = ctx.get_parameter_source(name) not in (None, click.core.ParameterSource.DEFAULT)
-            if given and values["reader"] != kind:
-                raise UsageError(f"--{name} is for --reader {kind}")
-    run_edit("add-posereader", values, step, given_options(ctx), _summary)
+    run_edit("add-posereader", values, step(request(values)), given_options(ctx), summary)
 
 
-def _goal(rig: Rig, text: str) -> Goal:
-    """A target from its words; the name of a node that is there wins over all else."""
-    from rigtri.ops.posereader import Goal
-
-    name, said = "", text
-    if not rig.has(text) and (found := _NAMED.fullmatch(text)):
-        name, said = found[1], found[2]
-    if rig.has(said):
-        return Goal(name, node=said)
-    parts = said.split(",")
-    if len(parts) == 3:
-        try:
-            x, y, z = map(float, parts)
-            return Goal(name, direction=(x, y, z))
-        except ValueError:
-            pass
-    if said == "rest" or "@" in said:
-        return Goal(name, pose=said)
-    return Goal(name, node=said)
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     (entry,) = (entry for entry in report.added if entry["type"] == "poseReader")
     rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
     rest = ", ".join(f"{name} {value:.3g}" for name, value in entry["rest"].items())

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
-
 from .options import (
     Number,
     Tolerance,
     edit_options,
     given_options,
     output_options,
+    points,
     reading_options,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -23,7 +23,6 @@ from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("add-rivet")
@@ -47,12 +46,14 @@ if TYPE_CHECKING:
 @click.option(
     "--barycentric",
     multiple=True,
+    callback=points,
     metavar="U,V,W",
     help="Where on the triangle, as weights of its corners; one for each --triangle. [1/3,1/3,1/3]",
 )
 @click.option(
     "--at",
     multiple=True,
+    callback=points,
     metavar="X,Y,Z",
     help="A rivet on the point of the mesh that is nearest to this place at rest. Repeatable.",
 )
@@ -95,35 +96,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-rivet hero.glb -o out.glb --mesh Body --triangle 120 --barycentric 0.2,0.3,0.5
         rigtri add-rivet hero.usdz -o out.usdz --mesh Body --vertex 17 --vertex 40 --fps 24
     """
-    from rigtri.ops.rivet import Options, add_rivet
+    from rigtri.steps.add_rivet import step
 
-    options = Options(
-        mesh=values["mesh"],
-        triangles=values["triangles"],
-        barycentric=tuple(_point("--barycentric", text) for text in values["barycentric"]),
-        at=tuple(_point("--at", text) for text in values["at"]),
-        vertices=values["vertices"],
-        names=values["names"],
-        within=values["within"],
-        fps=values["fps"],
-    )
-
-    def step(rig: Rig, report: Report) -> Rig:
-        return add_rivet(rig, options=options, report=report)
-
-    run_edit("add-rivet", values, step, given_options(ctx), _summary)
+    run_edit("add-rivet", values, step(request(values)), given_options(ctx), summary)
 
 
-def _point(flag: str, text: str) -> tuple[float, float, float]:
-    parts = text.split(",")
-    try:
-        x, y, z = (float(part) for part in parts)
-    except ValueError:
-        raise UsageError(f"{flag} {text}: give three numbers, e.g. 0,1.4,0.2") from None
-    return x, y, z
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     new = sum(entry["new"] for entry in report.added)
     keys = sum(count for entry in report.added for count in entry["keys"].values())
     off = max((entry["deviation"] for entry in report.added), default=0.0)

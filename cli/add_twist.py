@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
-
 from .options import (
     direction,
     edit_options,
     given_options,
     output_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -22,7 +21,6 @@ from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("add-twist")
@@ -106,44 +104,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-twist hero.glb -o out.glb --limb upper_arm forearm hand --count 3 --split-weights
         rigtri add-twist hero.usdz -o out.usdz --joint forearm --to hand --weights 0.25,0.8
     """
-    from rigtri.limbs import given
-    from rigtri.ops.twist import Options, add_twist
+    from rigtri.steps.add_twist import step
 
-    joints, children = values["joints"], values["children"]
-    if len(joints) != len(children):
-        raise UsageError(f"{len(joints)} --joint and {len(children)} --to: each bone has one of both")
-    if values["most"] and not values["split_weights"]:
-        raise UsageError("--max-influences says how --split-weights shares; give both")
-    weights = _weights(values["weights"])
-
-    def step(rig: Rig, report: Report) -> Rig:
-        options = Options(
-            limbs=tuple(given(rig, *names) for names in values["limbs"]),
-            auto=values["auto"] == "auto",
-            bones=tuple(zip(joints, children, strict=True)),
-            count=values["count"],
-            weights=weights,
-            upper=values["upper"],
-            lower=values["lower"],
-            axis=values["axis"],
-            split_weights=values["split_weights"],
-            most=values["most"],
-            keys=values["keys"],
-            name=values["name"],
-        )
-        return add_twist(rig, options=options, report=report)
-
-    run_edit("add-twist", values, step, given_options(ctx), _summary)
+    run_edit("add-twist", values, step(request(values)), given_options(ctx), summary)
 
 
-def _weights(text: str | None) -> tuple[float, ...]:
-    try:
-        return tuple(float(part) for part in text.split(",")) if text else ()
-    except ValueError as error:
-        raise UsageError(f"--weights {text}: give numbers with commas between them") from error
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     made = [entry for entry in report.added if entry["type"] == "twist"]
     new = [entry for entry in made if entry["new"]]
     bones = {(entry["joint"], entry["to"]) for entry in made}

@@ -12,6 +12,7 @@ from .options import (
     given_options,
     output_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -20,7 +21,6 @@ from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("bake")
@@ -73,31 +73,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri bake rigged.glb -o animate.glb --to controls --clip 'walk*'
         rigtri bake edited.glb -o home.glb --to joints --rig rigged.glb
     """
-    from rigtri.ops.bake import Options, bake
+    from rigtri.steps.bake import step
 
-    options = Options(
-        to=values["to"],
-        clips=values["clips"],
-        fps=values["fps"],
-        tolerance=values["tolerance"],
-        soft=values["soft"],
-        stretch=values["stretch"],
-    )
-    described = values["described"]
-
-    def step(rig: Rig, report: Report) -> Rig:
-        if described is None:
-            return bake(rig, options=options, report=report)
-        from rigtri.formats import read
-        from rigtri.ops.described import as_described
-
-        with_notes = as_described(rig, read(described).rig, report=report)
-        return bake(with_notes, options=options, report=report)
-
-    run_edit("bake", values, step, given_options(ctx), _summary)
+    run_edit("bake", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     clips = [entry for entry in report.added if entry["type"] == "clip"]
     if not clips:
         return "no clip has keys of controls or constraints; nothing was baked"

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
-
 from .options import (
     edit_options,
     given_options,
     output_options,
     reading_options,
     refuse_given,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -21,18 +20,9 @@ from .options import (
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 _KINDS = ("parent", "point", "orient", "scale", "aim", "polevector")
 _ORDERS = ("xyz", "yzx", "zxy", "xzy", "yxz", "zyx")
-_ROTATION_ONLY = {"--rotate-order": "rotate_order", "--joint-orient": "joint_orient"}
-_AIM_ONLY = {
-    "--aim-axis": "aim_axis",
-    "--up-axis": "up_axis",
-    "--world-up": "world_up",
-    "--up-vector": "up_vector",
-    "--up-object": "up_object",
-}
 
 
 def _direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
@@ -105,8 +95,22 @@ def _orient(ctx: click.Context, param: click.Parameter, value: str) -> Any:
     type=click.Choice(["x", "y", "z"]),
     help="orient: only the roll about this axis of the child.",
 )
-@click.option("--aim-axis", callback=_direction, default="x", show_default=True, metavar="AXIS|X,Y,Z")
-@click.option("--up-axis", callback=_direction, default="y", show_default=True, metavar="AXIS|X,Y,Z")
+@click.option(
+    "--aim-axis",
+    callback=_direction,
+    default="x",
+    show_default=True,
+    metavar="AXIS|X,Y,Z",
+    help="aim: the axis of the child that points at the driver.",
+)
+@click.option(
+    "--up-axis",
+    callback=_direction,
+    default="y",
+    show_default=True,
+    metavar="AXIS|X,Y,Z",
+    help="aim: the axis of the child that leans to --world-up.",
+)
 @click.option(
     "--world-up",
     type=click.Choice(["vector", "object", "objectrotation", "none"]),
@@ -141,62 +145,15 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri constrain hero.vrm -o out.vrm --type orient --child sleeve --driver arm \\
             --space local --vrm-constraints
     """
-    from rigtri.ops.constrain import Options, constrain
+    from rigtri.steps.constrain import step
 
-    _check(values)
-    skip = tuple(part.strip() for part in values["skip"].split(",")) if values["skip"] else ()
-
-    def step(rig: Rig, report: Report) -> Rig:
-        options = Options(
-            kind=values["kind"],
-            child=values["child"] or "",
-            drivers=tuple(_driver(rig, text) for text in values["drivers"]),
-            skip=skip,
-            maintain_offset=values["maintain_offset"],
-            order=values["rotate_order"],
-            joint_orient=values["joint_orient"],
-            space=values["space"],
-            roll=values["roll_axis"] or "",
-            aim=values["aim_axis"],
-            up=values["up_axis"],
-            world_up=values["world_up"],
-            up_vector=values["up_vector"],
-            up_object=values["up_object"],
-            limb=values["limb"] or None,
-            vrm=values["vrm"],
-        )
-        return constrain(rig, options=options, report=report)
-
-    run_edit("constrain", values, step, given_options(ctx), _summary)
-
-
-def _check(values: dict[str, Any]) -> None:
-    """Refuse options that this kind of constraint gives no meaning to."""
-    kind = values["kind"]
-    if kind != "aim":
-        refuse_given(_AIM_ONLY, f"means nothing for --type {kind}")
-    if kind not in ("parent", "orient", "aim"):
-        refuse_given(_ROTATION_ONLY, f"means nothing for --type {kind}, which does not turn its child")
-    if values["world_up"] == "none":
-        refuse_given({"--up-axis": "up_axis"}, "means nothing with --world-up none")
     if str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz")):
         refuse_given({"--vrm-constraints": "vrm"}, "means nothing for USD files")
+    run_edit("constrain", values, step(request(values)), given_options(ctx), summary)
 
 
-def _driver(rig: Rig, text: str) -> tuple[str, float]:
-    """A node and its weight; a name may hold = itself."""
-    name, mark, weight = text.rpartition("=")
-    if not mark or rig.has(text):
-        return text, 1.0
-    try:
-        return name, float(weight)
-    except ValueError:
-        if rig.has(name):
-            raise UsageError(f"--driver {text}: '{weight}' is no weight; give a number from 0 on") from None
-        return text, 1.0
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     words = []
     for entry in report.added:
         drivers = ", ".join(f"{name} ({weight:g})" for name, weight in entry["drivers"].items())

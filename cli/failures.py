@@ -6,13 +6,13 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
 import click
 
-from rigtri.errors import RigtriError, kind_of
+from rigtri.errors import Fault, RigtriError, kind_of
 
 from .words import plain
 
@@ -32,11 +32,14 @@ def answered(ctx: click.Context) -> None:
     ctx.meta[_WANTED] = False
 
 
-def tell_json(ctx: click.Context, kind: str, message: str, code: int) -> None:
+def tell_json(ctx: click.Context, kind: str, message: str, code: int, faults: Sequence[Fault] = ()) -> None:
     """Print what schemas/error.schema.json describes where JSON was asked for and can be told."""
     if ctx.meta.get(_WANTED) and _takes_more():
+        error: dict[str, object] = {"kind": kind, "message": message, "exit_code": code}
+        if faults:
+            error["faults"] = [fault.as_json() for fault in faults]
         with suppress(OSError):  # the line on standard error has told it
-            click.echo(json.dumps({"error": {"kind": kind, "message": message, "exit_code": code}}, indent=2))
+            click.echo(json.dumps({"error": error}, indent=2))
 
 
 def hold_streams() -> None:
@@ -101,8 +104,11 @@ def end(ctx: click.Context | None, error: Exception, code: int | None = None) ->
     kind, message, own = _said(error)
     message = plain(message, one_line=True)
     click.echo(f"rigtri: {message}", err=True)
+    faults = error.faults if isinstance(error, RigtriError) else ()
+    for fault in faults:
+        click.echo(plain(f"  {fault}", one_line=True), err=True)
     if ctx is not None:
-        tell_json(ctx, kind, message, own if code is None else code)
+        tell_json(ctx, kind, message, own if code is None else code, faults)
     _takes_more()
     sys.exit(own if code is None else code)
 

@@ -9,23 +9,23 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
-from rigtri.ops.presets import PRESETS, Style
+from rigtri.ops.presets import PRESETS
 
 from .options import (
     Number,
     edit_options,
     given_options,
     output_options,
+    points,
     pole_options,
     reading_options,
     refuse_given,
+    request,
     run_edit,
 )
 
 if TYPE_CHECKING:
-    from rigtri.ops.limb import Options
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 # Options that take all words up to the next option.
 _LISTS = ("--locators", "--points", "--names")
@@ -57,21 +57,6 @@ def spread(args: list[str]) -> list[str]:
     return found
 
 
-def _point(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
-    """Coordinates as three numbers; of many points each."""
-    if value is None or isinstance(value, tuple):
-        return None if value is None else tuple(_numbers(text, ctx, param) for text in value)
-    return _numbers(value, ctx, param)
-
-
-def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise click.BadParameter(f"'{text}' is no point: give x,y,z", ctx, param) from None
-    return x, y, z
-
-
 @click.command("make-limb", cls=_Listing)
 @click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
 @click.option(
@@ -87,7 +72,7 @@ def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[flo
 @click.option(
     "--points",
     multiple=True,
-    callback=_point,
+    callback=points,
     metavar="X,Y,Z X,Y,Z X,Y,Z",
     help="The places themselves, in the world; without IN they make a new file.",
 )
@@ -107,7 +92,7 @@ def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[flo
 )
 @click.option(
     "--bend",
-    callback=_point,
+    callback=points,
     metavar="X,Y,Z",
     help="The side that points on a line bend to; for no others.",
 )
@@ -158,9 +143,9 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri make-limb -o arm.usda --points 0,140,0 25,140,-5 50,140,0 --name arm --side left
         rigtri make-limb hero.glb -o out.glb --points 0,1,0 0,.5,.1 0,0,0 --parent hips --name tail
     """
-    from rigtri.ops.limb import make_limb
+    from rigtri.steps.make_limb import step
 
-    options = _options(values)
+    asked = step(request(values))
     given = given_options(ctx)
     with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
         if values["source"] is None:
@@ -169,68 +154,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
             new = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
             refuse_given(new, "is for new files, without IN")
 
-        def step(rig: Rig, report: Report) -> Rig:
-            return make_limb(rig, options=options, report=report)
-
-        run_edit("make-limb", values | {"empty": True}, step, given, _summary)
-
-
-def _options(values: dict[str, Any]) -> Options:
-    from rigtri.ops.limb import Options
-    from rigtri.ops.polevector import Options as PoleOptions
-
-    if values["reach"] is not None and values["distance"] is not None:
-        raise UsageError("give --reach or --distance, not both")
-    style = PRESETS[values["preset"]] if values["preset"] else Style()
-    if style.world and any(values[axis] is not None for axis in ("aim", "up", "up_from")):
-        raise UsageError(
-            "--preset vrm: its frames are parallel to the world; leave out --aim, --up, --up-from"
-        )
-    poles = PoleOptions(
-        method=values["method"],
-        origin=values["origin"],
-        reach=0.5 if values["reach"] is None else values["reach"],
-        distance=values["distance"],
-        reach_of=values["reach_of"],
-        orientation=values["orientation"],
-        name=values["pole_name"],
-        kind=values["kind"],
-    )
-    if not values["pole"]:
-        flags = ("method", "origin", "reach", "distance", "reach_of", "orientation", "pole_name", "kind")
-        names = {"origin": "--from", "kind": "--as"}
-        given = {names.get(flag, f"--{flag.replace('_', '-')}"): flag for flag in flags}
-        refuse_given(given, "is for the pole vector, and --no-pole leaves it out")
-    return Options(
-        locators=values["locators"],
-        points=values["points"],
-        planar=values["planar"],
-        style=Style(
-            aim=values["aim"] or style.aim,
-            up=values["up"] or style.up,
-            up_from=values["up_from"] or style.up_from,
-            world=style.world,
-        ),
-        end_aim=_place(values["end_aim"]),
-        bend=values["bend"],
-        name=values["name"],
-        side=values["side"] or "",
-        names=values["names"],
-        parent=values["parent"],
-        skin=values["skin"],
-        pole=values["pole"],
-        poles=poles,
-        pose=values["pose"],
-    ).checked()
-
-
-def _place(text: str | None) -> Any:
-    """Coordinates as three numbers, anything else as the name of a node."""
-    try:
-        x, y, z = (float(part) for part in (text or "").split(","))
-    except ValueError:
-        return text
-    return x, y, z
+        run_edit("make-limb", values | {"empty": True}, asked, given, summary)
 
 
 def _blank(folder: Path, values: dict[str, Any]) -> str:
@@ -252,7 +176,8 @@ def _blank(folder: Path, values: dict[str, Any]) -> str:
     return str(path)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     joints = [entry for entry in report.added if entry["type"] == "limb"]
     new = "new" if joints[0]["new"] else "moved"
     moved = [f"{entry['node']} by {entry['moved']:.4g}" for entry in joints if entry["moved"] > 0]

@@ -17,6 +17,7 @@ from .options import (
     output_options,
     read_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
     turn_options,
@@ -26,7 +27,6 @@ from .words import counted, plain
 if TYPE_CHECKING:
     from rigtri.ops.mirror import Options
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 MOST = 20
 
@@ -126,32 +126,14 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri mirror hero.usdz -o out.usdz --from-side right --mode orientation
         rigtri mirror hero.glb --check
     """
-    from rigtri.ops.mirror import WHAT, Options, mirror
-    from rigtri.ops.select import Selection
+    from rigtri.steps.mirror import asked, step
 
-    options = Options(
-        mode=values["mode"],
-        from_side=values["from_side"],
-        plane=values["plane"],
-        plane_at=values["plane_at"],
-        what=values["what"] or WHAT,
-        selection=Selection(joints=values["joints"], below=values["below"], exclude=values["exclude"]),
-        pose=values["pose"],
-        root=values["root"],
-        on_nonuniform_scale=values["on_nonuniform_scale"],
-        on_constraint=values["on_constraint"],
-        tolerance=values["tolerance"],
-    )
     if values["check"]:
-        _check(values, options)
+        _check(values, asked(request(values)))
         return
     if values["target"] is None:
         raise UsageError("give the file to write with -o OUT, or --check to write none")
-
-    def step(rig: Rig, report: Report) -> Rig:
-        return mirror(rig, options=options, report=report)
-
-    run_edit("mirror", values, step, given_options(ctx), _summary)
+    run_edit("mirror", values, step(request(values)), given_options(ctx), summary)
 
 
 def _check(values: dict[str, Any], options: Options) -> None:
@@ -199,7 +181,8 @@ def _check(values: dict[str, Any], options: Options) -> None:
         sys.exit(1)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     turned = sum(entry["status"] == "turned" for entry in report.joints)
     new = sum(entry["new"] for entry in report.added)
     made = len(report.added)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from rigtri.formats import Options
     from rigtri.pipeline import Outcome
     from rigtri.report import Report
+    from rigtri.steps.request import Request
 
 
 class Tolerance(click.FloatRange):
@@ -71,16 +72,10 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     """A direction: x,y,z or an axis name."""
     if value is None:
         return None
-    from rigtri.ops.ups import vector
-    from rigtri.triangle import axis_of
+    from rigtri.ops import ups
 
     try:
-        letter, sign = axis_of(value)
-        return tuple(sign if k == letter else 0.0 for k in range(3))
-    except ValueError:
-        pass
-    try:
-        return tuple(float(x) for x in vector(value))
+        return ups.direction(value)
     except ValueError as error:
         raise click.BadParameter(str(error), ctx, param) from error
 
@@ -323,7 +318,7 @@ def run_edit(
     step: Callable[[Any, Report], Any],
     options: dict[str, Any],
     summary: Callable[[Report], str],
-    besides: Callable[[], None] = lambda: None,
+    besides: Callable[[Report], None] = lambda report: None,
 ) -> Outcome:
     """Run an edit with a command's shared options; print and write its report.
 
@@ -331,21 +326,14 @@ def run_edit(
     that fails, only the words are lost.
     """
 
-    from rigtri.pipeline import edit, report_json
-    from rigtri.report import Report
+    from rigtri.pipeline import edit
 
-    source, target, quiet = values["source"], values["target"], values["quiet"]
-    if values["as_json"] and target == "-":
-        raise UsageError("--json and -o - both want standard output; use --report FILE.json")
-    if values["sidecar"] and target == "-":
-        raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
     _check_format(values)
-    check_side_files(values)
-    report = Report()
-    try:
-        outcome = edit(
-            source,
-            target,
+
+    def done(report: Report) -> Outcome:
+        return edit(
+            values["source"],
+            values["target"],
             step,
             options=read_options(values),
             report=report,
@@ -354,9 +342,35 @@ def run_edit(
             tolerance=values["tolerance"],
             dry_run=values["dry_run"],
             strict=values["strict"],
-            side_files=tuple(_side_files(values).values()),
+            side_files=side_files(values),
             ahead=click.get_current_context().obj,
         )
+
+    return run(name, values, done, options, summary, besides)
+
+
+def run(
+    name: str,
+    values: dict[str, Any],
+    done: Callable[[Report], Outcome],
+    options: dict[str, Any],
+    summary: Callable[[Report], str],
+    besides: Callable[[Report], None] = lambda report: None,
+    more: Callable[[], dict[str, Any]] = dict,
+) -> Outcome:
+    """Do what writes a file, and tell and report it as every command does; more: for the report."""
+    from rigtri.pipeline import report_json
+    from rigtri.report import Report
+
+    source, target, quiet = values["source"], values["target"], values["quiet"]
+    if values["as_json"] and target == "-":
+        raise UsageError("--json and -o - both want standard output; use --report FILE.json")
+    if values["sidecar"] and target == "-":
+        raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
+    check_side_files(values)
+    report = Report()
+    try:
+        outcome = done(report)
     except RigtriError:
         if not quiet:
             tell_warnings(report, values["verbose"])
@@ -370,8 +384,9 @@ def run_edit(
         tolerance=values["tolerance"],
         dry_run=values["dry_run"],
     )
+    document |= more()
     _write_beside(values, document)
-    besides()
+    besides(report)
     if values["as_json"]:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     if not quiet:
@@ -398,10 +413,15 @@ def _check_format(values: dict[str, Any]) -> None:
 
 def refuse_given(options: dict[str, str], why: str) -> None:
     """UsageError for the first of these options (flag → parameter) that the user gave."""
-    ctx = click.get_current_context()
+    given = _given(click.get_current_context())
     for flag, name in options.items():
-        if ctx.get_parameter_source(name) not in (None, click.core.ParameterSource.DEFAULT):
+        if name in given:
             raise UsageError(f"{flag} {why}")
+
+
+def side_files(values: dict[str, Any]) -> tuple[Path, ...]:
+    """The files that a command is to write beside OUT."""
+    return tuple(_side_files(values).values())
 
 
 def _side_files(values: dict[str, Any]) -> dict[str, Path]:
@@ -435,7 +455,8 @@ def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
         write_text(Path(values["report_path"]), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
     if not values["sidecar"] or values["dry_run"]:
         return
-    rig = read(Path(values["target"]), read_options(values)).rig
+    reading = values.get("reading") or read_options(values)
+    rig = read(Path(values["target"]), reading).rig
     write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
 
 
@@ -509,24 +530,35 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo(f"Wrote {where}", err=True)
 
 
-def load_json(path: str) -> Any:
-    """A JSON file as Python values; FileError where it cannot be read."""
-    from pathlib import Path
+def points(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+    """Coordinates as three numbers; of many points each."""
+    if value is None or isinstance(value, tuple):
+        return None if value is None else tuple(_numbers(text, ctx, param) for text in value)
+    return _numbers(value, ctx, param)
 
+
+def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[float, float, float]:
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror}") from error
-    except (ValueError, RecursionError) as error:
-        raise FileError(f"{path} is no JSON: {error}") from error
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"'{text}' is no point: give x,y,z", ctx, param) from None
+    return x, y, z
+
+
+def request(values: dict[str, Any]) -> Request:
+    """What the user asks of the operation of this command."""
+    from rigtri.steps.request import Request
+
+    ctx = click.get_current_context()
+    return Request(values, frozenset(_given(ctx)), read_options(values))
+
+
+def _given(ctx: click.Context) -> list[str]:
+    unsaid = (None, click.core.ParameterSource.DEFAULT)
+    return [name for name in ctx.params if ctx.get_parameter_source(name) not in unsaid]
 
 
 def given_options(ctx: click.Context) -> dict[str, Any]:
     """The options that the user gave, for the report."""
     quiet = ("source", "target", "as_json", "quiet", "verbose", "report_path")
-    given = click.core.ParameterSource.DEFAULT
-    return {
-        name: value
-        for name, value in ctx.params.items()
-        if name not in quiet and ctx.get_parameter_source(name) != given
-    }
+    return {name: ctx.params[name] for name in _given(ctx) if name not in quiet}

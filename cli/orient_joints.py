@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import FileError, RigtriError, UsageError
-from rigtri.ops.presets import PRESETS, Style
+from rigtri.ops.presets import PRESETS
 
 from .options import (
     copy_ahead,
     edit_options,
     facing_option,
     given_options,
-    load_json,
     output_options,
     reading_options,
-    refuse_given,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -28,23 +27,8 @@ from .options import (
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
-_BRANCHES = ("chain", "first", "average", "longest", "incoming", "keep")
 _STYLED = ("aim", "up", "up_from")
-# Options that say where axes go, which frames from elsewhere have said already.
-_GEOMETRY = (
-    "--preset",
-    "--aim",
-    "--up",
-    "--up-from",
-    "--aim-at",
-    "--branch",
-    "--end",
-    "--per-joint-plane",
-    "--facing",
-    "--world",
-)
 
 
 class InOrder(click.Command):
@@ -148,7 +132,13 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
     type=click.Choice(["behavior", "orientation", "blender"]),
     help="Give the other side the mirrored axes of --from-side.",
 )
-@click.option("--from-side", type=click.Choice(["left", "right"]), default="left", show_default=True)
+@click.option(
+    "--from-side",
+    type=click.Choice(["left", "right"]),
+    default="left",
+    show_default=True,
+    help="With --mirror: the side that is copied onto the other.",
+)
 @click.option(
     "--plane",
     type=click.Choice(["yz", "xz", "xy"]),
@@ -198,139 +188,22 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri orient-joints back.glb -o same.glb --like hero.glb
     """
     copy_ahead(ctx, values)
-    from rigtri.limbs import given
+    from rigtri.steps.orient_joints import step
+
+    asked = step(request(values | {"order": ctx.meta["rigtri.order"]}))
+    run_edit("orient-joints", values, asked, given_options(ctx), summary, partial(_save_frames, values))
+
+
+def _save_frames(values: dict[str, Any], report: Report) -> None:
     from rigtri.ops.frames import frames_json
-    from rigtri.ops.orient import Options, orient_joints
-
-    style, chain_styles = _styles(ctx, values["preset"], values["world"])
-    rules = [word for word in values["branch"] if word in _BRANCHES]
-    _check(values)
-    frames = load_json(values["frames"]) if values["frames"] else None
-    like = _like(values["like"]) if values["like"] else None
-    saved: dict[str, Any] = {}
-
-    def step(rig: Rig, report: Report) -> Rig:
-        options = Options(
-            style=style,
-            selection=_selection(values),
-            chain_styles=chain_styles,
-            branch=rules[-1] if rules else "chain",
-            branch_to=tuple(word for word in values["branch"] if word not in _BRANCHES),
-            end=values["end"],
-            aim_at=tuple(_pair(rig, text) for text in values["aim_at"]),
-            limbs=tuple(given(rig, *names) for names in values["limbs"]),
-            per_joint_plane=values["per_joint_plane"],
-            facing=values["facing"],
-            pose=values["pose"],
-            on_nonuniform_scale=values["on_nonuniform_scale"],
-            on_constraint=values["on_constraint"],
-            snap=values["snap"],
-            offset=values["offset"],
-            mirror=values["mirror"],
-            from_side=values["from_side"],
-            plane=values["plane"],
-            root=values["root"],
-            like=like,
-            frames=frames,
-            inverse=values["inverse"],
-            tolerance=values["tolerance"],
-        )
-        turned = orient_joints(rig, options=options, report=report)
-        saved["frames"] = frames_json(report)
-        return turned
-
-    run_edit("orient-joints", values, step, given_options(ctx), _summary, lambda: _save_frames(values, saved))
-
-
-def _save_frames(values: dict[str, Any], saved: dict[str, Any]) -> None:
     from rigtri.outputs import write_text
 
     if values["save_frames"]:
-        write_text(Path(values["save_frames"]), json.dumps(saved["frames"], indent=1) + "\n")
+        write_text(Path(values["save_frames"]), json.dumps(frames_json(report), indent=1) + "\n")
 
 
-def _styles(
-    ctx: click.Context, preset: str | None, world: bool
-) -> tuple[Style, tuple[tuple[str, str, Style], ...]]:
-    """The style for all, and the styles of chains: what stands behind a --chain is for it."""
-    from dataclasses import replace
-
-    base = PRESETS[preset] if preset else Style()
-    base = replace(base, world=True) if world else base
-    chains: list[tuple[str, str, Style]] = []
-    for name, value in ctx.meta["rigtri.order"]:
-        if name == "chains":
-            chains.append((*value, base))
-        elif chains:
-            start, end, style = chains[-1]
-            chains[-1] = (start, end, replace(style, **{name: value}))
-        else:
-            base = replace(base, **{name: value})
-    base.checked()
-    return base, tuple((start, end, style.checked()) for start, end, style in chains)
-
-
-def _check(values: dict[str, Any]) -> None:
-    """Options that contradict each other."""
-    if values["like"] and values["frames"]:
-        raise UsageError("give --like or --frames, not both")
-    if values["inverse"] and not values["frames"]:
-        raise UsageError("--inverse goes with --frames")
-    if values["mirror"] and (values["frames"] or values["like"]):
-        raise UsageError("--mirror does not go with --like or --frames")
-    mirrored = {"--from-side": "from_side", "--plane": "plane"}
-    if not values["mirror"]:
-        refuse_given(mirrored, "goes with --mirror")
-    geometry = {flag: flag[2:].replace("-", "_") for flag in _GEOMETRY}
-    if values["frames"]:
-        refuse_given(geometry | {"--offset": "offset", "--snap": "snap"}, "does not go with --frames")
-    if values["like"]:
-        refuse_given(geometry, "does not go with --like")
-    if values["world"] or values["preset"] == "vrm":
-        axes = {"--aim": "aim", "--up": "up", "--up-from": "up_from"}
-        refuse_given(axes, "does not go with axes parallel to the world")
-    if values["world"] and values["preset"] not in (None, "vrm"):
-        raise UsageError("give --preset or --world, not both")
-    if sum(word in _BRANCHES for word in values["branch"]) > 1:
-        raise UsageError("give one rule with --branch, and any number of names of children")
-
-
-def _selection(values: dict[str, Any]) -> Any:
-    from rigtri.ops.select import Selection
-
-    return Selection(
-        joints=values["joints"],
-        below=values["below"],
-        skin=values["skin"],
-        exclude=values["exclude"],
-    )
-
-
-def _pair(rig: Rig, text: str) -> tuple[str, str]:
-    """JOINT=NODE; names may hold ``=`` themselves, so the cut is where both sides are found."""
-    cuts = [k for k, letter in enumerate(text) if letter == "=" and 0 < k < len(text) - 1]
-    if not cuts:
-        raise UsageError(f"--aim-at {text}: give JOINT=NODE")
-    pairs = [(text[:k], text[k + 1 :]) for k in cuts]
-    found = [pair for pair in pairs if all(rig.has(name) for name in pair)]
-    joint, node = found[0] if len(found) == 1 else pairs[0]
-    if rig.find(joint) == rig.find(node, "node"):
-        raise UsageError(f"--aim-at {text}: a joint cannot aim at itself")
-    return joint, node
-
-
-def _like(path: str) -> Rig:
-    from rigtri.formats import read
-
-    if not Path(path).is_file():
-        raise FileError(f"--like {path}: there is no such file")
-    try:
-        return read(Path(path)).rig
-    except RigtriError as error:
-        raise type(error)(f"--like: {error}") from error
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1

@@ -16,6 +16,7 @@ from .options import (
     output_options,
     read_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
 )
@@ -23,7 +24,6 @@ from .words import plain
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("pose")
@@ -66,21 +66,17 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri pose rigged.glb --at walk@0.5 --json
         rigtri pose rigged.glb -o stand.glb --at idle@0
     """
-    from rigtri.ops.posing import Options, take_pose
+    from rigtri.steps.pose import asked, step
 
-    options = Options(at=values["at"], evaluate=values["evaluate"])
     if values["target"] is None:
-        _print(values, options)
+        _print(values, asked(request(values)))
         return
     copy_ahead(ctx, values)
-
-    def step(rig: Rig, report: Report) -> Rig:
-        return take_pose(rig, options=options, report=report)
-
-    run_edit("pose", values, step, given_options(ctx), _summary)
+    run_edit("pose", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     (told,) = (entry for entry in report.added if entry["type"] == "pose")
     return f"{told['nodes']} nodes rest as in {told['at']}" if told["nodes"] else "all nodes rest so already"
 
@@ -89,13 +85,17 @@ def _print(values: dict[str, Any], options: Any) -> None:
     from rigtri.formats import read
     from rigtri.inputs import opened
     from rigtri.ops.posing import table
+    from rigtri.report import Report
 
     for word in ("report_path", "sidecar", "dry_run", "overwrite"):
         if values[word]:
             raise UsageError(f"--{word.removesuffix('_path').replace('_', '-')} is for a file: give -o OUT")
     with opened(values["source"]) as path:
         document = read(path, read_options(values))
-        found = {"file": values["source"]} | table(document.rig, options)
+        report = Report()
+        found = {"file": values["source"]} | table(document.rig, options, report)
+    for notice in report.warnings:
+        click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
     if values["as_json"]:
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
         return

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
-
 from .options import (
     copy_ahead,
     edit_options,
     given_options,
     output_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -21,7 +20,6 @@ from .options import (
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("snap")
@@ -60,20 +58,14 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri snap rigged.glb -o out.glb --limb upper_arm_L forearm_L hand_L --to fk --at walk@0.5
         rigtri snap rigged.glb -o out.glb --all-limbs --to ik --at walk@0 --at walk@0.5
     """
-    if bool(values["limbs"]) == values["all_limbs"]:
-        raise UsageError("give --limb ROOT MIDDLE END, or --all-limbs")
     copy_ahead(ctx, values)
-    from rigtri.ops.snap import Options, snap
+    from rigtri.steps.snap import step
 
-    options = Options(to=values["to"], at=values["at"], limbs=values["limbs"])
-
-    def step(rig: Rig, report: Report) -> Rig:
-        return snap(rig, options=options, report=report)
-
-    run_edit("snap", values, step, given_options(ctx), _summary)
+    run_edit("snap", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     told = [entry for entry in report.added if entry["type"] == "snap"]
     far = max((entry["deviation"] for entry in told), default=0.0)
     limbs = len({tuple(entry["limb"]) for entry in told})

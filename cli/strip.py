@@ -12,6 +12,7 @@ from .options import (
     given_options,
     output_options,
     reading_options,
+    request,
     run_edit,
     source_argument,
     target_option,
@@ -19,7 +20,6 @@ from .options import (
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("strip")
@@ -44,15 +44,13 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri strip rigged.glb -o plain.glb
     """
     copy_ahead(ctx, values)
-    from rigtri.ops.strip import Options, strip
+    from rigtri.steps.strip import step
 
-    def step(rig: Rig, report: Report) -> Rig:
-        return strip(rig, options=Options(splits=values["splits"]), report=report)
-
-    run_edit("strip", values, step, given_options(ctx), _summary)
+    run_edit("strip", values, step(request(values)), given_options(ctx), summary)
 
 
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     nodes = sum(not entry["kept"] for entry in report.removed)
     notes = len(report.removed) - nodes
     if not report.removed:

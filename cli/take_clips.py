@@ -6,22 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
-
 from .options import (
     check_streams,
     edit_options,
     given_options,
     output_options,
-    read_options,
     reading_options,
+    request,
     run_edit,
     target_option,
 )
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
 
 
 @click.command("take-clips")
@@ -52,7 +49,8 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
     axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
-    bit for bit. Clips that were split per object are put together again.
+    bit for bit; of one that was edited in a part, the other part does. A key a frame becomes as few keys
+    as say the same, within --tolerance. Clips that were split per object are put together again.
 
     \b
     Examples:
@@ -60,39 +58,14 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri take-clips rigged.glb --from edited.usda -o home.glb --clip 'walk*'
         rigtri take-clips rigged.glb --from edited.glb -o home.glb --as hand_ctlAction=walk
     """
-    from rigtri.ops.take_clips import Options, take_clips
-
     check_streams(str(values["source"]), str(values["edited"]))
-    options = Options(clips=values["clips"], names=_names(values["names"]))
-    edited = values["edited"]
+    from rigtri.steps.take_clips import step
 
-    def step(rig: Rig, report: Report) -> Rig:
-        from dataclasses import replace
-
-        from rigtri.formats import read
-        from rigtri.inputs import opened
-
-        how = replace(read_options(values), root=None, empty=True)
-        with opened(edited) as path:
-            document = read(path, how)
-            result = take_clips(rig, document.rig, options=options, report=report)
-        report.hear(document.warnings)
-        return result
-
-    run_edit("take-clips", values, step, given_options(ctx), _summary)
+    run_edit("take-clips", values, step(request(values)), given_options(ctx), summary)
 
 
-def _names(given: tuple[str, ...]) -> dict[str, str]:
-    names = {}
-    for text in given:
-        name, mark, clip = text.rpartition("=")
-        if not mark or not name or not clip:
-            raise UsageError(f"--as {text}: give NAME=CLIP, a clip of EDITED and what it is called in RIG")
-        names[name] = clip
-    return names
-
-
-def _summary(report: Report) -> str:
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
     clips = [entry for entry in report.added if entry["type"] == "clip"]
     tracks, same = sum(entry["tracks"] for entry in clips), sum(entry["same"] for entry in clips)
     nodes = {name for entry in clips for name in entry["changed"]}

@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 _WHERE = {
     "read": "rigtri.formats",
     "edit": "rigtri.pipeline",
+    "build": "rigtri.spec.building",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "make_limb": "rigtri.ops.limb",
@@ -48,6 +49,7 @@ __all__ = [
     "add_rivet",
     "add_twist",
     "bake",
+    "build",
     "check",
     "constrain",
     "describe",
@@ -90,6 +92,7 @@ if TYPE_CHECKING:
     from rigtri.pipeline import edit
     from rigtri.report import Report
     from rigtri.rig import Rig
+    from rigtri.spec.building import build
 
 
 def __getattr__(name: str) -> Any:

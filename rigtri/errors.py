@@ -10,12 +10,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from typing import Protocol
 
 
 class RigtriError(Exception):
-    """Anything rigtri refuses to do; its text is written for the user."""
+    """Anything rigtri refuses to do; its text is written for the user.
+
+    faults: where several things are wrong at once, a text and a record for machines of each.
+    """
 
     exit_code = 1
+    faults: Sequence[Fault] = ()
+
+
+class Fault(Protocol):
+    """One of several things that are wrong; as text a line that stands alone."""
+
+    def as_json(self) -> dict[str, object]: ...
 
 
 class UsageError(RigtriError):

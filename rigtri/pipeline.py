@@ -127,6 +127,27 @@ def edit(
             return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps, rig, files)
 
 
+def check_target(
+    source: Path | str, target: Path | str, *, overwrite: bool, options: Options, side_files: Sequence[Path]
+) -> None:
+    """Refuse, before anything is done, what `edit` would refuse when it delivers.
+
+    Raises FileError, and UsageError for an existing target without ``overwrite``, and for a target or
+    side file that the source refers to.
+    """
+    if str(source) == "-":
+        return  # a stream can be read only once
+    with opened(source) as path:
+        to_stdout = str(target) == "-"
+        options = replace(options, to_stream=to_stdout)
+        final = _final(path, target, overwrite, options)
+        if not to_stdout:
+            _check_suffix(path, final, options)
+        needed = _needed(read(path, options), path, final, options)
+        for place in (*side_files, *(() if to_stdout else (final,))):
+            spare(place, needed)
+
+
 def _check_numbers(before: Rig, after: Rig) -> None:
     """GeometryError for a node whose numbers an edit made infinite or NaN; what was so may stay so."""
     if after is before:

@@ -70,7 +70,8 @@ def moment(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     except ValueError:
         at = float("nan")
     if not mark or not np.isfinite(at):
-        raise UsageError(f"'{text}' is no pose: give CLIP@TIME, e.g. walk@0.5, or rest")
+        units = "seconds" if rig.per_second == 1.0 else f"time codes, {rig.per_second:g} a second"
+        raise UsageError(f"'{text}' is no pose: give CLIP@TIME in {units}, e.g. walk@0.5, or rest")
     clip = rig.clip(name)
     number = next((k for k, known in enumerate(rig.clips) if known is clip or known.played is clip), -1)
     found = next((t for t in timelines(rig) if number in t.members), None)

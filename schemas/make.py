@@ -1,14 +1,18 @@
-"""Write the USD schema of what rigtri stores on prims, as node.schema.json says it: python schemas/make.py
+"""Write the schemas that follow from others: python schemas/make.py
 
-A codeless applied API schema for each type of note, so that USD tools know the attributes,
-their types and what they mean. Prims are complete without it.
+usd/: of what rigtri stores on prims, as node.schema.json says it. A codeless applied API schema for
+each type of note, so that USD tools know the attributes, their types and what they mean. Prims are
+complete without it. Source: OpenUSD, "Generating New Schema Classes" (codeless schemas);
+docs/file-description.md.
 
-Source: OpenUSD, "Generating New Schema Classes" (codeless schemas); docs/file-description.md.
+spec.schema.json: of rig specs, as the models of `rigtri.spec` say it, with the words of the commands'
+help, for editors that complete and check. docs/specs.md.
 """
 
 from __future__ import annotations
 
 import json
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -92,8 +96,46 @@ def _type_of(key: str, said: dict[str, Any]) -> tuple[str, str]:
     return (key, _TYPES[kind]) if kind in _TYPES else (f"{key}:json", "string")
 
 
+def spec_schema() -> dict[str, Any]:
+    """The JSON Schema of rig specs."""
+    from rigtri.spec.models.spec import SpecModel
+
+    found = SpecModel.model_json_schema(by_alias=True)
+    for model in found["$defs"].values():
+        options = model["properties"]
+        if "do" in options:
+            model["required"] = list(dict.fromkeys(["do", *model.get("required", [])]))
+            told = _help(options["do"]["const"])
+            for name, about in options.items():
+                if name in told:
+                    options[name] = {"description": told[name], **_or_variable(about)}
+                about.pop("title", None)
+    about = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": "urn:rigtri:schema:spec:1"}
+    return about | found
+
+
+def _help(command: str) -> dict[str, str]:
+    """What the help of a command says of its options, by their names."""
+    params = import_module(f"rigtri.cli.{command.replace('-', '_')}").command.params
+    return {max(p.opts, key=len).removeprefix("--"): p.help for p in params if getattr(p, "help", None)}
+
+
+def _or_variable(about: dict[str, Any]) -> dict[str, Any]:
+    """A value, or the text of a variable in its place."""
+    kinds = about.get("anyOf", [about])
+    plain = any(kind.get("type") == "string" and len(kind) == 1 for kind in kinds)
+    if plain or any("$ref" in kind for kind in kinds):
+        return {key: value for key, value in about.items() if key != "title"}
+    value = {key: value for key, value in about.items() if key not in ("title", "default", "anyOf")}
+    alternatives = about.get("anyOf", [value])
+    rest = {key: about[key] for key in ("default",) if key in about}
+    return {"anyOf": [*alternatives, {"type": "string", "pattern": r"\$\{.+\}"}], **rest}
+
+
 def write(folder: Path = HERE / "usd") -> None:
-    """Write both files anew."""
+    """Write all of them anew."""
+    text = json.dumps(spec_schema(), indent=2, ensure_ascii=False) + "\n"
+    (folder.parent / "spec.schema.json").write_text(text, encoding="utf-8")
     layer, plugin = generated(json.loads((HERE / "node.schema.json").read_text(encoding="utf-8")))
     (folder / "generatedSchema.usda").write_text(layer, encoding="utf-8")
     (folder / "plugInfo.json").write_text(plugin, encoding="utf-8")

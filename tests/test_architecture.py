@@ -30,7 +30,7 @@ matrices
 euler triangle shapes records
 rig
 pose constraints rules spread twist
-following timelines fitting triangles
+following timelines insertion fitting triangles
 carried readers driven dependence
 solve
 turned_rules
@@ -50,6 +50,8 @@ delivery
 ahead ops formats
 inputs outputs
 checks pipeline difference
+steps
+spec
 confined
 cli
 """.strip().splitlines()

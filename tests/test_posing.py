@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,8 @@ from rigtri.formats import read
 from rigtri.ops.bake import Options as BakeOptions
 from rigtri.ops.bake import bake
 from rigtri.ops.posing import Options, pose_of, table, take_pose
+from rigtri.records import Track
+from rigtri.report import Report
 
 
 def test_the_pose_is_the_one_that_baking_gives() -> None:
@@ -80,3 +83,92 @@ def test_what_is_no_pose_is_told() -> None:
     refused = run("pose", SAMPLES / "biped.glb", "--dry-run")
     assert refused.exit_code == 2
     assert "-o OUT" in refused.output
+
+
+def skinned(path: Path, clip: str | None, time: float) -> list[np.ndarray]:
+    """The points of all meshes of a file as it plays, or at rest; no controls take part."""
+    document = read(path)
+    rig = document.rig
+    if clip is None:
+        world = rig.world[np.newaxis]
+    else:
+        world = pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), [time]))
+    return [
+        pose.deformed(m, rig, world, np.repeat(m.morph_weights[np.newaxis], 1, axis=0))[0]
+        for m in document.meshes()
+        if m.skin is not None
+    ]
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".usda", ".usdc", ".usdz"])
+def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path: Path) -> None:
+    name = {".usdc": ".usda"}.get(suffix, suffix)
+    made, up, baked, still = (tmp_path / f"{k}{suffix}" for k in range(4))
+    source = SAMPLES / f"biped{name}"
+    if suffix == ".usdc":
+        from pxr import Sdf
+
+        source = tmp_path / "in.usdc"
+        assert Sdf.Layer.FindOrOpen(str(SAMPLES / "biped.usda")).Export(str(source))
+    steps = [
+        ("add-controls", source, "-o", made, "--whole-character"),
+        ("bake", made, "-o", up, "--to", "controls"),
+        # IK is at work in `up`; what it makes of the joints is baked, and skinned from joint keys alone.
+        ("bake", up, "-o", baked, "--tolerance", "0"),
+    ]
+    rig = read(SAMPLES / f"biped{name}").rig
+    clip = rig.shown_clips[0].name
+    time = float(pose.key_times(rig.clip(clip))[3])
+    for step in [*steps, ("pose", up, "-o", still, "--at", f"{clip}@{time}")]:
+        done = run(*step)
+        assert done.exit_code == 0, done.output
+    there, rest, now = skinned(baked, clip, time), skinned(up, None, 0.0), skinned(still, None, 0.0)
+    assert now
+    for was, before, is_now in zip(there, rest, now, strict=True):
+        assert np.abs(was - before).max() > 1e-2 * size(rig)
+        assert np.abs(was - is_now).max() < 1e-6 * size(rig)
+
+
+def test_a_moment_outside_of_the_clip_is_told_and_holds_the_nearest_pose() -> None:
+    shown = run("pose", SAMPLES / "biped.glb", "--at", "walk@99", "--json")
+    last = read(SAMPLES / "biped.glb").rig.clip("walk").tracks[0].times[-1]
+    assert shown.exit_code == 0
+    assert "has keys from 0 to" in shown.stderr
+    rig = read(SAMPLES / "biped.glb").rig
+    assert json.loads(shown.stdout)["joints"] == table(rig, Options(f"walk@{last}"))["joints"]
+
+
+@pytest.mark.parametrize(
+    ("at", "told"), [("walk@12f", "seconds"), ("walk@0.5s", "seconds"), ("walk@nan", "walk")]
+)
+def test_a_time_is_a_number_in_the_unit_of_the_file(at: str, told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        pose_of(read(SAMPLES / "biped.glb").rig, Options(at))
+    if told == "seconds":
+        with pytest.raises(UsageError, match="time codes, 24 a second"):
+            pose_of(read(SAMPLES / "biped.usda").rig, Options(at))
+
+
+def test_the_last_at_splits_and_a_wrong_name_is_met_with_the_nearest() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    renamed = replace(rig, clips=(replace(rig.clip("walk"), name="w@lk@1"),))
+    one, other = table(renamed, Options("w@lk@1@0.25")), table(rig, Options("walk@0.25"))
+    assert one["joints"] == other["joints"]
+    with pytest.raises(NameNotFoundError, match=r"Did you mean 'w@lk@1'"):
+        table(renamed, Options("w@lk@0.25"))
+
+
+def test_morph_weights_are_told_in_the_pose_and_stay_in_the_file() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    weights = Track(
+        rig.find("hips"), "weights", "LINEAR", np.array([0.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.5]])
+    )
+    walk = rig.clip("walk")
+    rig = replace(rig, clips=(replace(walk, tracks=(*walk.tracks, weights)),))
+    found = table(rig, Options("walk@0.25"))
+    assert found["weights"] == [{"node": "hips", "weights": [0.25, 0.875]}]
+    validator("pose").validate({"file": "x.glb", **found})
+    assert table(rig, Options("rest"))["weights"] == []
+    report = Report()
+    take_pose(rig, options=Options("walk@0.25"), report=report)
+    assert [notice.code for notice in report.warnings] == ["pose-morphs"]

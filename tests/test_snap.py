@@ -8,14 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, asset_files
 from second_opinions import validator
 from test_bake import animated, control, moved, rigged, run, size, stored
 
+from rigtri import pose
 from rigtri.errors import GeometryError, UsageError
 from rigtri.formats import read
 from rigtri.ops.bake import Options as BakeOptions
 from rigtri.ops.bake import bake
+from rigtri.ops.constrain import Options as ConstrainOptions
+from rigtri.ops.constrain import constrain
 from rigtri.ops.posing import Options as PoseOptions
 from rigtri.ops.posing import pose_of
 from rigtri.ops.snap import Options, snap
@@ -23,6 +26,7 @@ from rigtri.quaternions import from_axis_angle
 from rigtri.records import Track
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.timelines import timelines
 
 # The bound: of the character's size.
 BOUND = 1e-5
@@ -110,6 +114,97 @@ def test_ik_takes_up_what_fk_controls_hold_below_it() -> None:
     assert apart(rig, done, "walk@0") < BOUND  # other keys stay
 
 
+def keyed_apart(a: Rig, b: Rig, clip: str) -> float:
+    times = pose.key_times(a.clip(clip)).tolist()
+    return max(apart(a, b, f"{clip}@{time}") for time in times)
+
+
+@pytest.mark.parametrize("to", ["fk", "ik"])
+def test_what_takes_over_shows_the_whole_clip(to: str) -> None:
+    rig, clip = (posed_by_ik(), "walk") if to == "fk" else (posed_by_fk(), "new")
+    done = snap(rig, options=Options(to, (f"{clip}@0.3",), (ARM,)))  # type: ignore[arg-type]
+    assert keyed_apart(rig, done, clip) < BOUND
+    # The other keys of a limb whose controls were at work already stay.
+    end = control(rig, "hand_L", "ik" if to == "ik" else "fk")
+    again = snap(done, options=Options(to, (f"{clip}@0.35",), (ARM,)))  # type: ignore[arg-type]
+    assert keyed_apart(done, again, clip) < BOUND
+    assert end in keyed(again, clip)
+
+
+def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
+    # The joints have keys of their own, which would show again without keys of FK controls.
+    rig = bake(rigged(), options=BakeOptions(to="controls"))
+    zero = {"translation": np.zeros((1, 3)), "rotation": np.array([[0.0, 0, 0, 1]]), "scale": np.ones((1, 3))}
+    still = tuple(
+        replace(t, interpolation="STEP", times=t.times[:1], values=zero[t.path])
+        if rig.notes.get(t.node, {}).get("type") == "control" and t.path in zero
+        else t
+        for t in rig.clip("walk").tracks
+        if rig.notes.get(t.node, {}).get("type") not in ("poleVector", "offset")
+    )
+    rig = replace(rig, clips=(replace(rig.clip("walk"), tracks=still),))
+    done = snap(rig, options=Options("fk", ("walk@0.25",)))
+    assert apart(rig, done, "walk@0.25") < BOUND
+    assert control(rig, "hand_L", "fk") in keyed(done, "walk")
+
+
+def test_controls_below_a_limb_stand_on_its_joints_when_fk_has_taken_over() -> None:
+    rig = posed_by_ik()
+    done = snap(rig, options=Options("fk", ("walk@0.25",), (ARM,)))
+    offset = done.parents[control(done, "hand_L", "fk")]
+    assert offset in keyed(rig, "walk")
+    assert offset not in keyed(done, "walk")
+    back = snap(done, options=Options("ik", ("walk@0.25",), (ARM,)))
+    for state in (done, back):
+        posed = pose_of(state, PoseOptions("walk@0.25"))
+        for joint in ARM:
+            places = [posed.world(k)[0, 3, :3] for k in (state.find(joint), control(state, joint, "fk"))]
+            np.testing.assert_allclose(*places, atol=BOUND * size(state))
+
+
+def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
+    rig = posed_by_fk()
+    done = snap(rig, options=Options("ik", ("new@0.5",), (ARM,)))
+    end, elbow = control(done, "hand_L", "ik"), control(done, "forearm_L", "fk")
+    clip = done.clip("new")
+    times = np.array([0.0, 0.4, 0.7, 1.0])
+    tracks = []
+    for track in clip.tracks:
+        if track.node == end:
+            values = pose.sample(track, times)
+            slopes = np.zeros_like(values)
+            track = replace(
+                track,
+                interpolation="CUBICSPLINE",
+                times=times,
+                values=np.stack([slopes, values, slopes], axis=1),
+            )
+        tracks.append(track)
+    turn = np.array([from_axis_angle([0.0, 0.0, 1.0], 0.2)])
+    tracks = [t for t in tracks if (t.node, t.path) != (elbow, "rotation")]
+    tracks.append(Track(elbow, "rotation", "LINEAR", np.array([0.0, 1.0]), np.repeat(turn, 2, axis=0)))
+    rig = replace(done, clips=(*done.clips[:-1], replace(clip, tracks=tuple(tracks))))
+    done = snap(rig, options=Options("ik", ("new@0.55",), (ARM,)))
+    assert apart(rig, done, "new@0.55") < BOUND
+    was, now = (
+        next(t for t in each.clip("new").tracks if (t.node, t.path) == (end, "translation"))
+        for each in (rig, done)
+    )
+    assert now.interpolation == "CUBICSPLINE"
+    np.testing.assert_allclose(now.times, [0.0, 0.4, 0.55, 0.7, 1.0], atol=1e-7)
+    np.testing.assert_array_equal(now.values[[0, 1, 3, 4]], was.values)
+    for time in (0.2, 0.4, 0.7, 0.9):
+        np.testing.assert_array_equal(pose.sample(now, [time]), pose.sample(was, [time]))
+
+
+def test_an_ik_end_that_follows_a_constraint_is_told() -> None:
+    rig = posed_by_ik()
+    hand = rig.title(control(rig, "hand_L", "ik"))
+    rig = constrain(rig, options=ConstrainOptions("parent", hand, (("head", 1.0),)))
+    with pytest.raises(GeometryError, match="follows a constraint"):
+        snap(rig, options=Options("fk", ("walk@0.3",), (ARM,)))
+
+
 def test_at_rest_channels_are_set_at_rest() -> None:
     rig = replace(rigged(), clips=())
     hand = control(rig, "hand_L", "ik")
@@ -126,6 +221,44 @@ def test_what_cannot_be_snapped_is_told() -> None:
         snap(rig, options=Options("ik", ("rest",), (("hips", "spine", "chest"),)))
     with pytest.raises(UsageError, match="say when"):
         snap(rig, options=Options("ik", ()))
+
+
+def files_to_snap() -> list[Path]:
+    real = ("pixar_skinnedArm.usda", "usdwg_RiggedFigure.usdz", "raylib_robot.glb")
+    return [SAMPLES / "biped.glb", SAMPLES / "biped.usda", *(p for p in asset_files() if p.name in real)]
+
+
+@pytest.mark.parametrize("path", files_to_snap(), ids=lambda path: path.name)
+def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tmp_path: Path) -> None:
+    suffix = ".usdc" if path.suffix == ".usda" else path.suffix
+    made, up, fk, ik, again = (tmp_path / f"{k}{suffix}" for k in range(5))
+    if suffix != path.suffix:
+        from pxr import Sdf
+
+        converted = tmp_path / f"in{suffix}"
+        assert Sdf.Layer.FindOrOpen(str(path)).Export(str(converted))
+        path = converted
+    for command in (
+        ("add-controls", path, "-o", made, "--whole-character"),
+        ("bake", made, "-o", up, "--to", "controls"),
+    ):
+        done = run(*command)
+        assert done.exit_code == 0, done.output
+    rig = read(up).rig
+    played = timelines(rig)[0]
+    keys = pose.key_times(played.clip)
+    at = [f"{played.name}@{time}" for time in (keys[-1], 0.3 * keys[0] + 0.7 * keys[1])]
+    for source, target, to in ((up, fk, "fk"), (fk, ik, "ik")):
+        for one, other in ((source, target), (target, again)):
+            moments = ("--at", at[0], "--at", at[1])
+            done = run("snap", one, "-o", other, "--overwrite", "--all-limbs", "--to", to, *moments)
+            assert done.exit_code == 0, done.output
+        assert again.read_bytes() == target.read_bytes()
+        before, after = read(source).rig, read(target).rig
+        for moment in at:
+            assert apart(before, after, moment) < BOUND
+        ends = {n for n, note in after.notes.items() if note.get("kind") == "ik"}
+        assert bool(ends & {t.node for t in timelines(after)[0].clip.tracks}) == (to == "ik")
 
 
 def test_the_command_leaves_the_file_looking_the_same(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 from morphs import arm
 from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from pxr import Usd
 
 from rigtri import pose
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
@@ -20,6 +21,10 @@ from rigtri.following import factored
 from rigtri.formats import read
 from rigtri.matrices import inverse
 from rigtri.matrices import multiply as matrices
+from rigtri.ops.bake import Options as Bake
+from rigtri.ops.bake import bake
+from rigtri.ops.controls import Options as Controls
+from rigtri.ops.controls import add_controls
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.take_clips import Options, take_clips
 from rigtri.pipeline import edit
@@ -118,7 +123,7 @@ def test_a_file_takes_nothing_from_itself_nor_from_itself_with_other_axes(path: 
         turned = orient_joints(rig)
     except (FileError, GeometryError) as error:
         leave_out_refused(path, error)
-    if not rig.clips or not any(rig.names):
+    if not rig.clips:
         with pytest.raises(GeometryError):
             take_clips(rig, turned)
         return
@@ -212,7 +217,8 @@ def test_frames_of_a_dcc_are_no_change_where_it_interpolates_number_by_number() 
     edited = turned_key(framed_rig, "shin_R", key=10)
     home = take_clips(rig, edited)
     changed = [t for t in home.clip("walk").tracks if all(t is not was for was in rig.clip("walk").tracks)]
-    assert [(rig.names[t.node], len(t.times)) for t in changed] == [("shin_R", 25)]
+    # Eight of RIG's nine keys, one of EDITED's, and two where the one meets the other.
+    assert [(rig.names[t.node], len(t.times)) for t in changed] == [("shin_R", 11)]
 
 
 def test_a_key_that_was_taken_out_is_seen() -> None:
@@ -495,3 +501,285 @@ def test_the_program_writes_the_motion_and_a_second_run_changes_no_byte(
 def _edited_step(rig: Rig, report: Report) -> Rig:
     report.reposed = True
     return turned_key(orient_joints(rig, report=report), "shin_L")
+
+
+def test_a_usd_mesh_below_a_prim_of_its_name_and_names_that_begin_with_digits_are_known() -> None:
+    rig = rig_of()
+    names = [f"2{name}" if name == "hand_L" else name for name in rig.names]
+    ours = replace(rig, names=tuple(names))
+    spelled = tuple("_2hand_L" if name == "2hand_L" else name for name in names)
+    eyes = rig.find("eyes")
+    still = np.array([[0.0, 0.0, 0.0, 1.0]])
+    edited = replace(ours, names=spelled).with_nodes(["eyes"], [eyes], np.zeros((1, 3)), still)
+    report = Report()
+    assert take_clips(ours, edited, report=report) is ours
+    assert notices(report) == []
+    turned = replace(edited, names=(*rig.names, "eyes"))
+    turned = turned_key(turned_key(turned, "hand_L"), "thigh_L")
+    turned = replace(turned, names=(*spelled, "eyes"))
+    report = Report()
+    take_clips(ours, turned, report=report)
+    assert {name for entry in report.added for name in entry["changed"]} == {"2hand_L", "thigh_L"}
+
+
+def test_nodes_without_names_are_known_by_their_place_where_both_files_are_built_alike() -> None:
+    rig = rig_of()
+    ours = replace(rig, names=("",) * len(rig))
+    edited = turned_key(orient_joints(rig), "shin_L")
+    for theirs in (("",) * len(rig), edited.names):
+        report = Report()
+        home = take_clips(ours, replace(edited, names=theirs), report=report)
+        named = replace(home, names=rig.names)
+        assert apart(named, edited, "walk") < CLOSE
+        assert apart(named, rig, "walk") > 0.01
+        assert notices(report).count("by-place") == 1
+    # Some alone: the others say whether the order is one.
+    some = tuple("" if name == "shin_L" else name for name in rig.names)
+    home = take_clips(replace(rig, names=some), replace(edited, names=some))
+    assert apart(replace(home, names=rig.names), edited, "walk") < CLOSE
+
+
+def test_nodes_without_names_are_refused_where_a_place_does_not_tell() -> None:
+    rig = rig_of()
+    ours = replace(rig, names=("",) * len(rig))
+    nameless = replace(in_metal(rig), names=("",) * (len(rig) + 1))
+    with pytest.raises(GeometryError, match=f"RIG and EDITED have no names.*{len(rig)} nodes and EDITED"):
+        take_clips(ours, nameless)
+    twisted = rig.parents.copy()
+    twisted[rig.find("hand_L")] = rig.find("chest")
+    with pytest.raises(GeometryError, match="other parents"):
+        take_clips(ours, replace(ours, parents=twisted))
+    skin = rig.skins[0]
+    bind = skin.inverse_bind.copy()
+    bind[3, 3, :3] += 0.2
+    with pytest.raises(GeometryError, match="bind poses differ"):
+        take_clips(ours, replace(ours, skins=(replace(skin, inverse_bind=bind), *ours.skins[1:])))
+
+
+# --- what exporters lose
+
+
+def with_path(rig: Rig, joint: str, track: Track) -> Rig:
+    """The rig with one track of a joint in ``walk`` replaced, or added."""
+    node = rig.find(joint)
+    clip = rig.clip("walk")
+    others = tuple(t for t in clip.tracks if (t.node, t.path) != (node, track.path))
+    now = replace(clip, tracks=(*others, replace(track, node=node)))
+    return replace(rig, clips=tuple(now if found is clip else found for found in rig.clips))
+
+
+def waved(rig: Rig, joint: str, by: float) -> Track:
+    """A translation track that swings by so much about the rest, nine keys."""
+    times = np.linspace(0.0, 1.0, 9)
+    values = np.repeat(rig.translation[[rig.find(joint)]], 9, axis=0)
+    values[:, 1] += by * np.sin(times * 2.0 * np.pi)
+    return Track(0, "translation", "LINEAR", times, values)
+
+
+def ends(track: Track) -> Track:
+    return replace(track, times=track.times[[0, -1]], values=track.values[[0, -1]])
+
+
+@pytest.mark.parametrize(("by", "same"), [(4e-5, True), (4e-4, False)])
+def test_keys_that_an_exporter_left_out_as_nothing_hardly_moves_are_no_edit(by: float, same: bool) -> None:
+    rig = rig_of()
+    swing = waved(rig, "neck", by)
+    ours = with_path(rig, "neck", swing)
+    edited = with_path(rig, "neck", ends(swing))
+    assert (take_clips(ours, edited) is ours) == same
+
+
+def test_a_world_of_another_up_is_of_one_size_with_ours_whatever_pose_it_rests_in() -> None:
+    rig = rig_of()
+    lower = rig.rotation.copy()
+    for joint in ("spine", "thigh_L", "thigh_R"):
+        node = rig.find(joint)
+        lower[node] = multiply(lower[node], from_axis_angle([1.0, 0.0, 0.0], 2.0))
+    edited = in_metal(rig)
+    folded = edited.rotation.copy()
+    for node, name in enumerate(edited.names):
+        if name in rig.names:
+            folded[node] = lower[rig.find(name)]
+    edited = replace(edited, rotation=folded)
+    assert take_clips(rig, edited) is rig
+
+
+def beside(angle: float) -> tuple[Floats, Floats]:
+    """Turns whose middle angle of x, y and z is so far from a right one, and the same with a little noise.
+
+    The noise is that of one float32 number, 1e-7, over the cosine of the middle angle.
+    """
+    middle = from_axis_angle([0.0, 1.0, 0.0], np.pi / 2.0 - angle)
+    noisy = multiply(from_axis_angle([1.0, 0.0, 0.0], 1e-7 / np.sin(angle)), middle)
+    return np.stack([middle, middle]), np.stack([middle, noisy])
+
+
+@pytest.mark.parametrize(("raw", "same"), [(True, True), (False, False)])
+def test_angles_of_usd_prims_tell_turns_badly_where_two_axes_nearly_meet(raw: bool, same: bool) -> None:
+    rig = rig_of().with_nodes(["locator"], [0], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    told, noisy = beside(1e-4)
+    times = np.array([0.0, 1.0])
+    ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, told))
+    edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, noisy))
+    assert (take_clips(ours, replace(edited, raw=raw)) is ours) == same
+    # Noise of that size is an edit where the axes are far apart.
+    far, _ = beside(0.5)
+    turned = np.stack([far[0], multiply(from_axis_angle([1.0, 0.0, 0.0], 1e-3), far[0])])
+    ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, far))
+    edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, turned))
+    assert take_clips(ours, replace(edited, raw=True)) is not ours
+
+
+def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() -> None:
+    rig = rig_of()
+    times = np.linspace(0.0, 1.0, 9)
+    grown = 1.3 + 0.002 * np.arange(9.0)[:, np.newaxis] * np.ones(3)
+    ours = with_path(rig, "neck", Track(0, "scale", "LINEAR", times, grown))
+
+    def told(values: Floats, count: int) -> Rig:
+        halves = values.astype(np.float16).astype(np.float64)
+        return with_path(rig, "neck", Track(0, "scale", "LINEAR", times[:count], halves[:count]))
+
+    assert take_clips(ours, replace(told(grown, 9), raw=True)) is ours
+    assert take_clips(ours, told(grown, 9)) is not ours
+    # The last four samples are within 0.01 of the fifth.
+    assert take_clips(ours, replace(told(grown, 5), raw=True)) is ours
+    assert take_clips(ours, replace(told(grown + 0.02, 5), raw=True)) is not ours
+    assert take_clips(ours, replace(told(grown + 0.005, 9), raw=True)) is not ours
+
+
+def test_a_turn_is_an_edit_where_what_hangs_on_it_moves_by_more_than_can_be_lost() -> None:
+    rig = rig_of()
+    for angle, same in ((2e-6, True), (2e-4, False)):
+        assert (take_clips(rig, turned_key(rig, "thigh_L", angle=angle)) is rig) == same
+
+
+# --- what is taken of a track
+
+
+def test_tangents_that_were_moved_are_an_edit() -> None:
+    rig = rig_of()
+    node = rig.find("forearm_R")
+
+    def bent(track: Track) -> Track:
+        if (track.node, track.interpolation) != (node, "CUBICSPLINE"):
+            return track
+        values = track.values.copy()
+        values[2, 2] += 1.0
+        return replace(track, values=values)
+
+    edited = with_tracks(rig, "wave", bent)
+    home = take_clips(rig, edited)
+    assert apart(home, edited, "wave") < CLOSE
+    (now,) = (t for t in home.clip("wave").tracks if (t.node, t.path) == (node, "rotation"))
+    (was,) = (t for t in rig.clip("wave").tracks if (t.node, t.path) == (node, "rotation"))
+    np.testing.assert_array_equal(now.values[[0, 1, 4, 5]], was.values[[0, 1, 4, 5]])
+
+
+def frames(rig: Rig, joint: str, fps: float, edit: Callable[[Floats, Floats], Floats]) -> Rig:
+    """The rig with a joint's turns in ``walk`` sampled, as exporters do, and then edited."""
+    node = rig.find(joint)
+
+    def changed(track: Track) -> Track:
+        if (track.node, track.path) != (node, "rotation"):
+            return track
+        times = np.arange(0.0, float(track.times[-1]) + 1e-9, 1.0 / fps)
+        return replace(track, times=times, values=edit(times, pose.sample(track, times)), key=None)
+
+    return with_tracks(rig, "walk", changed)
+
+
+def test_outside_the_edited_frames_the_keys_stay_bit_for_bit_and_inside_there_are_few() -> None:
+    rig = rig_of()
+    node = rig.find("thigh_L")
+
+    def ramp(times: Floats, values: Floats) -> Floats:
+        """Frames 30 to 60 of 97 go along one arc."""
+        middle = multiply(values[45], from_axis_angle([1.0, 0.0, 0.0], 0.4))
+        values[30:61] = pose.sample(
+            Track(node, "rotation", "LINEAR", times[[30, 60]], np.stack([values[30], middle])), times[30:61]
+        )
+        return values
+
+    edited = frames(rig, "thigh_L", 96.0, ramp)
+    home = take_clips(rig, edited)
+    (now,) = (t for t in home.clip("walk").tracks if (t.node, t.path) == (node, "rotation"))
+    (was,) = (t for t in rig.clip("walk").tracks if (t.node, t.path) == (node, "rotation"))
+    outside = (was.times <= 30 / 96) | (was.times >= 61 / 96)
+    for time, value in zip(was.times[outside], was.values[outside], strict=True):
+        np.testing.assert_array_equal(now.values[now.times == time], value[np.newaxis])
+    # 30 more frames are told by one arc: its two ends, and the frame after it.
+    assert outside.sum() < len(now.times) <= outside.sum() + 3
+    assert apart(home, edited, "walk") < 1e-5
+    assert take_clips(home, edited) is home
+    # And all of it where nothing may be left out.
+    full = take_clips(rig, edited, options=Options(tolerance=0.0))
+    assert sum(len(t.times) for t in full.clip("walk").tracks) > sum(
+        len(t.times) for t in home.clip("walk").tracks
+    )
+
+
+def test_a_new_clip_of_a_key_a_frame_has_as_few_keys_as_it_needs_and_its_length() -> None:
+    rig = rig_of()
+    edited = frames(rig, "thigh_L", 96.0, lambda times, values: values)
+    edited = replace(edited, clips=(replace(edited.clip("walk"), name="stroll"),))
+    home = take_clips(rig, edited)
+    (now,) = (t for t in home.clip("stroll").tracks if (t.node, t.path) == (rig.find("thigh_L"), "rotation"))
+    (was,) = (t for t in rig.clip("walk").tracks if (t.node, t.path) == (rig.find("thigh_L"), "rotation"))
+    assert len(now.times) <= len(was.times)
+    assert now.times[-1] == 1.0
+    assert apart(replace(home, clips=home.clips[2:]), edited, "stroll") < 1e-5
+    with pytest.raises(UsageError, match="--tolerance"):
+        take_clips(rig, edited, options=Options(tolerance=-1.0))
+
+
+def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Path) -> None:
+    """RIG, flattened to a crate by OpenUSD, one control moved there."""
+    rigged, flat, moved, home, game, before = (
+        tmp_path / name
+        for name in ("rigged.usda", "flat.usdc", "moved.usdc", "home.usda", "game.usda", "before.usda")
+    )
+
+    def controls(rig: Rig, report: Report) -> Rig:
+        rig = add_controls(rig, options=Controls(whole_character=True), report=report)
+        return bake(rig, options=Bake(to="controls"), report=report)
+
+    def joints(rig: Rig, report: Report) -> Rig:
+        return bake(rig, options=Bake(to="joints"), report=report)
+
+    def lifted(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        hand = rig.find("hand_L_ik_ctl")
+
+        def changed(track: Track) -> Track:
+            if (track.node, track.path) != (hand, "translation"):
+                return track
+            values = track.values.copy()
+            values[3, 1] += 0.1
+            return replace(track, values=values)
+
+        clips = tuple(replace(c, tracks=tuple(map(changed, c.tracks))) for c in rig.clips)
+        return replace(rig, clips=clips)
+
+    edit(SAMPLES / "biped.usda", rigged, controls)
+    Usd.Stage.Open(str(rigged)).Flatten().Export(str(flat))
+    edit(rigged, home, lambda rig, report: take_clips(rig, rig_of(flat), report=report))
+    assert home.read_bytes() == rigged.read_bytes()
+    edit(flat, moved, lifted)
+    reports: list[Report] = []
+
+    def taken(rig: Rig, report: Report) -> Rig:
+        reports.append(report)
+        return take_clips(rig, rig_of(moved), report=report)
+
+    home.unlink()
+    edit(rigged, home, taken)
+    assert [entry["changed"] for entry in reports[0].added] == [["hand_L_ik_ctl"]]
+    edit(home, game, joints)
+    edit(rigged, before, joints)
+    now, was = rig_of(game), rig_of(before)
+    times = pose.key_times(was.clip("walk"))
+    mine, its = places(now, "walk", times), places(was, "walk", times)
+    far = {name: float(np.abs(mine[name] - its[name]).max()) for name in mine}
+    assert {name for name, apart in far.items() if apart > 1e-6} == {"forearm_L", "hand_L", "fingers_L"}
+    assert far["hand_L"] > 0.05

@@ -27,7 +27,7 @@ from rigtri.rig import Rig
 from rigtri.rules import rules_of
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
 from rigtri.solve.evaluate import Solver
-from rigtri.solve.keys import needed
+from rigtri.solve.keys import needed, shares
 from rigtri.solve.match import Matched, matched
 from rigtri.solve.posed import Posed, sampled
 from rigtri.solve.reference import Reference
@@ -186,21 +186,7 @@ class _Baker:
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
         """How far thinned keys of each node may be off, (n,): moves in its parent's units, and radians."""
-        rig = self.rig
-        world = rig.world[:, 3, :3]
-        # Errors add up along a chain; each of its joints gets an equal share.
-        share = self.options.tolerance * self.size / (2.0 * (max(rig.depth, default=0) + 1))
-        reach = np.full(len(rig), 0.05 * self.size)
-        for node in range(len(rig) - 1, -1, -1):
-            parent = int(rig.parents[node])
-            if parent >= 0:
-                far = reach[node] + float(np.nan_to_num(length(world[node] - world[parent])))
-                reach[parent] = max(reach[parent], far)
-        parents = np.where((rig.parents >= 0)[:, np.newaxis, np.newaxis], rig.world[rig.parents], np.eye(4))
-        unit_of = length(parents[:, :3, :3]).max(axis=1)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            moves = np.where(unit_of > 0, share / np.where(unit_of > 0, unit_of, 1.0), share)
-        return moves, share / reach
+        return shares(self.rig, self.options.tolerance * self.size, self.size)
 
     def _solver(self, driven: frozenset[int] | None) -> Solver:
         if driven not in self.solvers:

@@ -11,12 +11,15 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.following import Parts
 from rigtri.matrices import compose
+from rigtri.ops.trouble import troubles
+from rigtri.pose import sample
 from rigtri.quaternions import conjugate, multiply, turn_angle, unit
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.solve.at_work import NOTHING, posed_at, size_of
-from rigtri.solve.posed import Posed
-from rigtri.timelines import moment
+from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, posed_at, size_of
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.posed import Posed, sampled
+from rigtri.timelines import Timeline, moment, times_within
 from rigtri.trigonometry import Floats
 
 # Notes of nodes that a written pose leaves where they are.
@@ -33,19 +36,37 @@ class Options:
     evaluate: bool = True
 
 
-def pose_of(rig: Rig, options: Options) -> Posed:
-    """The pose, one row for each node that is asked for.
+def pose_of(rig: Rig, options: Options, report: Report | None = None) -> Posed:
+    """The pose, one row for each node that is asked for. What cannot be as asked is a warning of the report.
 
     Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle).
     """
     timeline, time = moment(rig, options.at)
-    return posed_at(rig, timeline, time, size=size_of(rig), evaluate=options.evaluate)
+    if report is not None and timeline is not None:
+        _outside(timeline, time, report)
+    if not options.evaluate:
+        return posed_at(rig, timeline, time, size=size_of(rig), evaluate=False)
+    at_work = keyed_in(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
+    solver = Solver(rig, at_work)
+    posed = solver.run({} if timeline is None else sampled(rig, timeline.clip, np.array([time])))
+    if report is not None:
+        report.hear(troubles(solver, posed, options.at))
+    return posed
 
 
-def table(rig: Rig, options: Options) -> dict[str, Any]:
+def _outside(timeline: Timeline, time: float, report: Report) -> None:
+    """Tell of a moment that the clip does not have."""
+    keys = times_within(timeline, None)
+    if not keys[0] <= time <= keys[-1]:
+        span = f"from {keys[0]:g} to {keys[-1]:g}" if len(keys) > 1 else f"at {keys[0]:g} alone"
+        text = f"Clip '{timeline.name}' has keys {span}; at {time:g} it holds the nearest pose"
+        report.warn("pose-outside", text)
+
+
+def table(rig: Rig, options: Options, report: Report | None = None) -> dict[str, Any]:
     """The pose of the joints, all nodes where there are none, as schemas/pose.schema.json describes it."""
     timeline, time = moment(rig, options.at)
-    posed = pose_of(rig, options)
+    posed = pose_of(rig, options, report)
     nodes = np.flatnonzero(rig.is_joint).tolist() or list(range(len(rig)))
     joints = []
     for node in nodes:
@@ -64,7 +85,17 @@ def table(rig: Rig, options: Options) -> dict[str, Any]:
         "time": None if timeline is None else time,
         "evaluated": options.evaluate,
         "joints": joints,
+        "weights": _weights(rig, timeline, time),
     }
+
+
+def _weights(rig: Rig, timeline: Timeline | None, time: float) -> list[dict[str, Any]]:
+    """The morph weights of the nodes that a clip gives some; at rest they are the file's own."""
+    tracks = [] if timeline is None else [t for t in timeline.clip.tracks if t.path == "weights"]
+    return [
+        {"node": rig.address(track.node), "weights": _numbers(sample(track, [time])[0])}
+        for track in sorted(tracks, key=lambda track: track.node)
+    ]
 
 
 def take_pose(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
@@ -75,12 +106,15 @@ def take_pose(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     pose that is no numbers.
     """
     report = report if report is not None else Report()
-    posed = pose_of(rig, options)
+    posed = pose_of(rig, options, report)
     kept = {node for node, note in rig.notes.items() if note.get("type") in _KEPT}
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):
             raise GeometryError(f"'{rig.title(node)}' has no place that is a number in {options.at}")
+    timeline, _ = moment(rig, options.at)
+    if timeline is not None and any(track.path == "weights" for track in timeline.clip.tracks):
+        report.warn("pose-morphs", f"Morph weights stay as they are at rest, other than in {options.at}")
     taken, moved = at_rest(rig, parts, np.full(len(rig), 0.1 * NOTHING * size_of(rig)))
     report.added.append({"type": "pose", "at": options.at, "nodes": len(moved)})
     report.reposed |= bool(moved)

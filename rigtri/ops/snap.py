@@ -1,7 +1,8 @@
 """snap: FK controls take over from IK at a frame, or IK from FK, and the joints stay where they are.
 
 A limb is solved by IK in a clip where its IK end or pole has keys (docs/evaluation.md). So IK's keys go
-where FK takes over, and the keys of the limb's FK controls where IK does.
+where FK takes over, and the keys of the limb's FK controls where IK does. What takes over gets keys at all
+of the clip's keys, so that the rest of the motion stays; what is at work already, at the moments alone.
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.following import Parts
+from rigtri.insertion import with_keys
 from rigtri.ops.posing import at_rest
-from rigtri.pose import sample
+from rigtri.quaternions import conjugate, multiply, turn_angle
 from rigtri.records import Clip, Interpolation, Path, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -26,13 +28,15 @@ from rigtri.solve.ik import Ik
 from rigtri.solve.match import Matched, match_limb
 from rigtri.solve.posed import Posed, sampled
 from rigtri.solve.reference import Reference
-from rigtri.timelines import Timeline, moment, single
+from rigtri.timelines import Timeline, jumps, just_before, looked_at, moment, single, steps_only, times_within
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 # Joints that move by more, as a share of the size, are told.
 NEAR = 1e-5
+# Values that differ by less, in radians or as a share of the size, were found from the same pose.
+SAME = 1e-5
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,8 @@ def snap(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
     """Give IK ends and poles, or FK controls, the values with which joints stand as they do at some moments.
 
     What was done to each limb goes to ``report.added``, with how far its joints have moved. Raises
-    UsageError, NameNotFoundError, GeometryError (no such limb, no FK controls), FileError (splines).
+    UsageError, NameNotFoundError, GeometryError (no such limb, no FK controls,
+    an IK end that follows a constraint).
     """
     options, report = options.checked(), report if report is not None else Report()
     chains = _chains(rig, options)
@@ -101,23 +106,44 @@ class _Limb:
     report: Report
 
     def snapped(self) -> Rig:
-        before = self._posed(self.rig)
         ik = self._ik()
         ends = [node for node in (ik.limb.control, ik.limb.pole) if node >= 0]
-        was_ik = bool(self._at_work(self.rig).intersection(ends))
-        channels = self._to_ik(ik, before) if self.to == "ik" else self._to_fk(ik, before)
-        below = [fk.own.control for fk in ik.fk.values()]
-        gone = [] if was_ik == (self.to == "ik") else (ends if self.to == "fk" else below)
-        fresh = below if self.to == "fk" and was_ik else []
+        fks = self._fks(ik)
+        controls = [fk.own.control for fk in fks.values()]
+        at_work = self._at_work(self.rig)
+        was_ik = bool(at_work.intersection(ends))
+        already = was_ik if self.to == "ik" else not was_ik and at_work.issuperset(controls)
+        # What takes over is to show all of the motion that it had without.
+        times = self.times if already or self.timeline is None else self._all_times(self.timeline)
+        before = self._posed(self.rig, times)
+        channels = self._to_ik(ik, before) if self.to == "ik" else self._to_fk(ik, fks, before)
+        if not all(np.isfinite(each).all() for parts in channels.values() for each in parts):
+            raise GeometryError(
+                f"The limb that ends in '{self.rig.title(self.chain[2])}' has a scale of zero at one of the "
+                "moments, or above it; no control can tell what has no axes"
+            )
         if self.timeline is None:
             if self.to == "fk" and was_ik:
                 zero = Parts(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
                 channels[ik.limb.control] = zero
             rig, _ = at_rest(self.rig, channels, np.full(len(self.rig), 0.1 * NOTHING * size_of(self.rig)))
+        elif already:
+            rig = self._set(channels)
         else:
-            rig = self._keyed(channels, {*gone, *fresh})
-        self._record(rig, before)
+            offsets = [fk.own.offset for fk in ik.fk.values()]
+            working = ends if self.to == "ik" else controls
+            rig = self._replaced(channels, times, {*ends, *controls, *offsets}, working)
+        self._record(rig, times)
         return rig
+
+    def _all_times(self, timeline: Timeline) -> Floats:
+        """The moments, and where the clip has keys; splines are sampled as `bake` does."""
+        splines = any(t.interpolation == "CUBICSPLINE" and len(t.times) > 1 for t in timeline.clip.tracks)
+        times = np.union1d(self.times, times_within(timeline, 60.0 if splines else None, self.rig.per_second))
+        if steps_only(timeline):
+            return times
+        before = just_before(jumps(timeline))
+        return np.union1d(times, before[before > times[0]])
 
     def _at_work(self, rig: Rig) -> frozenset[int]:
         timeline = self._now(rig)
@@ -130,12 +156,10 @@ class _Limb:
         tracks = {(t.node, t.path): t for k in self.timeline.members for t in rig.clips[k].played.tracks}
         return replace(self.timeline, clip=Clip(self.timeline.clip.name, tuple(tracks.values())))
 
-    def _sampled(self, rig: Rig) -> dict[int, Parts]:
+    def _posed(self, rig: Rig, times: Floats) -> Posed:
         timeline = self._now(rig)
-        return sampled(rig, timeline.clip, self.times) if timeline else {}
-
-    def _posed(self, rig: Rig) -> Posed:
-        return Solver(rig, self._at_work(rig)).run(self._sampled(rig))
+        parts = sampled(rig, timeline.clip, times) if timeline else {}
+        return Solver(rig, self._at_work(rig)).run(parts)
 
     def _ik(self) -> Ik:
         reference = Reference(self.rig)
@@ -143,62 +167,111 @@ class _Limb:
         solver = Solver(self.rig, {limb.control})
         return next(ik for ik in solver.limbs if ik.limb.chain == self.chain)
 
+    def _fks(self, ik: Ik) -> dict[int, Fk]:
+        """The FK controls of what IK moves, by joint, parents first."""
+        nodes = (self.chain[0], *ik.paths[0], *ik.paths[1])
+        moved = [node for node in nodes if node in ik.sets and node in ik.reference.fk]
+        return {node: Fk(ik.reference, ik.reference.fk[node]) for node in moved}
+
     def _to_ik(self, ik: Ik, before: Posed) -> dict[int, Parts]:
         found = Matched(Posed(self.rig, before.parts))
         match_limb(found, ik, before, Solver(self.rig, ()).rules, lambda node, parts: _single(parts))
-        return dict(found.controls)
+        channels = dict(found.controls)
+        if self.timeline is not None:  # at rest offsets say what the controls' channels start from
+            for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries)):
+                stand = _single(fk.beneath(found.posed))
+                if all(np.isfinite(each).all() for each in stand):
+                    found.posed.set(fk.own.offset, stand)
+                    channels[fk.own.offset] = stand
+            channels |= found.offsets
+        return channels
 
-    def _to_fk(self, ik: Ik, before: Posed) -> dict[int, Parts]:
-        missing = [node for node in self.chain if node not in ik.fk]
+    def _to_fk(self, ik: Ik, fks: Mapping[int, Fk], before: Posed) -> dict[int, Parts]:
+        missing = [node for node in self.chain if node not in fks]
         if missing:
             raise GeometryError(
                 f"'{self.rig.title(missing[0])}' has no FK control; make one with: rigtri add-controls"
             )
-        built, found = Posed(self.rig, before.parts), {}
-        nodes = [node for node in (self.chain[0], *ik.paths[0], *ik.paths[1]) if node in ik.reference.fk]
-        for node in nodes:
-            fk = Fk(ik.reference, ik.reference.fk[node])
-            found[fk.own.control] = _single(fk.channels(built, before.part(node)))
-        return found
+        rules = Solver(self.rig, ()).rules
+        for node in (ik.limb.control, ik.limb.pole):
+            if node in rules:
+                raise GeometryError(
+                    f"'{self.rig.title(node)}' follows a constraint, so IK always moves the limb that ends "
+                    f"in '{self.rig.title(self.chain[2])}'; take the constraint out first"
+                )
+        built = Posed(self.rig, before.parts)
+        return {fk.own.control: _single(fk.channels(built, before.part(node))) for node, fk in fks.items()}
 
-    def _keyed(self, channels: Mapping[int, Parts], replaced: Collection[int]) -> Rig:
-        """The rig with keys at the times. replaced: nodes whose other keys go."""
-        assert self.timeline is not None
-        clips = list(self.rig.clips)
-        still = Posed(self.rig)
-        wanted = {
-            (node, path): values
-            for node, parts in channels.items()
-            for path, values in zip(_PATHS, parts, strict=True)
-        }
-        for k in self.timeline.members:
+    def _set(self, channels: Mapping[int, Parts]) -> Rig:
+        """The rig with other values at the moments, where one of them is another."""
+        timeline = self._now(self.rig)
+        assert timeline is not None
+        now = Posed(self.rig, sampled(self.rig, timeline.clip, self.times))
+        size = size_of(self.rig)
+        if all(_alike(now.part(node), parts, size) for node, parts in channels.items()):
+            return self.rig
+        clips, wanted = list(self.rig.clips), _wanted(channels)
+        for k in self.timeline.members if self.timeline else ():
             tracks = []
-            # Of a track that goes, the self-check is to know that it was meant to.
-            self.report.reposed |= any(t.node in replaced for t in clips[k].tracks)
             for track in clips[k].tracks:
-                now = wanted.pop((track.node, track.path), None)
-                if track.node in replaced:
-                    if now is not None:
-                        tracks.append(_only(track, self.times, now))
-                else:
-                    tracks.append(track if now is None else _with(self.rig, clips[k], track, self.times, now))
+                values = wanted.pop((track.node, track.path), None)
+                rows = None if values is None else _rows(values, len(self.times))
+                tracks.append(track if rows is None else with_keys(track, self.times, rows))
             clips[k] = replace(clips[k], tracks=tuple(tracks))
-        home = self.timeline.members[0]
-        for (node, path), values in wanted.items():
-            rest = still.part(node)[_PATHS.index(path)]
-            if np.abs(values - rest).max() > NOTHING or (path == "translation" and node not in replaced):
-                track = _only(Track(node, path, "STEP", self.times, values), self.times, values)
-                clips[home] = replace(clips[home], tracks=(*clips[home].tracks, track))
+        fresh = [self._nearby(timeline, *which, values) for which, values in wanted.items()]
+        home = timeline.members[0]
+        clips[home] = replace(clips[home], tracks=(*clips[home].tracks, *(t for t in fresh if t is not None)))
         return replace(self.rig, clips=tuple(clips))
 
-    def _record(self, rig: Rig, before: Posed) -> None:
-        after, far = self._posed(rig), 0.0
-        for joint in np.flatnonzero(rig.is_joint).tolist():
-            apart = length(after.world(joint)[:, 3, :3] - before.world(joint)[:, 3, :3])
-            far = max(far, float(np.nan_to_num(apart).max()))
-        far /= size_of(rig)
-        name = rig.title(self.chain[2])
-        if far > NEAR:
+    def _nearby(self, timeline: Timeline, node: int, path: Path, values: Floats) -> Track | None:
+        """A track for what had none: between the keys around the moments it is what it is at rest."""
+        rest = _part(self.rig, node, path)
+        if np.abs(values - rest).max() <= NOTHING or self.rig.notes[node].get("type") == "offset":
+            return None
+        keys = times_within(timeline, None)
+        outer = [keys[keys < self.times[0]][-1:], keys[keys > self.times[-1]][:1]]
+        inner = keys[(keys > self.times[0]) & (keys < self.times[-1])]
+        times = np.union1d(self.times, np.concatenate([*outer, inner]))
+        rows = _rows(rest, len(times))
+        rows[np.searchsorted(times, self.times)] = values
+        return Track(node, path, "LINEAR" if len(times) > 1 else "STEP", times, rows)
+
+    def _replaced(
+        self, channels: Mapping[int, Parts], times: Floats, gone: Collection[int], working: Collection[int]
+    ) -> Rig:
+        """The rig with new tracks. gone: nodes that lose theirs. working: nodes that get some in any case."""
+        timeline = self.timeline
+        assert timeline is not None
+        clips, held, made = list(self.rig.clips), steps_only(timeline), dict[tuple[int, Path], Track]()
+        for (node, path), values in _wanted(channels).items():
+            needs = node in working and path == ("rotation" if self.to == "fk" else "translation")
+            if needs or np.abs(values - _part(self.rig, node, path)).max() > NOTHING:
+                still = len(values) == 1 or bool((values == values[0]).all())
+                way: Interpolation = "STEP" if still or held else "LINEAR"
+                made[node, path] = Track(
+                    node, path, way, times[:1] if still else times, values[:1] if still else values
+                )
+        # New tracks stand where those that go were.
+        left = [k for k in timeline.members if any(t.node in gone for t in clips[k].tracks)]
+        # Of a track that goes, the self-check is to know that it was meant to.
+        self.report.reposed |= bool(left)
+        for k in left:
+            kept = []
+            for track in clips[k].tracks:
+                now = made.pop((track.node, track.path), None)
+                if now is not None:
+                    kept.append(replace(now, key=track.key))
+                elif track.node not in gone:
+                    kept.append(track)
+            clips[k] = replace(clips[k], tracks=tuple(kept))
+        home = left[0] if left else timeline.members[0]
+        clips[home] = replace(clips[home], tracks=(*clips[home].tracks, *made.values()))
+        return replace(self.rig, clips=tuple(clips))
+
+    def _record(self, rig: Rig, times: Floats) -> None:
+        far, elsewhere = self._apart(rig, self.times), self._apart(rig, looked_at(times))
+        name = self.rig.title(self.chain[2])
+        if not far <= NEAR:
             self.report.warn(
                 "snap-off", f"The limb that ends in '{name}' moves by {far:.2g} of the size", geometry=True
             )
@@ -210,8 +283,38 @@ class _Limb:
                 "clip": self.timeline.name if self.timeline else None,
                 "times": self.times.tolist() if self.timeline else [],
                 "deviation": far,
+                "elsewhere": elsewhere,
             }
         )
+
+    def _apart(self, rig: Rig, times: Floats) -> float:
+        """How far joints of the rig are from where they were, at most, as a share of the size."""
+        before, after, far = self._posed(self.rig, times), self._posed(rig, times), 0.0
+        for joint in np.flatnonzero(rig.is_joint).tolist():
+            apart = length(after.world(joint)[:, 3, :3] - before.world(joint)[:, 3, :3])
+            far = max(far, float(np.nan_to_num(apart).max()))
+        return far / size_of(rig)
+
+
+def _wanted(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:
+    return {
+        (node, path): values
+        for node, parts in channels.items()
+        for path, values in zip(_PATHS, parts, strict=True)
+    }
+
+
+def _part(rig: Rig, node: int, path: Path) -> Floats:
+    """What a node has at rest, (1, c)."""
+    return Posed(rig).part(node)[_PATHS.index(path)]
+
+
+def _alike(now: Parts, wanted: Parts, size: float) -> bool:
+    """Whether the two differ by no more than rounding."""
+    moved = float(np.abs(wanted.translation - now.translation).max())
+    turned = float(turn_angle(multiply(conjugate(now.rotation), wanted.rotation)).max())
+    grown = float(np.abs(wanted.scale - now.scale).max())
+    return moved <= SAME * size and turned <= SAME and grown <= SAME
 
 
 def _single(parts: Parts) -> Parts:
@@ -220,23 +323,3 @@ def _single(parts: Parts) -> Parts:
 
 def _rows(values: Floats, count: int) -> Floats:
     return np.broadcast_to(values, (count, values.shape[-1])).copy()
-
-
-def _only(track: Track, times: Floats, values: Floats) -> Track:
-    """A track with keys at some times alone."""
-    way: Interpolation = "LINEAR" if len(times) > 1 else "STEP"
-    return replace(track, interpolation=way, times=times, values=_rows(values, len(times)))
-
-
-def _with(rig: Rig, clip: Clip, track: Track, times: Floats, values: Floats) -> Track:
-    """A track with more keys, or others at some times."""
-    if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
-        raise FileError(
-            f"Clip '{clip.name}': the keys of '{rig.title(track.node)}' are splines (CUBICSPLINE), which "
-            "cannot take other keys; store them as LINEAR first, e.g. with rigtri bake"
-        )
-    together = np.unique(np.concatenate([track.times, times]))
-    rows = _rows(sample(track, together), len(together))
-    rows[np.searchsorted(together, times)] = _rows(values, len(times))
-    way = track.interpolation if len(track.times) > 1 else "LINEAR"
-    return replace(track, interpolation=way, times=together, values=rows)

@@ -5,28 +5,28 @@ Source: docs/take-clips.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
-from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, frame_of, span
+from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, span
 from rigtri.ops.taking.counterparts import Counterparts
+from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
-from rigtri.ops.taking.sameness import bound_of, lacks_keys, off, same_knots
+from rigtri.ops.taking.notices import moves, some, strangers, tell
+from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots
+from rigtri.ops.taking.tolerances import Tolerances
 from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
-from rigtri.records import Clip, Track, key_values
+from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.solve.keys import shares
 from rigtri.timelines import placed
 from rigtri.trigonometry import Floats
-from rigtri.vectors import length
-
-# Keys that differ by less are one value; only for notices.
-_MOVED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -34,11 +34,19 @@ class Options:
     """Everything that `take_clips` can be told; the defaults are the command's.
 
     clips: globs of the clips, by their names in either file; all where there is none. names: the clip
-    of the rig that a clip of the edited file is, where the names do not say it.
+    of the rig that a clip of the edited file is, where the names do not say it. tolerance: how far what
+    counts as unchanged, and keys left out of what is taken, may be off, as a share of the rig's size.
     """
 
     clips: tuple[str, ...] = ()
     names: Mapping[str, str] = field(default_factory=dict)
+    tolerance: float = 1e-5
+
+    def checked(self) -> Options:
+        """These options. UsageError for what cannot be."""
+        if not self.tolerance >= 0:
+            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
+        return self
 
 
 def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report: Report | None = None) -> Rig:
@@ -49,73 +57,31 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
     UsageError (several clips for a format that has one).
     """
     report = report if report is not None else Report()
-    options = options or Options()
+    options = (options or Options()).checked()
     both = Counterparts(rig, edited)
     if not both.of:
-        raise GeometryError(
-            f"No node of EDITED has the name of one of RIG: there are {_some(edited.names)} and "
-            f"{_some(rig.names)}. Were they made of one another?"
-        )
+        raise GeometryError(strangers(rig, edited))
     names = ClipNames(rig, edited, options.names, report)
     if not names.theirs:
         raise GeometryError(
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
-    _tell(both, report)
+    tell(both, report)
     for taken in names.taken(options.clips):
-        rig = _Taking(rig, both, taken, report).done()
+        rig = _Taking(rig, both, taken, options.tolerance, report).done()
     return rig
-
-
-def _tell(both: Counterparts, report: Report) -> None:
-    """What differs between the two files beside motion."""
-    rig, edited = both.rig, both.other
-    driven = {edited.names[t.node] for clip in edited.clips for t in clip.tracks if _moves(t)}
-    if unclear := [name for name in both.unclear if name in driven]:
-        report.warn(
-            "unclear-names",
-            f"Several nodes are called {_some(unclear)}, and nothing tells which is which; "
-            "they were left out",
-        )
-    moved = []
-    for node, theirs in both.of.items():
-        above, below = int(rig.parents[node]), int(edited.parents[theirs])
-        if rig.is_joint[node] and above >= 0 and rig.is_joint[above] and both.of.get(above) != below:
-            moved.append(rig.names[node])
-    if moved:
-        report.warn(
-            "other-parents",
-            f"{_some(moved)} have other parents in EDITED; their motion was taken through the world",
-        )
-    if both.other_proportions:
-        report.warn(
-            "other-proportions",
-            f"The bind poses of the two files differ by {both.proportions:.2g} of the size beside turn, size "
-            "and place; joints move as in EDITED, about RIG's own bind pose",
-        )
-
-
-def _moves(track: Track) -> bool:
-    """Whether a track says more than one thing."""
-    values = key_values(track)
-    return bool(np.abs(values - values[0]).max(initial=0.0) > _MOVED)
-
-
-def _some(names: Iterable[str]) -> str:
-    listed = list(dict.fromkeys(name for name in names if name))
-    more = f" and {len(listed) - 4} more" if len(listed) > 4 else ""
-    return ", ".join(f"'{name}'" for name in listed[:4]) + more if listed else "no names"
 
 
 class _Taking:
     """One clip that is taken."""
 
-    def __init__(self, rig: Rig, both: Counterparts, taken: Taken, report: Report) -> None:
+    def __init__(self, rig: Rig, both: Counterparts, taken: Taken, tolerance: float, report: Report) -> None:
         self.rig, self.both, self.taken, self.report = rig, both, taken, report
         self.clock = Clock(rig, both.other, taken)
-        self.frame = frame_of(taken.clip) * self.clock.factor
         home = taken.home.clip if taken.home is not None else None
         self.transfer = Transfer(both, taken.clip, home, self.clock.times)
+        self.tolerances = Tolerances(both, self.transfer, tolerance)
+        self.thin = tolerance
         self.changed: list[Track] = []
         self.same = 0
         self.sampled: list[str] = []
@@ -157,7 +123,7 @@ class _Taking:
 
     def _take(self, node: int) -> None:
         moved = self.transfer.of(node)
-        fresh = [track for track in map(self.clock.told, moved.tracks) if not self._says_the_same(track)]
+        fresh = [now for track in moved.tracks if (now := self._fresh(track)) is not None]
         # No clip can move a glTF node with a matrix; a USD joint has its keys beside its rest.
         if fresh and self.rig.has_matrix[node] and not self.rig.raw:
             self.report.warn(
@@ -174,7 +140,7 @@ class _Taking:
     def _keep(self, node: int, said: Sequence[str]) -> None:
         """Note a node that moves by keys of ours alone."""
         old = [self._old(node, path) for path in PATHS if path not in said]
-        if any(track is not None and _moves(track) for track in old):
+        if any(track is not None and moves(track) for track in old):
             self.kept.append(self.rig.names[node])
 
     def _old(self, node: int, path: str) -> Track | None:
@@ -186,29 +152,36 @@ class _Taking:
         home = self.taken.home
         return {(t.node, t.path): t for t in home.clip.tracks} if home is not None else {}
 
-    def _says_the_same(self, now: Track) -> bool:
-        """Whether the rig says already, in this clip or at rest, what a track says."""
-        bound = bound_of(now, self.both.size / self._unit_above(now.node))
-        was = self._old(now.node, now.path)
-        if was is None:
-            was = Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
+    def _fresh(self, theirs: Track) -> Track | None:
+        """What a track at EDITED's times becomes here; None where the rig says it already."""
+        bound, now = self.tolerances.of(theirs), self.clock.told(theirs)
+        old = self._old(now.node, now.path)
+        was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
         if was.values.shape[-1] != now.values.shape[-1]:
-            return False
-        if bool((off(was, now) <= bound).all()):
-            same = not lacks_keys(was, now, self.frame, bound)
-        else:
-            far = same_knots(was, now, bound)
-            same = far is not None
-            if far is not None:
-                self.splines.append((self.rig.names[now.node], far))
-        self.same += same
-        return same
+            return thinned(now, self._thin(now))
+        changed = differing(was, now, bound)
+        changed |= lacking(was, now, self._frames, bound, self.tolerances.unit_of(theirs))
+        if not changed.any():
+            self.same += 1
+            return None
+        if (far := same_knots(was, now, bound)) is not None:
+            self.splines.append((self.rig.names[now.node], far))
+            self.same += 1
+            return None
+        return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
 
-    def _unit_above(self, node: int) -> float:
-        """How large a node's parent makes it: units of the world in one of the node's translation."""
-        above = int(self.rig.parents[node])
-        size = float(length(self.rig.world[above, :3, :3]).max()) if above >= 0 else 1.0
-        return size if np.isfinite(size) and size > 0 else 1.0
+    @cached_property
+    def _frames(self) -> Floats:
+        return self.clock.times(self.transfer.frames)
+
+    def _thin(self, track: Track) -> float:
+        """How far keys of a track that are left out may be off."""
+        known = {"translation": self._shares[0], "rotation": self._shares[1]}.get(track.path)
+        return float(known[track.node]) if known is not None else self.thin / 2.0
+
+    @cached_property
+    def _shares(self) -> tuple[Floats, Floats]:
+        return shares(self.rig, self.thin * self.both.size, self.both.size)
 
     def _rest(self, track: Track) -> Floats:
         """What the rig says at rest, (1, c)."""
@@ -229,9 +202,8 @@ class _Taking:
                 continue
             parts = factored(self.transfer.still(node)[np.newaxis])
             for path, values in zip(PATHS, parts, strict=True):
-                track = self.clock.told(Track(node, path, "STEP", start, values))
-                if np.isfinite(values).all() and not self._says_the_same(track):
-                    self.changed.append(track)
+                if np.isfinite(values).all():
+                    self._add(self._fresh(Track(node, path, "STEP", start, values)))
 
     # --- morphs
 
@@ -242,14 +214,18 @@ class _Taking:
         ours, theirs = MorphNames(self.rig), MorphNames(self.both.other)
         for track in tracks:
             node = self.both.back[track.node]
-            told = ours.told(node, self.clock.told(track), theirs, self._old(node, "weights"))
+            told = ours.told(node, track, theirs, self._old(node, "weights"), self.clock.times)
             if told is None:
                 self.report.warn(
                     "other-morphs",
                     f"'{self.rig.title(node)}' has other morph targets in EDITED; their motion was left out",
                 )
-            elif not self._says_the_same(told):
-                self.changed.append(told)
+            else:
+                self._add(self._fresh(told))
+
+    def _add(self, track: Track | None) -> None:
+        if track is not None:
+            self.changed.append(track)
 
     # --- the whole
 
@@ -264,24 +240,24 @@ class _Taking:
         if self.sampled:
             report.warn(
                 "sampled",
-                f"In '{name}' the motion of {_some(self.sampled)} had to be worked out at EDITED's keys: "
+                f"In '{name}' the motion of {some(self.sampled)} had to be worked out at EDITED's keys: "
                 "what is above them, or their axes, move or shear; between keys it may differ",
             )
         if self.kept:
             report.warn(
                 "kept-keys",
-                f"EDITED has no keys for {_some(self.kept)} in '{name}'; RIG's were kept",
+                f"EDITED has no keys for {some(self.kept)} in '{name}'; RIG's were kept",
             )
         if self.splines:
             far = max(size for _, size in self.splines)
             report.warn(
                 "splines-kept",
-                f"In '{name}' EDITED says at the spline keys of {_some(n for n, _ in self.splines)} "
+                f"In '{name}' EDITED says at the spline keys of {some(n for n, _ in self.splines)} "
                 f"what RIG says, and has other curves between (up to {far:.2g}); RIG's splines were kept",
             )
         lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
         if lost:
-            report.warn("no-such-node", f"RIG has no {_some(lost)}; their motion in '{name}' was left out")
+            report.warn("no-such-node", f"RIG has no {some(lost)}; their motion in '{name}' was left out")
         report.added.append(
             {
                 "type": "clip",
@@ -296,4 +272,4 @@ class _Taking:
         )
 
     def _movers(self) -> Sequence[int]:
-        return sorted({t.node for t in self.taken.clip.tracks if _moves(t)})
+        return sorted({t.node for t in self.taken.clip.tracks if moves(t)})

@@ -292,6 +292,17 @@ def vector(text: str) -> Floats:
     return numbers
 
 
+def direction(text: str) -> tuple[float, float, float]:
+    """A direction from words: an axis as ``-z``, or x,y,z. ValueError for anything else."""
+    try:
+        letter, sign = axis_of(text)
+    except ValueError:
+        x, y, z = (float(number) for number in vector(text))
+        return x, y, z
+    x, y, z = (sign if k == letter else 0.0 for k in range(3))
+    return x, y, z
+
+
 def crossing(up: Floats, aim: Floats) -> bool:
     """Whether an up direction is clear of the bone: at least `STRAIGHT_SINE` off it."""
     with np.errstate(invalid="ignore"):

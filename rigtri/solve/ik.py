@@ -94,11 +94,12 @@ class Ik:
 
     @property
     def needs(self) -> tuple[int, ...]:
-        nodes = (self._above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ()))
+        nodes = (self.above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ()))
         return tuple(node for node in nodes if node >= 0)
 
     @property
-    def _above(self) -> int:
+    def above(self) -> int:
+        """What the limb hangs on, −1 for nothing."""
         return int(self.rig.parents[self.limb.chain[0]])
 
     @cached_property
@@ -130,7 +131,7 @@ class Ik:
 
     @cached_property
     def rest(self) -> _Rest:
-        world, above = self.reference.world, self._above
+        world, above = self.reference.world, self.above
         a, b, c = self._points
         chord, side = normalise(c - a), self._pole - a
         solved = two_bone(
@@ -162,13 +163,23 @@ class Ik:
             return self.fk[node].rest
         return factored(self.reference.local[node][np.newaxis])
 
+    @cached_property
+    def start(self) -> Floats:
+        """Where the limb's root is, (1, 3), seen from what it hangs on."""
+        return self._own(self.limb.chain[0]).translation
+
+    def lengths(self, posed: Posed) -> tuple[Floats, Floats]:
+        """How long the two bones are, (1 or f,) each, in the world."""
+        world = posed.world(self.above)
+        upper, lower = self.rest.lines
+        return length(transform_directions(upper, world)), length(transform_directions(lower, world))
+
     def solve(self, posed: Posed, target: Floats, place: Floats) -> Solved:
         """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
-        rest, above = self.rest, self._above
+        rest, above = self.rest, self.above
         world, turn = posed.world(above), _turn(posed, above)
-        root = transform_points(self._own(self.limb.chain[0]).translation, world)
-        lengths = tuple(length(transform_directions(line, world)) for line in rest.lines)
-        root, target, place, first, second = _level(root, target, place, *lengths)
+        root = transform_points(self.start, world)
+        root, target, place, first, second = _level(root, target, place, *self.lengths(posed))
         return two_bone(
             root,
             (first, second),
@@ -183,7 +194,7 @@ class Ik:
     def solved(self, posed: Posed, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
         """Local parts of the limb's joints, before their FK controls. hand: the turn of the end, (f, 4)."""
         found = self.solve(posed, target, place)
-        rest, turn = self.rest, _turn(posed, self._above)
+        rest, turn = self.rest, _turn(posed, self.above)
         start, middle, end = self.limb.chain
         upper = product(product(conjugate(turn), found.upper), conjugate(rest.upper))
         fold = product(product(conjugate(found.upper), found.lower), conjugate(rest.lower))
@@ -213,7 +224,7 @@ class Ik:
     def run(self, posed: Posed) -> None:
         """Move the limb's joints to where control and pole want them."""
         control = self.limb.control
-        hand = product(posed.turn(control), self.grip)
+        hand = product(_turn(posed, control), self.grip)
         found = self.solved(posed, posed.world(control)[:, 3, :3], self.place(posed), hand)
         for node, parts in found.items():
             if node in self.fk:
@@ -243,8 +254,8 @@ class Ik:
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
         # Without a pole it bends to where it bends at rest.
-        turn = _turn(posed, self._above)
-        root = transform_points(self._own(self.limb.chain[0]).translation, posed.world(self._above))
+        turn = _turn(posed, self.above)
+        root = transform_points(self.start, posed.world(self.above))
         return root + rotate(turn, self.rest.side)
 
     def grasp(self, source: Posed) -> Floats:
@@ -265,7 +276,7 @@ class Ik:
         line = normalise(c - a)
         bend = (b - a) - dot(b - a, line)[:, np.newaxis] * line
         start = self.limb.chain[0]
-        turned = product(_turn(source, self._above), source.part(start).rotation)
+        turned = product(_turn(source, self.above), source.part(start).rotation)
         inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
         own = rotate(turned, inside)
         own = normalise(own - dot(own, line)[:, np.newaxis] * line)
@@ -284,7 +295,15 @@ class Ik:
 
 
 def _turn(posed: Posed, node: int) -> Floats:
-    return posed.turn(node) if node >= 0 else np.array([[0.0, 0.0, 0.0, 1.0]])
+    """How a node is turned in the world, (1 or f, 4); by rotations where a scale of zero leaves no axes."""
+    if node < 0:
+        return np.array([[0.0, 0.0, 0.0, 1.0]])
+    found = posed.turn(node)
+    whole = np.isfinite(found).all(axis=-1, keepdims=True)
+    if whole.all():
+        return found
+    above = _turn(posed, int(posed.rig.parents[node]))
+    return np.where(whole, found, product(above, posed.part(node).rotation))
 
 
 def _level(*arrays: Floats) -> list[Floats]:

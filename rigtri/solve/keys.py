@@ -7,8 +7,41 @@ import numpy as np
 from rigtri.quaternions import conjugate, slerp, turn_angle
 from rigtri.quaternions import multiply as product
 from rigtri.records import Booleans, Integers
+from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
+
+
+def shares(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
+    """How far keys of each node may be off, (n,), so that nothing moves by more than ``far`` in the world.
+
+    Moves, in units of the node's parent, and turns, in radians. far, size: in file units, size that of
+    the rig, a twentieth of which a node reaches at least.
+    """
+    # Errors add up along a chain; each of its joints gets an equal share.
+    share = far / (2.0 * (max(rig.depth, default=0) + 1))
+    turns = share / reach_of(rig, size)
+    sizes = parent_sizes(rig)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(sizes > 0, share / np.where(sizes > 0, sizes, 1.0), share), turns
+
+
+def reach_of(rig: Rig, size: float) -> Floats:
+    """How far what hangs on each node reaches at rest, (n,), a twentieth of ``size`` at least."""
+    world = rig.world[:, 3, :3]
+    reach = np.full(len(rig), 0.05 * size)
+    for node in range(len(rig) - 1, -1, -1):
+        parent = int(rig.parents[node])
+        if parent >= 0:
+            far = reach[node] + float(np.nan_to_num(length(world[node] - world[parent])))
+            reach[parent] = max(reach[parent], far)
+    return reach
+
+
+def parent_sizes(rig: Rig) -> Floats:
+    """How large each node's parent makes it at rest, (n,): units of the world in one of its translation."""
+    parents = np.where((rig.parents >= 0)[:, np.newaxis, np.newaxis], rig.world[rig.parents], np.eye(4))
+    return np.asarray(length(parents[:, :3, :3]).max(axis=1))
 
 
 def needed(times: Floats, values: Floats, bound: float) -> Integers:

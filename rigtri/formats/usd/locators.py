@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from rigtri.formats.usd.reader import GROUP, Source
 from rigtri.formats.usd.shapes import NAME, drawing
 from rigtri.formats.usd.stage import why_locked
 from rigtri.formats.usd.values import Edit, apply_schema, define, kind, parts, set_value
-from rigtri.formats.usd.xform import SAME_TURN, stand
+from rigtri.formats.usd.xform import OPS, SAME_TURN, stand
 from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
 from rigtri.records import Skin, Track
@@ -30,11 +30,11 @@ def is_ours(rig: Rig, node: int) -> bool:
     return "type" in rig.notes.get(node, {})
 
 
-def edits(source: Source, rig: Rig, keyed: Sequence[Track] = ()) -> list[Edit]:
-    """New nodes as prims, and prims of ours brought up to date. keyed: their tracks that are new."""
+def edits(source: Source, rig: Rig, keyed: Collection[int] = ()) -> list[Edit]:
+    """New nodes as prims, and prims of ours brought up to date. keyed: those with other tracks."""
     if any(c.key is None and c.kind != "tail" for c in rig.constraints):
         raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
-    updated = _update(source, rig, {track.node for track in keyed})
+    updated = _update(source, rig, keyed)
     additions = _Additions(source, rig)
     added = additions.edits()
     # Renaming comes last: all other edits know a prim by the path it had.
@@ -87,7 +87,7 @@ def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
     return [set_value(control, name, double, resting, samples=samples, custom=True, alone=True)]
 
 
-def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
+def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
     before, found = source.rig, []
     for node, key in enumerate(before.keys):
         if kind(key) != "prim" or node in rig.removed:
@@ -106,7 +106,11 @@ def _update(source: Source, rig: Rig, keyed: set[int]) -> list[Edit]:
             locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
             if locked:
                 raise FileError(f"{locked}.")
-            found += stand(path, rig.local[node], _tracks(rig, node))
+            stands = stand(path, rig.local[node], _tracks(rig, node))
+            used = {edit.name for edit in stands}
+            idle = [name for name in OPS.values() if name not in used]
+            prim = source.stage.GetPrimAtPath(path)
+            found += [*stands, *(_remove(path, name) for name in idle if prim.HasAttribute(name))]
             if "attribute" in note:
                 found += _values(rig, node, rig.labels[rig.find(str(note["control"]), "node")])
     return found

@@ -59,9 +59,11 @@ def divided(
             else:
                 prims.append(now)
             kept += [was] if was is not None else []
-        now_driven = {track.node for track in new.tracks if track.path == "weights"}
-        lost = [t for t in old.tracks if t.path == "weights" and t.node not in now_driven]
-        weights += [(track, None) for track in lost]
+        driven = {(track.node, track.path) for track in new.tracks}
+        lost = [
+            t for t in old.tracks if (t.node, t.path) not in driven and (t.path == "weights" or prim(t.node))
+        ]
+        weights += [(track, None) for track in lost if track.path == "weights"]
         kept += lost
         clips.append(replace(new, tracks=tuple(kept)))
     return (*clips, *rig.clips[len(before.clips) :]), prims, weights

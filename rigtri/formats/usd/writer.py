@@ -57,7 +57,7 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
         *new_keys.weight_edits(source, weights),
         *_prim_edits(source, rig, moved, bake, warnings),
         *prim_keys.edits(source, rig, theirs),
-        *locators.edits(source, rig, [track for track in tracks if track.node not in keyed]),
+        *locators.edits(source, rig, {t.node for t in tracks if t.node not in keyed} | _silent(before, rig)),
         *_joint_notes(source, rig),
     ]
 
@@ -67,6 +67,15 @@ def _keys_are_ours(before: Rig, node: int) -> bool:
     if node >= len(before):
         return True
     return kind(before.keys[node]) == "prim" and locators.is_ours(before, node)
+
+
+def _silent(before: Rig, rig: Rig) -> set[int]:
+    """Prims of ours that a track moved, and none does any more."""
+    was, now = (
+        {(t.node, t.path) for clip in each.clips for t in clip.tracks if t.path != "weights"}
+        for each in (before, rig)
+    )
+    return {node for node, _ in was - now if _keys_are_ours(before, node)}
 
 
 def _keyed_prims(before: Rig, rig: Rig, moved: np.ndarray) -> set[int]:

@@ -18,7 +18,7 @@ from pxr import Gf, Sdf, UsdGeom, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.stage import DEFAULT, tokens_of, why_locked
-from rigtri.formats.usd.values import Edit, kind, set_value
+from rigtri.formats.usd.values import Edit, Setting, kind, set_value
 from rigtri.matrices import (
     SKEW,
     compose,
@@ -183,7 +183,7 @@ def sure_turns(rotations: Floats) -> Floats:
     return np.where(off[:, np.newaxis], unit(rotations), rotations)
 
 
-def stand(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Edit]:
+def stand(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Setting]:
     """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks."""
     translation, rotation, scale = decompose(local)
     types = Sdf.ValueTypeNames

@@ -14,7 +14,8 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError, UsageError
-from rigtri.ops.taking.counterparts import SAME_SIZE, as_usd
+from rigtri.ops.taking.fitting import SAME_SIZE
+from rigtri.ops.taking.pairing import as_usd
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig

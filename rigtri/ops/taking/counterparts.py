@@ -9,168 +9,25 @@ Source: docs/take-clips.md.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from itertools import permutations, product
 
 import numpy as np
 
-from rigtri.matrices import determinant, from_frame, inverse, multiply, nearest_rotation, transform_points
+from rigtri.matrices import determinant, inverse, multiply, nearest_rotation
 from rigtri.matrices import skew as skewed
+from rigtri.ops.taking.fitting import AXIS_TURNS, OTHER_SHAPE, SAME_PLACE, SAME_SIZE, SAME_TURN, fitted
+from rigtri.ops.taking.pairing import pairs
 from rigtri.records import Skin, key_values
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
-from rigtri.vectors import cross, length, normalise
-
-# What float32 matrices that a DCC has inverted and multiplied leave: radians, and a share of a size.
-SAME_TURN = 1e-4
-SAME_SIZE = 1e-4
-SAME_PLACE = 1e-5
-# Skeletons whose joints lie farther apart, as a share of their size, have other proportions.
-_OTHER_SHAPE = 1e-3
-# Worlds whose sizes differ by less have one unit: a pose makes that much of a difference.
-_ONE_UNIT = 1.25
+from rigtri.vectors import length
 
 
-def _axis_turns() -> Floats:
-    """The 24 rotations that take axes onto axes, the identity first, (24, 3, 3)."""
-    found = []
-    for order in permutations(range(3)):
-        for signs in product((1.0, -1.0), repeat=3):
-            axes = np.zeros((3, 3))
-            axes[[0, 1, 2], order] = signs
-            if determinant(from_frame(axes, np.zeros(3))) > 0:
-                found.append(axes)
-    return np.array(found)
-
-
-AXIS_TURNS = _axis_turns()
-
-
-@dataclass(frozen=True, eq=False)
-class Pairs:
-    """What is called alike. of: by node of the rig the node of the other. unclear: names of several."""
-
-    of: dict[int, int]
-    unclear: tuple[str, ...]
-
-
-def pairs(rig: Rig, other: Rig) -> Pairs:
-    """Nodes of two rigs that have one name: exactly, else as USD spells it; joints go before other nodes."""
-    found: dict[int, int] = {}
-    unclear: dict[str, None] = {}
-    for spell in (str, as_usd):
-        ours, theirs = _spelled(rig, spell), _spelled(other, spell)
-        taken = set(found.values())
-        for name, nodes in ours.items():
-            left = [node for node in nodes if node not in found]
-            free = [node for node in theirs.get(name, ()) if node not in taken]
-            if not left or not free:
-                continue
-            made = _paired(rig, other, left, free)
-            found |= made
-            if len(made) < min(len(left), len(free)):
-                unclear[rig.names[left[0]]] = None
-    return Pairs(found, tuple(unclear))
-
-
-def as_usd(name: str) -> str:
-    """A name as exporters to USD change it: other signs than letters and digits are underscores."""
-    return re.sub(r"[^A-Za-z0-9]+", "_", name)
-
-
-def _spelled(rig: Rig, spell: Callable[[str], str]) -> dict[str, list[int]]:
-    named: dict[str, list[int]] = {}
-    for node, name in enumerate(rig.names):
-        if name:
-            named.setdefault(spell(name), []).append(node)
-    return named
-
-
-def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) -> dict[int, int]:
-    """One of each; of several those that are joints, or what stands at the same path."""
-    if len(ours) == len(theirs) == 1:
-        return {ours[0]: theirs[0]}
-    found = {}
-    for joints in (True, False):
-        a = [node for node in ours if bool(rig.is_joint[node]) == joints]
-        b = [node for node in theirs if bool(other.is_joint[node]) == joints]
-        if len(a) == len(b) == 1:
-            found[a[0]] = b[0]
-            continue
-        for node in a:
-            same = [k for k in b if other.path(k) == rig.path(node)]
-            if len(same) == 1:
-                found[node] = same[0]
-    return found
-
-
-@dataclass(frozen=True, eq=False)
-class Similar:
-    """A turn about axes with one size and a move, as of whole worlds; residual: a share of the size."""
-
-    matrix: Floats
-    residual: float
-
-
-def fitted(theirs: Floats, ours: Floats, *, about_origin: bool) -> Similar:
-    """What takes points (k, 3) onto others: the identity where it does, else one of 24 turns and a size.
-
-    about_origin: the origin stays where it is, and near sizes are one.
-    """
-    middle = np.zeros((2, 3)) if about_origin else np.array([_mean(theirs), _mean(ours)])
-    a, b = theirs - middle[0], ours - middle[1]
-    sizes = [_spread(a), _spread(b)]
-    ratio = sizes[1] / sizes[0] if sizes[0] > 0 and sizes[1] > 0 else 1.0
-    near = _ONE_UNIT if about_origin else 1.0 + SAME_SIZE
-    if 1.0 / near <= ratio <= near:
-        ratio = 1.0
-    size = sizes[1] or 1.0
-    best, least = AXIS_TURNS[0], np.inf
-    for axes in AXIS_TURNS:
-        turned = transform_points(a * ratio, from_frame(axes, np.zeros(3)))
-        off = _spread(turned - b) / size
-        # Of equals the first, which is the identity: points on a line tell no turn about it.
-        if off < 0.99 * least - SAME_PLACE:
-            best, least = axes, off
-    if least > _OTHER_SHAPE and not about_origin:
-        axes = _three_point_turn(a, b)
-        off = _spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size
-        if off < 0.1 * least:
-            best, least = axes, off
-    matrix = from_frame(best * ratio, np.zeros(3))
-    matrix[3, :3] = middle[1] - transform_points(middle[0], matrix)
-    if np.abs(matrix[3, :3]).max() <= SAME_PLACE * size:
-        matrix[3, :3] = 0.0
-    return Similar(matrix, float(least))
-
-
-def _three_point_turn(theirs: Floats, ours: Floats) -> Floats:
-    """The rotation, (3, 3), that lays the farthest of points and the one most aside onto others."""
-    far = int(np.argmax(length(ours)))
-    aside = int(np.argmax(length(cross(ours[far], ours))))
-    frames = []
-    for points in (theirs, ours):
-        x = normalise(points[far])
-        z = normalise(cross(x, points[aside]))
-        frames.append(from_frame(np.stack([x, cross(z, x), z]), np.zeros(3)))
-    return np.asarray(multiply(inverse(frames[0]), frames[1])[:3, :3])
-
-
-def _mean(points: Floats) -> Floats:
-    return np.asarray(_total(points) / max(len(points), 1))
-
-
-def _spread(points: Floats) -> float:
-    """The root of the mean square of lengths, (k, 3)."""
-    return float(np.sqrt(_total(np.ravel(points * points)) / max(len(points), 1)))
-
-
-def _total(values: Floats) -> Floats:
-    """The sum over the first axis, added one by one: the same bits everywhere; 0 where there are none."""
-    return np.asarray(values.cumsum(axis=0)[-1] if len(values) else np.zeros(values.shape[1:]))
+def _moved(told: Floats, rounded: Floats) -> float:
+    """How far the axes of a matrix have moved, as a share of their size."""
+    size = float(length(rounded[:3, :3]).max())
+    far = float(np.abs(told[:3, :3] - rounded[:3, :3]).max())
+    return far / size if np.isfinite(far) and size > 0 else 0.0
 
 
 class Counterparts:
@@ -183,7 +40,7 @@ class Counterparts:
     def __init__(self, rig: Rig, other: Rig) -> None:
         self.rig, self.other = rig, other
         found = pairs(rig, other)
-        self.of, self.unclear = found.of, found.unclear
+        self.of, self.unclear, self.placed = found.of, found.unclear, found.placed
         self.back = {theirs: ours for ours, theirs in self.of.items()}
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
         self.proportions = 0.0  # how far bind poses are apart beside turn, size and place
@@ -191,13 +48,23 @@ class Counterparts:
         self._lines: dict[int, tuple[list[int], list[int], int]] = {}
         self._between: dict[int, Floats] = {}
         self.turns: dict[int, Floats] = {}
+        self._rounded: dict[tuple[int, str], float] = {}
         for node in sorted(self.of):
-            self.turns[node] = self._turn(node)
+            told = self._turn(node)
+            self.turns[node] = self.snapped(told)
+            self._rounded[node, "C"] = _moved(told, self.turns[node])
+
+    def slack(self, node: int) -> float:
+        """How much C and D of a node, and C of the node above, were rounded: radians, or shares of a size."""
+        self.between(node)
+        above = self.line(node)[2]
+        own = self._rounded[node, "C"] + self._rounded[node, "D"]
+        return own + (self._rounded[above, "C"] if above >= 0 else 0.0)
 
     @property
     def other_proportions(self) -> bool:
         """Whether the two skeletons are not one."""
-        return self.proportions > _OTHER_SHAPE
+        return self.proportions > OTHER_SHAPE
 
     @cached_property
     def space(self) -> Floats:
@@ -206,7 +73,19 @@ class Counterparts:
         ours = self.rig.world[still, 3, :3]
         theirs = self.other.world[[self.of[n] for n in still], 3, :3]
         fit = np.isfinite(ours).all(axis=1) & np.isfinite(theirs).all(axis=1)
-        return fitted(theirs[fit], ours[fit], about_origin=True).matrix
+        return fitted(theirs[fit], ours[fit], about_origin=True, ratio=self._bone_ratio).matrix
+
+    @cached_property
+    def _bone_ratio(self) -> float | None:
+        """How long a bone is here for one there, at rest; None without bones. A pose keeps lengths."""
+        rig, other = self.rig, self.other
+        above = {n: int(rig.parents[n]) for n in self.of if rig.is_joint[n]}
+        bones = [n for n, k in above.items() if k in self.of and self.of[k] == other.parents[self.of[n]]]
+        theirs = [self.of[n] for n in bones]
+        ours = length(rig.world[bones, 3, :3] - rig.world[rig.parents[bones], 3, :3])
+        its = length(other.world[theirs, 3, :3] - other.world[other.parents[theirs], 3, :3])
+        long = np.isfinite(ours) & np.isfinite(its) & (ours > SAME_PLACE * self.size) & (its > 0)
+        return float(np.median(ours[long] / its[long])) if long.any() else None
 
     @cached_property
     def size(self) -> float:
@@ -241,7 +120,7 @@ class Counterparts:
         fit = fitted(bind[usable, 3, :3], ours[usable, 3, :3], about_origin=False)
         self.proportions = max(self.proportions, fit.residual)
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
-        return {both[k][1]: self.snapped(turns[k]) for k in np.flatnonzero(usable).tolist()}
+        return {both[k][1]: turns[k] for k in np.flatnonzero(usable).tolist()}
 
     def _turn(self, node: int) -> Floats:
         if node in self._bound:
@@ -250,19 +129,29 @@ class Counterparts:
         told = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
         posed = theirs in self.moving and not self.other.is_joint[theirs]
         if posed or not np.isfinite(told).all():
-            return self.snapped(self._inherited(node, between))
-        return self.snapped(told)
+            return self._inherited(node, between)
+        return told
 
     def _inherited(self, node: int, between: Floats) -> Floats:
         """C of the nearest node above that both files have, of a size that makes scales at rest alike."""
         above = self.line(node)[2]
         turn = (self.turns[above] if above >= 0 else inverse(self.space)).copy()
         turn[3, :3] = 0.0
+        if self._looks(node):
+            turn[:3, :3] = np.eye(3) * float(length(turn[0, :3]))
         seen = multiply(multiply(turn, self.other.local[self.of[node]]), between)
         sizes = float(length(self.rig.local[node, 0, :3])), float(length(seen[0, :3]))
         if self.of[node] not in self._grown and min(sizes) > 0 and np.isfinite(sizes).all():
             turn[:3, :3] *= sizes[0] / sizes[1]
         return turn
+
+    def _looks(self, node: int) -> bool:
+        """Whether a node shows a camera or a light: they look along −z in glTF and USD, whatever is up."""
+        return int(self.rig.payload[node]) >= 0 and not {node, int(self.rig.payload[node])} & self._drawn
+
+    @cached_property
+    def _drawn(self) -> set[int]:
+        return {mesh.node for mesh in self.rig.meshes}
 
     @cached_property
     def _grown(self) -> set[int]:
@@ -292,7 +181,9 @@ class Counterparts:
     def between(self, node: int) -> Floats:
         """D, (4, 4): ``local = C · other local · D``, as what lies between stands at rest."""
         if node not in self._between:
-            self._between[node] = self._seen_between(node)
+            seen = self._seen_between(node)
+            self._between[node] = self.snapped(seen)
+            self._rounded[node, "D"] = _moved(seen, self._between[node])
         return self._between[node]
 
     def _seen_between(self, node: int) -> Floats:
@@ -303,7 +194,7 @@ class Counterparts:
         own = np.eye(4)
         for k in ours:
             own = multiply(own, self.rig.local[k])
-        return self.snapped(multiply(matrix, inverse(own)))
+        return multiply(matrix, inverse(own))
 
     def snapped(self, matrix: Floats) -> Floats:
         """A matrix whose turn, size and place are as near to round ones as rounding leaves them, as these."""

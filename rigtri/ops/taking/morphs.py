@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 
@@ -38,10 +39,18 @@ class MorphNames:
         mesh = self._meshes.get(node)
         return () if mesh is None else mesh.morph_names
 
-    def told(self, node: int, track: Track, theirs: MorphNames, was: Track | None) -> Track | None:
+    def told(
+        self,
+        node: int,
+        track: Track,
+        theirs: MorphNames,
+        was: Track | None,
+        ours: Callable[[Floats], Floats],
+    ) -> Track | None:
         """A track of another file's weights as one of a node here; None where the targets are others.
 
-        What the other file lacks stays as ``was`` says it, or as it rests. theirs: the targets of that file.
+        What the other file lacks stays as ``was`` says it, or as it rests. theirs: the targets of that file;
+        ours: its times as those of ``was``.
         """
         rest = self.at_rest(node)
         names, others = self.of(node), theirs.of(track.node)
@@ -55,7 +64,7 @@ class MorphNames:
             return None
         shape = (*track.values.shape[:-1], len(rest))
         values = np.zeros(shape)
-        base = sample(was, track.times) if was is not None else np.tile(rest, (len(track.times), 1))
+        base = sample(was, ours(track.times)) if was is not None else np.tile(rest, (len(track.times), 1))
         if len(shape) == 3:
             values[:, 1] = base
         else:

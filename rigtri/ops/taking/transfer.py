@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from rigtri.matrices import (
     transform_directions,
     transform_points,
 )
-from rigtri.ops.taking.counterparts import SAME_SIZE, SAME_TURN, Counterparts
+from rigtri.ops.taking.counterparts import Counterparts
+from rigtri.ops.taking.fitting import SAME_SIZE, SAME_TURN
 from rigtri.pose import each_once, sample
 from rigtri.quaternions import from_axes, unit
 from rigtri.quaternions import multiply as product
@@ -55,16 +57,23 @@ class Transfer:
         self.driven = _by_node(clip)
         self.own = {} if home is None else {n: t for n, t in _by_node(home).items() if n not in both.of}
 
+    @cached_property
+    def frames(self) -> Floats:
+        """The times at which anything of the clip has a key."""
+        distinct = {id(track.times): track.times for track in self.clip.tracks}
+        return each_once(np.concatenate([*distinct.values(), np.zeros(0)]))
+
     def nodes(self) -> list[int]:
         """The nodes of the rig that the clip moves: by keys of their own, or joints by what stands between.
 
         A mesh that hangs elsewhere in the other file is drawn otherwise; it has no motion of its own.
         """
         both, rig = self.both, self.both.rig
-        carried = [n for n in both.of if (rig.is_joint[n] or n in rig.own) and self._between_moves(n)]
+        carried = [n for n in both.of if (rig.is_joint[n] or n in rig.own) and self.is_carried(n)]
         return sorted({n for n in both.of if both.of[n] in self.driven}.union(carried))
 
-    def _between_moves(self, node: int) -> bool:
+    def is_carried(self, node: int) -> bool:
+        """Whether what stands between a node and the nearest above it in both files moves."""
         theirs, ours, _ = self.both.line(node)
         carriers = (*theirs, *(self.both.of.get(k, -1) for k in ours))
         return any(k in self.driven for k in carriers) or any(k in self.own for k in ours)
@@ -73,7 +82,7 @@ class Transfer:
         """What moves a node of the rig."""
         own = self.driven.get(self.both.of[node], {})
         left, right = self.both.turns[node], self.both.between(node)
-        if not self._between_moves(node) and _mappable(left, right, own):
+        if not self.is_carried(node) and _mappable(left, right, own):
             return Transferred(tuple(_mapped(t, node, left, right) for t in own.values()), sampled=False)
         return Transferred(self._sampled(node, left), sampled=True)
 
@@ -99,7 +108,7 @@ class Transfer:
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
         way: Interpolation = "STEP" if held else "LINEAR"
         return tuple(
-            Track(node, path, way, times, _one_way_round(values) if path == "rotation" else values)
+            Track(node, path, way, times, one_way_round(values) if path == "rotation" else values)
             for path, values in zip(PATHS, parts, strict=True)
             if np.isfinite(values).all()
         )
@@ -219,7 +228,7 @@ def _axes(matrix: Floats) -> Floats:
     return np.asarray(matrix[:3, :3] / length(matrix[:3, :3])[:, np.newaxis])
 
 
-def _one_way_round(turns: Floats) -> Floats:
+def one_way_round(turns: Floats) -> Floats:
     """Quaternions, (k, 4), of the signs that keep each next to the one before."""
     both = turns[1:] * turns[:-1]
     ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]

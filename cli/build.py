@@ -1,0 +1,173 @@
+"""rigtri build"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import Tolerance, output_options, run, side_files
+from .words import plain
+
+if TYPE_CHECKING:
+    from rigtri.pipeline import Outcome
+    from rigtri.report import Report
+    from rigtri.spec.building import Built
+    from rigtri.spec.loading import PlannedStep, Spec
+
+spec_option = click.option(
+    "--spec",
+    required=True,
+    metavar="FILE",
+    type=click.Path(dir_okay=False),
+    help="The rig spec: YAML, TOML or JSON.",
+)
+set_option = click.option(
+    "--set", "variables", multiple=True, metavar="NAME=VALUE", help="Give a variable of the spec a value."
+)
+
+
+@click.command("build")
+@click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="The file to write, in the format of IN; - for standard output.",
+)
+@spec_option
+@set_option
+@click.option(
+    "--explain", is_flag=True, help="Say what would be done, step by step; with IN, what comes of it."
+)
+@click.option("--strict", is_flag=True, help="Make any warning an error (5), also where the spec does not.")
+@click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
+@click.option(
+    "--verify/--no-verify",
+    default=True,
+    show_default=True,
+    help="Compare source and result in every pose before OUT appears.",
+)
+@click.option(
+    "--report",
+    "report_path",
+    metavar="FILE.json",
+    type=click.Path(dir_okay=False),
+    help="Write what was done, per step, joint and limb, with the measured deviation.",
+)
+@click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure.")
+@click.option("--overwrite", is_flag=True, help="Replace OUT where it exists.")
+@output_options
+def command(**values: Any) -> None:
+    """Build a rig by a spec: the steps that a file lists, in one go.
+
+    A step is an operation with its options, as the commands call them. Steps work on what the steps
+    before have made; OUT appears when all are done and measured, or not at all.
+
+    \b
+    Examples:
+        rigtri build hero.glb --spec rig.yaml -o out.glb
+        rigtri build --spec rig.yaml --explain
+        rigtri build hero.glb --spec studio.toml --set side=left -o out.glb --report out.json
+    """
+    from rigtri.spec.loading import load
+
+    spec = load(values["spec"], variables=assigned(values["variables"]))
+    spec = spec.limited(strict=values["strict"], tolerance=values["tolerance"])
+    values |= {"tolerance": spec.model.tolerance, "sidecar": spec.model.sidecar, "reading": spec.reading}
+    if values["explain"]:
+        _explain(values, spec)
+        return
+    if values["source"] is None or values["target"] is None:
+        raise UsageError("give the character and the file to write: IN -o OUT; or --explain")
+    _run(values, spec)
+
+
+def assigned(texts: tuple[str, ...]) -> dict[str, str]:
+    """NAME=VALUE as names and values."""
+    found = {}
+    for text in texts:
+        name, mark, value = text.partition("=")
+        if not mark or not name:
+            raise UsageError(f"--set {text}: give NAME=VALUE")
+        found[name] = value
+    return found
+
+
+def _run(values: dict[str, Any], spec: Spec) -> None:
+    from rigtri.spec.building import build
+
+    made: list[Built] = []
+
+    def done(report: Report) -> Outcome:
+        built = build(
+            values["source"],
+            values["target"],
+            spec,
+            overwrite=values["overwrite"],
+            verify=values["verify"],
+            dry_run=values["dry_run"],
+            side_files=side_files(values),
+            report=report,
+        )
+        made.append(built)
+        return built.outcome
+
+    options = {"spec": values["spec"], "variables": assigned(values["variables"])}
+    run("build", values, done, options, lambda _: _told(made[0]), more=lambda: {"steps": _steps(made[0])})
+
+
+def _steps(built: Built) -> list[dict[str, Any]]:
+    return [
+        {
+            "step": one.step.number,
+            "do": one.step.do,
+            "options": one.step.said,
+            "summary": summary(one.step.do, one.report),
+        }
+        for one in built.done
+    ]
+
+
+def _told(built: Built) -> str:
+    return "\n".join(
+        f"{one.step.number}. {one.step.do}: {summary(one.step.do, one.report)}" for one in built.done
+    )
+
+
+def summary(do: str, report: Report) -> str:
+    """What a step did, in the words of its command."""
+    for notice in report.warnings:
+        if notice.code == "step-left-out":
+            return "left out"
+    words = import_module(f"rigtri.cli.{do.replace('-', '_')}").summary(report)
+    assert isinstance(words, str)
+    return words
+
+
+def _explain(values: dict[str, Any], spec: Spec) -> None:
+    """The steps as text; with IN, what each does there, measured but not written."""
+    for one in spec.steps:
+        click.echo(plain(_line(one), one_line=True))
+    if values["source"] is None:
+        return
+    target = values["target"] or values["source"]
+    _run(values | {"dry_run": True, "target": target, "overwrite": True, "report_path": None}, spec)
+
+
+def _line(one: PlannedStep) -> str:
+    said = "; ".join(f"{name} {_short(value)}" for name, value in one.said.items())
+    return f"{one.number}. {one.do}{': ' if said else ''}{said} ({one.place})"
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, list):
+        return " ".join(_short(part) for part in value)
+    if isinstance(value, dict):
+        return " ".join(f"{name}={_short(part)}" for name, part in value.items())
+    return str(value).lower() if isinstance(value, bool) else str(value)

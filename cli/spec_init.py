@@ -1,0 +1,62 @@
+"""rigtri spec-init"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import json_option, read_options, reading_options, source_argument
+from .words import plain
+
+
+@click.command("spec-init")
+@source_argument
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    default="-",
+    show_default=True,
+    metavar="FILE.yaml",
+    type=click.Path(allow_dash=True, dir_okay=False),
+    help="Where to write the spec; - for standard output.",
+)
+@click.option("--overwrite", is_flag=True, help="Replace FILE.yaml where it exists.")
+@reading_options
+@json_option
+def command(source: str, target: str, overwrite: bool, as_json: bool, **values: Any) -> None:
+    """Write a rig spec to start from: steps for the joints that a character has.
+
+    Limbs that are known by their names or by VRM get twist joints, controls and pole vectors; all
+    joints stand in it as a comment. --json prints the spec as JSON, which `rigtri build` reads as well.
+
+    \b
+    Example:
+        rigtri spec-init hero.glb -o rig.yaml
+        rigtri build hero.glb --spec rig.yaml -o out.glb
+    """
+    from rigtri.formats import read
+    from rigtri.inputs import opened
+    from rigtri.outputs import write_text
+    from rigtri.spec.starter import plain_values, starter
+
+    path = Path(target)
+    if target != "-" and path.suffix.lower() not in (".yaml", ".yml"):
+        raise UsageError(f"{target}: the spec is YAML; give it the suffix .yaml")
+    if target != "-" and path.exists() and not overwrite:
+        raise UsageError(f"{target} exists; it is replaced only with --overwrite")
+    with opened(source) as file:
+        text = starter(read(file, read_options(values)).rig, Path(source).name)
+    if as_json:
+        click.echo(json.dumps(plain_values(text), indent=2, ensure_ascii=False))
+    elif target == "-":
+        click.echo(plain(text), nl=False)
+    if target == "-":
+        return
+    write_text(path, text)
+    click.echo(f"Wrote {target}", err=True)

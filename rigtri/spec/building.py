@@ -1,0 +1,159 @@
+"""Build a rig by a spec: one file, all steps, delivered whole or not at all."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from rigtri.errors import NameNotFoundError, RigtriError
+from rigtri.pipeline import Outcome, check_target, edit
+from rigtri.report import Report
+from rigtri.spec.faults import SpecError
+from rigtri.spec.loading import PlannedStep, Spec, load
+from rigtri.steps import step
+from rigtri.steps.request import Step
+
+
+@dataclass(frozen=True)
+class Done:
+    """One step of a build, and what it did."""
+
+    step: PlannedStep
+    report: Report
+
+
+@dataclass(frozen=True)
+class Built:
+    """What a build did: each step, and of the whole what `rigtri.pipeline.edit` says of an edit."""
+
+    done: tuple[Done, ...]
+    outcome: Outcome
+
+
+def build(
+    source: Path | str,
+    target: Path | str,
+    spec: Spec | Path | str,
+    *,
+    overwrite: bool = False,
+    verify: bool = True,
+    dry_run: bool = False,
+    side_files: Sequence[Path] = (),
+    report: Report | None = None,
+) -> Built:
+    """Give the character in ``source`` the rig that a spec describes; ``target`` appears whole or not at all.
+
+    Raises SpecError for a spec that is wrong or that names joints the character does not have, all of
+    them at once; else as `rigtri.pipeline.edit`, with the step that it happened in.
+    """
+    spec = spec if isinstance(spec, Spec) else load(spec)
+    last = {"overwrite": overwrite, "dry_run": dry_run, "side_files": tuple(side_files)}
+    if len(spec.steps) > 1:
+        check_target(source, target, overwrite=overwrite, options=spec.reading, side_files=side_files)
+    work = _Work(spec, source, verify, report if report is not None else Report())
+    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+        for one in spec.steps[:-1]:
+            place = Path(folder, str(one.number), Path(source if str(source) != "-" else target).name)
+            place.parent.mkdir()
+            if work.do(one, place):
+                work.at = place
+        if not work.do(spec.steps[-1], target, **last) and not work.lost:
+            work.edit(lambda rig, _: rig, target, **last)
+        work.tell_lost()
+    return Built(tuple(work.done), work.whole())
+
+
+@dataclass
+class _Work:
+    """A build as it goes on: where the character is, what was done, what it has not.
+
+    Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
+    second build finds the same, and is measured against what was there before it.
+    """
+
+    spec: Spec
+    at: Path | str
+    verify: bool
+    report: Report
+    done: list[Done] = field(default_factory=list)
+    outcomes: list[Outcome] = field(default_factory=list)
+    lost: list[tuple[PlannedStep, RigtriError]] = field(default_factory=list)
+
+    def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
+        """Do a step; whether there is anything of it at ``target``."""
+        try:
+            if self.lost and last:
+                last["dry_run"] = True
+            report = self.edit(step(one.do, one.request), target, **last)
+        except NameNotFoundError as error:
+            if not one.optional:
+                self.lost.append((one, error))
+                return False
+            report = Report()
+            report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
+            self.report.hear(report.warnings)
+            self.done.append(Done(one, report))
+            return False
+        except RigtriError as error:
+            self.lost.append((one, error))
+            self.tell_lost()
+        self.done.append(Done(one, report))
+        return True
+
+    def edit(self, step: Step, target: Path | str, **last: Any) -> Report:
+        """Apply a step to the character as it is, and note what came of it."""
+        reading, model, report = self.spec.reading, self.spec.model, Report()
+        if self.outcomes:  # what a step has written may refer to files of the source
+            reading = replace(reading, allow_external_paths=True)
+        if not last:
+            reading = replace(reading, override="", relink=False)
+        try:
+            outcome = edit(
+                self.at,
+                target,
+                step,
+                options=reading,
+                report=report,
+                verify=self.verify,
+                tolerance=model.tolerance,
+                strict=model.strict,
+                **last,
+            )
+        finally:
+            _take(self.report, report)
+        self.outcomes.append(outcome)
+        return report
+
+    def tell_lost(self) -> None:
+        """SpecError where steps could not be done; all of them, for names that are not there."""
+        if self.lost:
+            faults = [self.spec.fault(*one) for one in self.lost]
+            raise SpecError(faults, self.lost[0][1].exit_code) from self.lost[0][1]
+
+    def whole(self) -> Outcome:
+        """What is to be said of all steps together; of deviations the largest of a step."""
+        seconds: dict[str, float] = {}
+        for outcome in self.outcomes:
+            for name, value in outcome.seconds.items():
+                seconds[name] = seconds.get(name, 0.0) + value
+        found = [outcome.verification for outcome in self.outcomes if outcome.verification is not None]
+        return Outcome(
+            self.report,
+            max(found, key=lambda one: one.deviation) if found else None,
+            self.outcomes[-1].written,
+            any(outcome.changed for outcome in self.outcomes),
+            seconds,
+        )
+
+
+def _take(report: Report, own: Report) -> None:
+    """Add what one step has told to what all tell."""
+    for name in ("joints", "limbs", "added", "removed"):
+        getattr(report, name).extend(getattr(own, name))
+    report.hear(own.warnings)
+    for key, columns in own.driven.items():
+        report.driven.setdefault(key, set()).update(columns)
+    report.reposed |= own.reposed

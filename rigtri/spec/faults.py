@@ -1,0 +1,49 @@
+"""What is wrong in a spec, with the place of each fault."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rigtri.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Place:
+    """A line and a column of a file, both from 1 on."""
+
+    file: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is wrong: where, in which part of the spec, and what to do."""
+
+    place: Place
+    where: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.place} {self.where}: {self.text}" if self.where else f"{self.place} {self.text}"
+
+    def as_json(self) -> dict[str, object]:
+        """The fault as schemas/error.schema.json describes it."""
+        place = {"file": self.place.file, "line": self.place.line, "column": self.place.column}
+        return {**place, "where": self.where, "text": self.text}
+
+
+class SpecError(UsageError):
+    """A spec that says what cannot be, or what a character has not; a fault for each."""
+
+    def __init__(self, faults: Sequence[Fault], exit_code: int = UsageError.exit_code) -> None:
+        found = tuple(dict.fromkeys(faults))
+        self.exit_code = exit_code
+        # One fault is the error itself.
+        self.faults: tuple[Fault, ...] = found if len(found) > 1 else ()
+        files = ", ".join(dict.fromkeys(fault.place.file for fault in found))
+        super().__init__(f"{files}: {len(found)} faults in the spec" if self.faults else str(found[0]))

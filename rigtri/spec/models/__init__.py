@@ -1,0 +1,1 @@
+"""The options of each step as specs may say them: the commands' names, values and defaults."""

@@ -1,0 +1,159 @@
+"""Kinds of values that options have in a spec."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    WithJsonSchema,
+)
+from pydantic_core import CoreSchema, core_schema
+
+from rigtri.bounds import fits, unfit
+from rigtri.ops.presets import PRESETS
+from rigtri.ops.ups import direction
+
+_TEXT = {"type": "string"}
+_NUMBERS = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+_TRIPLE = {"anyOf": [_TEXT, _NUMBERS]}
+
+
+class OneOrMany:
+    """A list, or for a list of one that one itself; said in the JSON Schema too."""
+
+    def __init__(self, alone: Callable[[Any], bool]) -> None:
+        self._alone = alone
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self._listed, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        found = dict(handler(schema))
+        return {"anyOf": [found["items"], found]}
+
+    def _listed(self, value: Any) -> Any:
+        return [value] if self._alone(value) else value
+
+
+def _word(value: Any) -> bool:
+    return isinstance(value, str | int | float) and not isinstance(value, bool)
+
+
+def _row(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and not isinstance(value[0], list | dict)
+
+
+def _numbers(value: Any) -> Any:
+    """Three numbers of a list, or of words with commas."""
+    if isinstance(value, str):
+        try:
+            value = [float(part) for part in value.split(",")]
+        except ValueError:
+            raise ValueError(f"'{value}' is no point: give [x, y, z]") from None
+    if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_number, value)):
+        raise ValueError("give three numbers: [x, y, z]")
+    return tuple(float(number) for number in value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and fits(float(value))
+
+
+def _direction(value: Any) -> Any:
+    """A direction as the command line has it, or as three numbers."""
+    return direction(value) if isinstance(value, str) else _numbers(value)
+
+
+def _joined(value: Any) -> Any:
+    """Words or numbers of a list with commas between them."""
+    if isinstance(value, list) and all(isinstance(part, str) or _is_number(part) for part in value):
+        return ",".join(str(part) for part in value)
+    return value
+
+
+def _pairs(value: Any) -> Any:
+    """A mapping as texts with ``=`` between key and value, as the command line has it."""
+    if isinstance(value, Mapping):
+        return [f"{key}={_joined(part)}" for key, part in value.items()]
+    return (
+        [_joined(part) if isinstance(part, list) else part for part in ([value] if _word(value) else value)]
+        if value
+        else value
+    )
+
+
+def _text_or_point(value: Any) -> Any:
+    return _joined(value) if isinstance(value, list) else value
+
+
+def _workable(value: float) -> float:
+    if not fits(value):
+        raise ValueError(unfit(value))
+    return value
+
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueError("is no number that differences can be compared with")
+    return value
+
+
+def _beside(value: str, info: ValidationInfo) -> str:
+    """A file's name as seen from the spec that names it."""
+    folder = (info.context or {}).get("folder")
+    return value if folder is None else str(Path(folder, value))
+
+
+Name = Annotated[str, Field(min_length=1)]
+Names = Annotated[tuple[Name, ...], OneOrMany(_word)]
+Pair = tuple[Name, Name]
+Triple = tuple[Name, Name, Name]
+Pairs = Annotated[tuple[Pair, ...], OneOrMany(_row)]
+Triples = Annotated[tuple[Triple, ...], OneOrMany(_row)]
+Number = Annotated[float, AfterValidator(_workable)]
+Above = Annotated[float, Field(gt=0), AfterValidator(_workable)]
+Tolerance = Annotated[float, Field(ge=0), AfterValidator(_finite)]
+Share = Annotated[float, Field(ge=0, lt=1)]
+Integers = Annotated[tuple[int, ...], OneOrMany(_word)]
+Point = Annotated[tuple[float, float, float], BeforeValidator(_numbers), WithJsonSchema(_TRIPLE)]
+Points = Annotated[tuple[Point, ...], OneOrMany(_row)]
+Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction), WithJsonSchema(_TRIPLE)]
+# Texts KEY=VALUE, which a spec may also give as a mapping.
+Assignments = Annotated[
+    tuple[str, ...],
+    BeforeValidator(_pairs),
+    WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": _TEXT}, {"type": "object"}]}),
+]
+# Words or numbers, which a spec may give as a list, and the command line has commas between.
+Joined = Annotated[
+    str,
+    BeforeValidator(_joined),
+    WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": {"type": ["string", "number"]}}]}),
+]
+TextOrPoint = Annotated[str, BeforeValidator(_text_or_point), WithJsonSchema(_TRIPLE)]
+File = Annotated[str, Field(min_length=1), AfterValidator(_beside)]
+Preset = Annotated[
+    str,
+    AfterValidator(lambda word: _one_of(word, PRESETS)),
+    WithJsonSchema({"enum": list(PRESETS)}),
+]
+Auto = Literal["auto"]
+EndKind = Literal["locator", "joint"]
+Axis = Literal["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
+
+
+def _one_of(word: str, known: Mapping[str, Any]) -> str:
+    if word not in known:
+        raise ValueError(f"'{word}' is none of {', '.join(known)}")
+    return word

@@ -1,0 +1,127 @@
+"""A spec to start from: what a character's own joints suggest."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from rigtri.limbs import Limb, recognise
+from rigtri.rig import Rig
+from rigtri.skeleton import Skeleton, skeleton
+
+# So many joints are shown as a comment; inspect shows all.
+MOST_SHOWN = 200
+
+
+def starter(rig: Rig, file: str) -> str:
+    """A spec in YAML for ``rig``, with its joints as a comment; what is uncertain is commented out.
+
+    Raises FileError for a file without joints.
+    """
+    tree = skeleton(rig)
+    lines = [
+        f"# A rig spec to start from, for {json.dumps(file, ensure_ascii=False)}.",
+        "# Steps and options are those of the commands: rigtri COMMAND --help.",
+        "# Editors check and complete it with the schema: rigtri schema spec > spec.schema.json",
+        "version: 1",
+        "",
+        "steps:",
+        "  # New axes for all joints that carry weight; nothing that can be seen moves. Other presets:",
+        "  # maya, unreal-editor, mgear, cmt, blender, rigify, talk, article, openxr, three-ik, vrm.",
+        "  - do: orient-joints",
+        f"    preset: {'vrm' if rig.frozen else 'maya'}",
+        "",
+        *_limbs(rig),
+        *_fingers(rig, tree),
+        *_joints(rig, tree),
+    ]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def plain_values(text: str) -> Any:
+    """A spec in YAML as plain values, without its comments."""
+    from ruamel.yaml import YAML
+
+    return YAML(typ="safe", pure=True).load(text)
+
+
+def _limbs(rig: Rig) -> Iterator[str]:
+    limbs = [limb for limb in recognise(rig) if _chained(rig, limb)]
+    if not limbs:
+        yield "  # No arms or legs are known by their names. Name three joints of a limb:"
+        yield "  # - do: add-polevector"
+        yield "  #   limb: [upper_arm, forearm, hand]"
+        yield "  # - do: add-controls"
+        yield "  #   ik: [upper_arm, forearm, hand]"
+        yield ""
+        return
+    yield "  # Twist joints, so that the skin of these limbs does not wring."
+    yield "  - do: add-twist"
+    yield "    limb:"
+    yield from (f"      - {_flow(rig, limb)}" for limb in limbs)
+    yield "    count: 2"
+    yield ""
+    yield "  # A root control, an FK control for each joint, IK ends and pole vectors for these limbs."
+    yield "  - do: add-controls"
+    yield "    whole-character: true"
+    yield ""
+    yield "  # The motion of the clips on the controls too, for animators."
+    yield "  # - do: bake"
+    yield "  #   to: controls"
+    yield ""
+
+
+def _chained(rig: Rig, limb: Limb) -> bool:
+    """Whether each joint of a limb hangs below the one before; in some IK rigs the foot does not."""
+    return rig.is_below(limb.middle, limb.start) and rig.is_below(limb.end, limb.middle)
+
+
+def _flow(rig: Rig, limb: Limb) -> str:
+    return f"[{_names(rig, limb.triple)}]"
+
+
+def _names(rig: Rig, nodes: Iterable[int]) -> str:
+    return ", ".join(_name(rig, node) for node in nodes)
+
+
+def _name(rig: Rig, node: int) -> str:
+    """What finds a node, as YAML has it; braces would mean something else in a spec."""
+    address = rig.address(node)
+    return json.dumps(rig.labels[node] if "{" in address else address, ensure_ascii=False)
+
+
+def _fingers(rig: Rig, tree: Skeleton) -> Iterator[str]:
+    """Chains that hang below the end of a limb, as an example of controls for a few joints."""
+    chains = []
+    for limb in recognise(rig):
+        for top in tree.below.get(limb.end, ()):
+            chain = _chain(tree, top)
+            if len(chain) > 1 and limb.kind == "arm":
+                chains.append(chain)
+    if not chains:
+        return
+    yield "  # Fingers alone, with shapes of their own."
+    yield "  # - do: add-controls"
+    yield "  #   chain:"
+    yield from (f"  #     - [{_names(rig, (chain[0], chain[-1]))}]" for chain in chains)
+    yield "  #   shape: {fk: square}"
+    yield ""
+
+
+def _chain(tree: Skeleton, top: int) -> list[int]:
+    chain = [top]
+    while len(tree.below.get(chain[-1], ())) == 1:
+        chain.append(tree.below[chain[-1]][0])
+    return chain
+
+
+def _joints(rig: Rig, tree: Skeleton) -> Iterator[str]:
+    yield "# The joints, as steps may call them:"
+    depths: dict[int, int] = {}
+    for number, joint in enumerate(tree.joints):
+        if number == MOST_SHOWN:
+            yield f"#   … {len(tree.joints) - MOST_SHOWN} more; all with: rigtri inspect FILE"
+            break
+        depths[joint] = depths.get(tree.above[joint], -1) + 1
+        yield f"#   {'  ' * depths[joint]}{_name(rig, joint)}"

@@ -1,0 +1,30 @@
+"""The step bake"""
+
+from __future__ import annotations
+
+from rigtri.formats import read
+from rigtri.ops.bake import Options, bake
+from rigtri.ops.described import as_described
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.steps.request import Request, Step
+
+
+def step(request: Request) -> Step:
+    """A step that works controls out into joint keys, or the reverse."""
+    options = Options(
+        to=request["to"],
+        clips=request["clips"],
+        fps=request["fps"],
+        tolerance=request["tolerance"],
+        soft=request["soft"],
+        stretch=request["stretch"],
+    )
+    described = request["described"]
+
+    def applied(rig: Rig, report: Report) -> Rig:
+        if described is not None:
+            rig = as_described(rig, read(described).rig, report=report)
+        return bake(rig, options=options, report=report)
+
+    return applied

@@ -1,0 +1,480 @@
+"""Rig specs: steps as files list them, with the commands' names, options and results."""
+
+from __future__ import annotations
+
+import json
+from importlib import import_module
+from pathlib import Path
+from typing import Any, get_args
+
+import click
+import jsonschema
+import pytest
+from click.testing import CliRunner
+from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from ruamel.yaml import YAML
+from second_opinions import validator
+
+from rigtri.cli.main import program
+from rigtri.compare import verify
+from rigtri.errors import FileError, UsageError
+from rigtri.formats import read
+from rigtri.pipeline import edit
+from rigtri.spec.building import build
+from rigtri.spec.faults import SpecError
+from rigtri.spec.loading import load
+from rigtri.spec.models.base import StepModel
+from rigtri.spec.models.spec import AnyStep
+from rigtri.spec.starter import starter
+from rigtri.steps import STEPS, step
+
+MODELS: dict[str, type[StepModel]] = {
+    get_args(model.model_fields["do"].annotation)[0]: model for model in get_args(get_args(AnyStep)[0])
+}
+# What a command must be given to be asked at all.
+LEAST: dict[str, dict[str, Any]] = {
+    "make-limb": {"points": [[0, 1, 0], [0, 0.5, 0.1], [0, 0, 0]]},
+    "add-twist": {"limbs": "auto"},
+    "add-controls": {"whole-character": True},
+    "constrain": {"type": "parent", "driver": "a", "child": "b"},
+    "add-rivet": {"mesh": "body"},
+    "add-posereader": {"driver": "a"},
+    "take-clips": {"from": "a.glb"},
+    "snap": {"to": "ik", "at": "rest", "all-limbs": True},
+}
+# What all of a command's options have in common is said once in a spec, for the whole file, or is for
+# the command line alone: what is printed, and what is written beside OUT.
+SHARED = [
+    "source",
+    "target",
+    "root",
+    "lenient",
+    "allow_external_paths",
+    "resources",
+    "override",
+    "override_stage",
+    "tolerance",
+    "verify",
+    "strict",
+    "report_path",
+    "sidecar",
+    "dry_run",
+    "overwrite",
+    "as_json",
+    "quiet",
+    "verbose",
+    "unknown_node_ext",
+    "bake_xform",
+    "allow_rename",
+]
+NOT_FOR_SPECS = {
+    "orient-joints": {"save_frames"},
+    "make-limb": {"up_axis", "meters_per_unit"},  # of new files
+    "mirror": {"check", "tolerance_distance", "tolerance_degrees"},  # --check writes nothing
+}
+STYLES = ("aim", "up", "up_from")  # repeated on the command line, where they follow their chain
+
+
+def command_of(name: str) -> click.Command:
+    found = import_module(f"rigtri.cli.{name.replace('-', '_')}").command
+    assert isinstance(found, click.Command)
+    return found
+
+
+def words(options: dict[str, Any]) -> list[str]:
+    """Options of a spec as words of a command line."""
+    found: list[str] = []
+    for name, value in options.items():
+        if value is True:
+            found.append(f"--{name}")
+            continue
+        for one in value if isinstance(value, list) else [value]:
+            found += [f"--{name}", ",".join(map(str, one)) if isinstance(one, list) else str(one)]
+    return found
+
+
+def write(folder: Path, text: str, name: str = "rig.yaml") -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def own(name: str) -> list[click.Parameter]:
+    left_out = {*SHARED, *NOT_FOR_SPECS.get(name, ())}
+    return [p for p in command_of(name).params if p.name not in left_out and p.name != "help"]
+
+
+def test_there_is_a_step_for_every_operation() -> None:
+    assert list(MODELS) == list(STEPS)
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_has_the_options_of_its_command(name: str) -> None:
+    fields = {field: about.alias or field for field, about in MODELS[name].model_fields.items()}
+    told = {str(p.name): max(p.opts, key=len).removeprefix("--") for p in own(name)}
+    assert {k: v for k, v in fields.items() if k not in ("do", "optional")} == told
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_has_the_defaults_of_its_command(name: str) -> None:
+    least = LEAST.get(name, {})
+    context = command_of(name).make_context(name, ["in.glb", "-o", "out.glb", *words(least)])
+    model = MODELS[name].model_validate({"do": name, **least})
+    ours = model.request({}, read_nothing()).values
+    for parameter in own(name):
+        if parameter.name not in (*STYLES, "limb") or name == "make-limb":
+            assert ours[str(parameter.name)] == context.params[str(parameter.name)], parameter.name
+
+
+def read_nothing() -> Any:
+    from rigtri.formats import Options
+
+    return Options()
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_takes_the_choices_of_its_command(name: str) -> None:
+    properties = MODELS[name].model_json_schema(by_alias=True)["properties"]
+    for parameter in own(name):
+        if isinstance(parameter.type, click.Choice):
+            about = properties[max(parameter.opts, key=len).removeprefix("--")]
+            kinds = [*about.get("anyOf", [about]), about.get("items", {})]
+            found = [
+                word
+                for kind in kinds
+                for word in kind.get("enum", [kind["const"]] if "const" in kind else [])
+            ]
+            assert found == list(parameter.type.choices), parameter.name
+
+
+WHOLE = """
+version: 1
+steps:
+  - do: orient-joints
+    preset: unreal-editor
+  - do: add-twist
+    limb: ["upper_arm_{L,R}", "forearm_{L,R}", "hand_{L,R}"]
+  - do: add-controls
+    whole-character: true
+    shape: {fk: cube, root: square}
+  - do: constrain
+    type: orient
+    child: head
+    driver: {chest: 1}
+  - do: bake
+    to: controls
+"""
+
+
+@pytest.mark.parametrize("sample", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: Path) -> None:
+    source = SAMPLES / sample
+    if not source.exists():
+        source = SAMPLES / f"biped{'.glb' if 'gl' in sample else '.usda'}"
+    spec = load(write(tmp_path, WHOLE))
+    at = source
+    for one in spec.steps:
+        then = tmp_path / str(one.number) / source.name
+        then.parent.mkdir()
+        edit(at, then, step(one.do, one.request))
+        at = then
+    built = build(source, tmp_path / source.name, spec)
+    result = read(tmp_path / source.name)
+    assert built.outcome.written
+    assert [one.step.do for one in built.done] == [one.do for one in spec.steps]
+    assert (tmp_path / source.name).read_bytes() == at.read_bytes()
+    assert verify(read(source), result).passes(1e-5)
+
+
+def test_a_second_build_changes_no_byte(tmp_path: Path) -> None:
+    spec = load(write(tmp_path, WHOLE))
+    build(SAMPLES / "biped.glb", tmp_path / "once.glb", spec)
+    build(tmp_path / "once.glb", tmp_path / "twice.glb", spec)
+    assert (tmp_path / "twice.glb").read_bytes() == (tmp_path / "once.glb").read_bytes()
+
+
+def test_yaml_toml_and_json_say_the_same(tmp_path: Path) -> None:
+    yaml = load(write(tmp_path, "steps:\n- {do: add-controls, chain: [a, no], size: 2}\n"))
+    toml = load(
+        write(tmp_path, '[[steps]]\ndo = "add-controls"\nchain = ["a", "no"]\nsize = 2\n', "rig.toml")
+    )
+    told = {"steps": [{"do": "add-controls", "chain": [["a", "no"]], "size": 2.0}]}
+    found = load(write(tmp_path, json.dumps(told, indent="\t"), "rig.json"))
+    assert yaml.canonical() == toml.canonical() == found.canonical()
+    assert yaml.steps[0].request["chains"] == (("a", "no"),)
+
+
+FAULTY = """version: 1
+steps:
+  - do: orient-joint
+  - do: orient-joints
+    preset: maja
+    aim: q
+    exclud: x
+  - do: add-twist
+    count: 99
+    limb: [a, b]
+  - do: constrain
+    type: parent
+  - aim: x
+  - do: add-polevector
+    reach: -1
+    facing: sideways
+"""
+
+
+def test_all_faults_are_told_at_once_with_their_places(tmp_path: Path) -> None:
+    with pytest.raises(SpecError) as caught:
+        load(write(tmp_path, FAULTY))
+    told = {(fault.place.line, fault.place.column): fault.text for fault in caught.value.faults}
+    assert sorted(told) == [
+        (3, 9),
+        (5, 13),
+        (6, 10),
+        (7, 13),
+        (9, 12),
+        (10, 12),
+        (11, 5),
+        (13, 5),
+        (15, 12),
+        (16, 13),
+    ]
+    assert "Did you mean 'orient-joints'?" in told[3, 9]
+    assert "Did you mean 'exclude'?" in told[7, 13]
+    assert "'driver' is missing" in told[11, 5]
+    assert "(it is 99)" in told[9, 12]
+
+
+def test_a_fault_of_toml_has_the_line_of_its_key(tmp_path: Path) -> None:
+    text = 'version = 1\n\n[[steps]]\ndo = "orient-joints"\n\n[[steps]]\ndo = "add-twist"\n  count = 99\n'
+    with pytest.raises(SpecError, match=r"rig\.toml:8:3 step 2 \(add-twist\): count"):
+        load(write(tmp_path, text, "rig.toml"))
+
+
+def test_options_that_contradict_each_other_are_told_with_their_step(tmp_path: Path) -> None:
+    text = "steps:\n- do: snap\n  to: ik\n  at: rest\n- do: add-twist\n  joint: a\n"
+    with pytest.raises(SpecError) as caught:
+        load(write(tmp_path, text))
+    assert [(f.place.line, f.where) for f in caught.value.faults] == [
+        (2, "step 1 (snap)"),
+        (5, "step 2 (add-twist)"),
+    ]
+
+
+def test_all_joints_that_a_character_has_not_are_told_at_once(tmp_path: Path) -> None:
+    text = "steps:\n- do: add-twist\n  limb: [uper_arm_L, forearm_L, hand_L]\n"
+    text += "- do: constrain\n  type: orient\n  child: heda\n  driver: chest\n"
+    spec = load(write(tmp_path, text))
+    with pytest.raises(SpecError) as caught:
+        build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
+    assert [(f.place.line, f.place.column) for f in caught.value.faults] == [(3, 10), (6, 10)]
+    assert "Did you mean 'upper_arm_L'" in caught.value.faults[0].text
+    assert caught.value.exit_code == 4
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_an_optional_step_is_left_out_where_its_joints_are_not(tmp_path: Path) -> None:
+    text = "steps:\n- do: add-controls\n  chain: [tail_1, tail_4]\n  optional: true\n- do: orient-joints\n"
+    built = build(SAMPLES / "biped.glb", tmp_path / "out.glb", load(write(tmp_path, text)))
+    assert [notice.code for notice in built.outcome.report.warnings] == ["step-left-out"]
+    assert (tmp_path / "out.glb").read_bytes() != (SAMPLES / "biped.glb").read_bytes()
+
+
+def test_what_a_spec_extends_holds_until_it_says_otherwise(tmp_path: Path) -> None:
+    studio = "variables: {size: 1, who: hero}\ntolerance: 1e-6\ndefaults:\n"
+    studio += "  add-controls: {size: '${size}', stretch: true}\n"
+    studio += "steps:\n- do: orient-joints\n"
+    write(tmp_path, studio, "studio.yaml")
+    text = "extends: studio.yaml\nvariables: {size: 2}\nsteps:\n- do: add-controls\n  whole-character: true\n"
+    text += "  name: '${who}_{joint}_$${x}'\n"
+    spec = load(write(tmp_path, text))
+    (only,) = spec.steps
+    assert (only.request["size"], only.request["stretch"], only.request["name"]) == (
+        2.0,
+        True,
+        "hero_{joint}_${x}",
+    )
+    assert spec.model.tolerance == 1e-6
+    assert {path.name for path in spec.files()} == {"rig.yaml", "studio.yaml"}
+    assert load(write(tmp_path, "extends: studio.yaml\n", "b.yaml")).steps[0].do == "orient-joints"
+    assert load(tmp_path / "rig.yaml", variables={"size": "3"}).steps[0].request["size"] == 3.0
+
+
+def test_a_fault_of_an_extended_spec_names_that_file(tmp_path: Path) -> None:
+    write(tmp_path, "defaults:\n  orient-joints:\n    aim: q\n", "studio.yaml")
+    with pytest.raises(SpecError, match=r"studio\.yaml:3:10 step 1 \(orient-joints\): aim"):
+        load(write(tmp_path, "extends: studio.yaml\nsteps:\n- do: orient-joints\n"))
+
+
+def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
+    text = (
+        'steps:\n- do: add-controls\n  chain: ["{index,ring}_1", "{index,ring}_3"]\n  name: "{joint}_ctl"\n'
+    )
+    spec = load(write(tmp_path, text))
+    assert [one.request["chains"] for one in spec.steps] == [
+        (("index_1", "index_3"),),
+        (("ring_1", "ring_3"),),
+    ]
+    assert {one.place.line for one in spec.steps} == {2}
+    with pytest.raises(SpecError, match="2 and 3 words"):
+        load(write(tmp_path, 'steps:\n- do: add-controls\n  chain: ["{a,b}", "{a,b,c}"]\n'))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "a spec is a mapping"),
+        ("- a\n", "a spec is a mapping"),
+        ("steps: []\n", "has no steps"),
+        ("version: 2\nsteps:\n- do: strip\n", "version"),
+        ("steps:\n- do: strip\n  splits: maybe\n", "splits: input should be a valid boolean"),
+        ("steps: [\n", "no YAML"),
+        ("steps: 1\nsteps: 2\n", "no YAML: found duplicate key"),
+        ("steps:\n- {do: bake, to: '${way}'}\n", "there is no variable 'way'"),
+        ("a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+            f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join([f'*{chr(97 + k)}'] * 9)}]\n" for k in range(8)
+        ), "more values"),
+        ("steps: " + "[" * 500 + "]" * 500, "recursion"),
+        ("extends: rig.yaml\n", "in a circle"),
+        ("extends: nowhere.yaml\n", "does not exist"),
+    ],
+)  # fmt: skip
+def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: Path) -> None:
+    result = CliRunner().invoke(
+        program, ["build", "--explain", "--spec", str(write(tmp_path, text)), "--json"]
+    )
+    assert result.exit_code in (2, 3), result.output
+    assert said in result.stderr
+    assert result.stderr.startswith("rigtri: ")
+    assert json.loads(result.stdout)["error"]["message"]
+
+
+def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "folder.yaml").mkdir()
+    with pytest.raises(FileError, match="does not exist"):
+        load(tmp_path / "rig.yaml")
+    with pytest.raises(FileError, match="is a folder"):
+        load(tmp_path / "folder.yaml")
+    with pytest.raises(FileError, match=r"a \.yaml, \.yml, \.toml or \.json"):
+        load(SAMPLES / "biped.glb")
+    (tmp_path / "latin.yaml").write_bytes(b"name: \xe9\n")
+    with pytest.raises(FileError, match="no UTF-8"):
+        load(tmp_path / "latin.yaml")
+
+
+def test_files_that_a_spec_names_are_found_beside_it(tmp_path: Path) -> None:
+    folder = tmp_path / "specs"
+    folder.mkdir()
+    edit(SAMPLES / "biped.glb", folder / "axes.glb", step("orient-joints", orient_request()))
+    spec = load(write(folder, "steps:\n- do: orient-joints\n  like: axes.glb\n"))
+    build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
+    assert [path.name for path in spec.files()] == ["rig.yaml", "axes.glb"]
+    assert verify(read(SAMPLES / "biped.glb"), read(tmp_path / "out.glb")).passes(1e-5)
+
+
+def orient_request() -> Any:
+    model = MODELS["orient-joints"].model_validate({"do": "orient-joints", "preset": "maya"})
+    return model.request({"root": None, "tolerance": 1e-5}, read_nothing())
+
+
+def test_a_target_that_exists_is_refused_before_anything_is_done(tmp_path: Path) -> None:
+    spec = load(write(tmp_path, "steps:\n- do: strip\n- do: orient-joints\n"))
+    (tmp_path / "out.glb").write_bytes(b"mine")
+    with pytest.raises(UsageError, match="only with --overwrite"):
+        build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
+    assert (tmp_path / "out.glb").read_bytes() == b"mine"
+
+
+def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path) -> None:
+    spec, source = write(tmp_path, WHOLE), SAMPLES / "biped.glb"
+    before = sorted(tmp_path.iterdir())
+    result = CliRunner().invoke(program, ["build", str(source), "--spec", str(spec), "--explain"])
+    assert result.exit_code == 0, result.output
+    assert f"2. add-twist: limb upper_arm_L forearm_L hand_L ({spec}:6:5)" in result.stdout
+    assert "4 twist joints along 2 bones" in result.stderr
+    assert "was not written" in result.stderr
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:
+    line = [
+        "build",
+        SAMPLES / "biped.glb",
+        "--spec",
+        write(tmp_path, WHOLE),
+        "-o",
+        tmp_path / "out.glb",
+        "--json",
+    ]
+    result = CliRunner().invoke(program, list(map(str, line)))
+    assert result.exit_code == 0, result.output
+    told = json.loads(result.stdout)
+    assert [one["do"] for one in told["steps"]] == [
+        "orient-joints",
+        "add-twist",
+        "add-twist",
+        "add-controls",
+        "constrain",
+        "bake",
+    ]
+    assert told["verification"]["deviation"] < 1e-5
+    validator("report").validate(told)
+
+
+def schema() -> Any:
+    result = CliRunner().invoke(program, ["schema"])
+    assert result.exit_code == 0
+    return json.loads(result.stdout)
+
+
+def test_the_schema_is_what_the_models_say() -> None:
+    from rigtri.schemas.make import spec_schema
+
+    assert schema() == spec_schema()
+    jsonschema.Draft202012Validator.check_schema(schema())
+
+
+def test_every_option_of_the_schema_is_told_in_words() -> None:
+    about = schema()["$defs"]
+    steps = [model for model in about.values() if "do" in model["properties"]]
+    assert len(steps) == len(STEPS)
+    for model in steps:
+        for name, option in model["properties"].items():
+            assert name == "do" or option.get("description"), (model["description"], name)
+
+
+@pytest.mark.parametrize("text", [WHOLE, "steps:\n- do: add-twist\n  limbs: auto\n  count: ${n}\n"])
+def test_the_schema_takes_what_a_spec_may_say(text: str) -> None:
+    jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
+
+
+@pytest.mark.parametrize("line", ["preset: maja", "aim: q", "exclud: x", "joints: 3", "do: orient"])
+def test_the_schema_refuses_what_a_spec_may_not_say(line: str) -> None:
+    told = {"do": "orient-joints", **YAML(typ="safe", pure=True).load(line)}
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"steps": [told]}, schema())
+
+
+@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+def test_a_starter_is_a_spec_for_its_character(path: Path, tmp_path: Path) -> None:
+    try:
+        text = starter(read(path).rig, path.name)
+    except FileError as error:
+        leave_out_refused(path, error)
+    spec = load(write(tmp_path, text))
+    assert spec.steps[0].do == "orient-joints"
+    jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
+    if path.suffix == ".glb" and path.stat().st_size < 1 << 20:
+        build(path, tmp_path / path.name, spec)
+        assert verify(read(path), read(tmp_path / path.name)).passes(1e-5)
+
+
+def test_spec_init_and_build_are_two_commands_from_a_character_to_its_rig(tmp_path: Path) -> None:
+    source, spec, out = SAMPLES / "biped.usda", tmp_path / "rig.yaml", tmp_path / "out.usda"
+    for line in (["spec-init", source, "-o", spec], ["build", source, "--spec", spec, "-o", out]):
+        result = CliRunner().invoke(program, list(map(str, line)))
+        assert result.exit_code == 0, result.output
+    again = CliRunner().invoke(program, ["spec-init", str(source), "-o", str(spec)])
+    assert again.exit_code == 2
+    assert "--overwrite" in again.stderr
+    assert any(note["type"] == "control" for note in read(out).rig.notes.values())
