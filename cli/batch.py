@@ -15,10 +15,11 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError
 
 from . import failures
-from .options import json_option, quiet_option
+from .build import assigned, set_option, spec_option
+from .options import Tolerance, json_option, quiet_option
 from .progress import Progress
 from .words import counted, plain
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from rigtri.batch.entries import Entry, Found
     from rigtri.batch.run import Plan, Run, Tasks
     from rigtri.batch.shards import Shard
+    from rigtri.batch.spec_task import SpecTask
     from rigtri.batch.work import Record
 
 SOME_FAILED = 7
@@ -49,15 +51,8 @@ class Bytes(click.ParamType[int]):
 
 @click.command("batch")
 @click.argument("inputs", metavar="IN…", nargs=-1)
-@click.option("--spec", required=True, metavar="FILE", type=click.Path(), help="What to do to each file.")
-@click.option(
-    "-V",
-    "--var",
-    "variables",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="A variable of the spec; a job file may say otherwise for a file.",
-)
+@spec_option
+@set_option
 @click.option(
     "-O", "--out-dir", metavar="DIR", type=click.Path(), help="Where outputs go; they keep the folder tree."
 )
@@ -98,6 +93,8 @@ class Bytes(click.ParamType[int]):
     show_default=True,
     help="Compare source and result in every pose before an output appears.",
 )
+@click.option("--strict", is_flag=True, help="Make any warning an error, also where the spec does not.")
+@click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
 @click.option(
     "--resources",
     type=click.Choice(["copy", "relink"]),
@@ -125,14 +122,13 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
-    from rigtri.batch import manifest, targets
+    from rigtri.batch import manifest
     from rigtri.batch.engine import Local, processors
     from rigtri.batch.run import Run
 
     out_dir = Path(values["out_dir"]) if values["out_dir"] else None
-    found = _entries(inputs, values, out_dir)
+    found = _found(inputs, values, out_dir, tasks)
     whole = _manifest(values, out_dir)
-    targets.check(found.entries)
     shard = _shard(values)
     folder = os.path.abspath(whole.parent)
     chosen = found.entries if shard is None else shard.of(found.entries, folder)
@@ -170,31 +166,32 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
 
 def _tasks(values: dict[str, Any]) -> Tasks:
     """What the spec makes of each file, by its own variables."""
-    from rigtri.batch.spec_task import SpecTask
-    from rigtri.spec import load
+    from rigtri.spec.loading import load
 
-    path = Path(values["spec"])
-    shared = dict(_variable(text) for text in values["variables"])
+    shared = assigned(values["variables"])
 
     def task(own: tuple[tuple[str, str], ...]) -> SpecTask:
-        return SpecTask(load(path, variables=shared | dict(own)), values["verify"], values["resources"])
+        from rigtri.batch.spec_task import SpecTask
 
-    task(())  # faults of the spec come before all others
+        spec = load(values["spec"], variables=shared | dict(own))
+        words = {name: values[name] for name in ("strict", "tolerance", "resources")}
+        return SpecTask(spec.limited(**words), values["verify"])
+
     return task
 
 
-def _variable(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals or not name:
-        raise UsageError(f"--var {text}: give NAME=VALUE")
-    return name, value
-
-
-def _entries(inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | None) -> Found:
+def _found(inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | None, tasks: Tasks) -> Found:
+    """The entries, which can go together; the spec is right for the first of them."""
+    from rigtri.batch import targets
     from rigtri.batch.entries import entries
 
     job, base = (Path(values[name]) if values[name] else None for name in ("job", "base"))
-    return entries(inputs, job=job, out_dir=out_dir, base=base)
+    found = entries(inputs, job=job, out_dir=out_dir, base=base)
+    task = tasks(found.entries[0].variables)
+    if task.layers:
+        found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
+    targets.check(found.entries, layers=task.layers, beside=task.beside)
+    return found
 
 
 def _manifest(values: dict[str, Any], out_dir: Path | None) -> Path:

@@ -14,7 +14,7 @@ import signal
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
@@ -50,13 +50,16 @@ class Confined:
     allowed: ClassVar[int | None] = None  # in a child: its own limit
     parent: ClassVar[Connection | None] = None  # in a child: where its parent listens
 
-    def __init__(self, *, seconds: float | None = None, memory: int | None = None) -> None:
+    def __init__(
+        self, *, seconds: float | None = None, memory: int | None = None, preload: Sequence[str] = ()
+    ) -> None:
+        """preload: modules that tasks will need."""
         self._seconds, self._memory = seconds, self.allowed if memory is None else memory
         # A fork of this process would copy the locks that its threads hold; the server has no threads.
         method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
         self._context: Any = multiprocessing.get_context(method)
         if method == "forkserver":
-            self._context.set_forkserver_preload(_PRELOADED)
+            self._context.set_forkserver_preload([*_PRELOADED, *preload])
         self._process: Any = None
         self._pipe: Connection | None = None
 

@@ -30,6 +30,8 @@ class Turn:
     verify: bool = True
     relink: bool = False
     joint: str | None = None
+    layers: bool = False
+    beside: str = ""
 
     def key(self) -> str:
         return f"turn {self.label} {self.verify} {self.relink} {self.joint}"

@@ -16,6 +16,8 @@ from rigtri.confined import Confined, CrashError
 from rigtri.errors import RigtriError
 from rigtri.outputs import recover
 
+# What work and most tasks need, so that a new process has it.
+_PRELOADED = ("rigtri.batch.work", "rigtri.batch.spec_task", "rigtri.spec.merging", "rigtri.spec.models.spec")
 # Waiting for an answer in steps lets signals be heard everywhere.
 _STEP = 0.2
 
@@ -68,9 +70,9 @@ class Local:
         max_errors: int | None = None,
     ) -> None:
         self._folder, self._max_errors, self._failed = folder, max_errors, 0
-        # A worker that is killed cannot remove what it tried.
-        self._scratch = tempfile.TemporaryDirectory(prefix="rigtri-") if dry_run else None
-        self._children = [Confined(seconds=seconds, memory=memory) for _ in range(jobs)]
+        self._dry_run = dry_run
+        self._scratch = ""
+        self._children = [Confined(seconds=seconds, memory=memory, preload=_PRELOADED) for _ in range(jobs)]
         self._stopped, self._killed = threading.Event(), threading.Event()
         self._lock = threading.Lock()
         self._results: queue.SimpleQueue[tuple[Assignment, Record] | BaseException | None] = (
@@ -79,7 +81,11 @@ class Local:
 
     def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
-        source = iter(assignments)
+        # A worker that is killed cannot remove what it has written for itself.
+        with tempfile.TemporaryDirectory(prefix="rigtri-") as self._scratch:
+            yield from self._run(iter(assignments), heard)
+
+    def _run(self, source: Iterator[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         threads = [
             threading.Thread(target=self._serve, args=(child, source, heard), daemon=True)
             for child in self._children
@@ -102,8 +108,6 @@ class Local:
                 self.kill()
             for thread in threads:
                 thread.join()
-            if self._scratch is not None:
-                self._scratch.cleanup()
 
     def stop(self) -> None:
         """As `Engine.stop`."""
@@ -146,17 +150,15 @@ class Local:
         """One file, whatever becomes of the child."""
         name = assignment.entry.source
         try:
-            scratch = None if self._scratch is None else self._scratch.name
-            return child(
-                name, work, assignment, self._folder, scratch, heard=lambda told: heard(assignment, told)
-            )
+            place = self._folder, self._scratch, self._dry_run
+            return child(name, work, assignment, *place, heard=lambda told: heard(assignment, told))
         except CrashError as error:
             record = Record("crashed", error.kind, str(error), error.exit_code)
         except RigtriError:
             raise
         except RuntimeError as error:  # a mistake of ours, with its traceback
             record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
-        if self._scratch is None:
+        if not self._dry_run:
             with suppress(OSError):  # it is told that the file has failed, and the next run tries again
                 recover(Path(assignment.entry.target))
         return record

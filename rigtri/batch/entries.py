@@ -48,14 +48,20 @@ class Found:
 
 
 def entries(
-    words: Sequence[str], *, job: Path | None = None, out_dir: Path | None = None, base: Path | None = None
+    words: Sequence[str],
+    *,
+    job: Path | None = None,
+    out_dir: Path | None = None,
+    base: Path | None = None,
+    layers: bool = False,
 ) -> Found:
     """The files that ``words`` name: paths, patterns with ``**``, ``@list`` (``@-`` is standard input).
 
     job: a file of JSON lines, each ``{"input", "output", "variables"}``, seen from its own folder.
     out_dir: outputs keep their place in the tree below ``base``; without that it is the fixed part
     of a pattern, and for paths the deepest folder that they share. A pattern does not find what
-    lies in out_dir. UsageError for a word that names nothing, FileError for lists that cannot be read.
+    lies in out_dir. layers: outputs are layers over their inputs, also over packages.
+    UsageError for a word that names nothing, FileError for lists that cannot be read.
     """
     inputs, left_out = _without_outputs(_named(words), out_dir)
     if job is not None:
@@ -66,7 +72,7 @@ def entries(
         raise UsageError("name the files to work on: paths, patterns in quotes, @LIST, or --job FILE.jsonl")
     if base is not None:
         inputs = [_below(item, base) for item in inputs]
-    each = dict.fromkeys(_entry(item, out_dir) for item in inputs)
+    each = dict.fromkeys(_entry(item, out_dir, layers) for item in inputs)
     return Found(tuple(sorted(each, key=lambda entry: (entry.source, entry.target))), left_out)
 
 
@@ -142,14 +148,17 @@ def _below(item: _Input, base: Path) -> _Input:
     return _Input(item.source, str(base), item.output, item.variables)
 
 
-def _entry(item: _Input, out_dir: Path | None) -> Entry:
+def _entry(item: _Input, out_dir: Path | None, layers: bool) -> Entry:
     """Where an input goes."""
     if item.output is not None:
         return Entry(item.source, item.output, item.variables)
     if out_dir is None:
         raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
     relative = os.path.relpath(os.path.abspath(item.source), os.path.abspath(item.base or "."))
-    return Entry(item.source, str(out_dir / relative), item.variables)
+    target = out_dir / relative
+    if layers and target.suffix.lower() == ".usdz":
+        target = target.with_suffix(".usda")
+    return Entry(item.source, str(target), item.variables)
 
 
 def _of_job(path: Path) -> list[_Input]:

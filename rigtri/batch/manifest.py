@@ -33,7 +33,7 @@ NAME = "rigtri-batch.sqlite"
 VERSION = 1
 APPLICATION = 0x52494742
 
-_SENTENCE = re.compile(r"(?<=['\])0-9])[.:] ")
+_HINT = re.compile(r"(?<=')\. .*")
 
 _TABLES = """
 CREATE TABLE files(
@@ -279,7 +279,8 @@ def reason(record: Record, entry: Entry) -> str | None:
         text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
     first = text.strip().splitlines()[-1] if record.kind == "bug" else text
     if record.kind in ("name not found", "ambiguous name"):
-        first = _SENTENCE.split(first)[0]  # then comes what this file has instead
+        # After what is missing comes what this file has instead.
+        first = "; ".join(_HINT.sub("", fault) for fault in first.split("; "))
     return first.removeprefix("FILE: ")
 
 

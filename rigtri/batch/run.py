@@ -28,6 +28,7 @@ Tasks = Callable[[tuple[tuple[str, str], ...]], Task]
 _PART = re.compile(r"\.(.+)\.part-[0-9]+(\.[^.]+)")
 # So many files are tried before the first is written.
 TRIED = 8
+_MISFITS = {"name not found", "ambiguous name", "usage"}
 _DONE = ("ok", "warned", "unchanged")
 
 
@@ -187,7 +188,7 @@ class Run:
 
 
 def try_out(plan: Plan, engine: Engine) -> None:
-    """Try some of the files: MisfitError where each of them lacks a joint that is asked for.
+    """Try some of the files: MisfitError or UsageError where what is asked for fits none of them.
 
     ``engine`` writes nothing. Files are taken from the whole of the plan, as folders hold one kind each.
     """
@@ -195,15 +196,16 @@ def try_out(plan: Plan, engine: Engine) -> None:
     places = {k * (count - 1) // max(TRIED - 1, 1) for k in range(TRIED)} if count else set()
     some = [plan.assignments[place] for place in sorted(places)]
     reasons: Counter[str] = Counter()
-    fits = False
+    kinds = set()
     for assignment, record in engine.run(some, lambda _, __: None):
-        reasons[reason(record, assignment.entry) or ""] += 1
-        if record.kind not in ("name not found", "ambiguous name"):
-            fits = True
+        reasons.update((reason(record, assignment.entry) or "").split("; "))
+        kinds.add(record.kind)
+        if not kinds <= _MISFITS:
             engine.stop()
-    if reasons and not fits:
+    if kinds and kinds <= _MISFITS:
         told = "; ".join(f"{text} ({files} of {len(some)})" for text, files in reasons.most_common(MOST))
-        raise MisfitError(f"What is to be done fits none of the {len(some)} files that were tried: {told}")
+        text = f"What is to be done fits none of the {len(some)} files that were tried: {told}"
+        raise UsageError(text) if kinds == {"usage"} else MisfitError(text)
 
 
 def _clear(entries: Sequence[Entry]) -> None:

@@ -14,13 +14,19 @@ from rigtri.errors import FileError, UsageError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
 
 
-def check(entries: Sequence[Entry]) -> None:
-    """UsageError or FileError for inputs and outputs that cannot go together, with the first few of them."""
+def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "") -> None:
+    """UsageError or FileError for inputs and outputs that cannot go together, with the first few of them.
+
+    layers: outputs are layers over their inputs. beside: the suffix of a file that goes with each output.
+    """
     known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
     _refuse(_no_files(entries), "there is no such file to read", FileError)
     _refuse(_strange(entries), f"no rig file, as its name does not end with one of {known}", UsageError)
-    _refuse(_other_suffixes(entries), "the output has the format of the input", UsageError)
+    _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
     _refuse(_clashes(entries), "more than one input for one output", UsageError)
+    if beside:
+        sides = [Entry(e.source, os.path.splitext(e.target)[0] + beside) for e in entries]
+        _refuse(_clashes(sides), "more than one output for one file beside it", UsageError)
     _refuse(_inputs_written(entries), "an input that an output would replace; give another -O", UsageError)
     _refuse(_shut(entries), "nothing can be written there", FileError)
 
@@ -39,12 +45,16 @@ def _no_files(entries: Sequence[Entry]) -> list[str]:
     return [entry.source for entry in entries if not os.path.isfile(entry.source)]
 
 
-def _other_suffixes(entries: Sequence[Entry]) -> list[str]:
+def _other_suffixes(entries: Sequence[Entry], layers: bool) -> list[str]:
     groups = ((".glb", ".vrm", ".vrma"), (".gltf",), (".usd", ".usda", ".usdc"), (".usdz",))
 
     def of(name: str) -> int:
         suffix = os.path.splitext(name)[1].lower()
         return next((k for k, group in enumerate(groups) if suffix in group), -1)
+
+    if layers:
+        layer = groups[2]
+        entries = [e for e in entries if not (of(e.source) >= 2 and e.target.lower().endswith(layer))]
 
     return [f"{entry.source} → {entry.target}" for entry in entries if of(entry.source) != of(entry.target)]
 

@@ -30,6 +30,14 @@ Ready = Callable[[Outcome, Written], None]
 class Task(Protocol):
     """What is done to a file. It travels to other processes by pickle."""
 
+    @property
+    def layers(self) -> bool:
+        """Whether outputs are layers over their inputs."""
+
+    @property
+    def beside(self) -> str:
+        """The suffix of a file that goes with each output, "" for none."""
+
     def key(self) -> str:
         """All that decides what becomes of a file, but for the contents of `files`, as text."""
 
@@ -97,14 +105,13 @@ class Record:
 _hashes = Hashes()
 
 
-def work(assignment: Assignment, folder: str, scratch: str | None) -> Record:
+def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool) -> Record:
     """Do one file. What is about to appear is told before it does (`rigtri.confined.tell`).
 
-    folder: where the manifest is, from which it sees all files. scratch: a folder that is thrown away,
-    where nothing is to appear.
+    folder: where the manifest is, from which it sees all files. scratch: a folder for temporary
+    files, which somebody else removes.
     """
     _outlive_signals()
-    dry_run = scratch is not None
     tempfile.tempdir = scratch
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
     report, told = Report(), []
@@ -169,7 +176,10 @@ def _told(report: Report) -> tuple[dict[str, Any], ...]:
 
 def _refused(error: RigtriError | OSError, report: Report) -> Record:
     if isinstance(error, RigtriError):
-        return Record("error", kind_of(type(error)), str(error), error.exit_code, warnings=_told(report))
+        text = "; ".join(map(str, error.faults)) or str(error)
+        # Of a spec that does not fit: what it was that did not.
+        cause = error.__cause__ if isinstance(error.__cause__, RigtriError) else error
+        return Record("error", kind_of(type(cause)), text, error.exit_code, warnings=_told(report))
     text = f"{error.filename or 'the output'}: {error.strerror or error}"
     return Record("error", "file", text, 3, warnings=_told(report))
 
