@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigtri import pose
-from rigtri.quaternions import from_axes, norm
+from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import cross, dot, length
@@ -69,10 +69,7 @@ def _turns(frames: Floats) -> Floats:
 def angles(one: bytes, other: bytes) -> Floats:
     """How far the frames of each joint are apart, in degrees."""
     a, b = (np.frombuffer(turns, dtype="<i2").reshape(-1, 4).astype(np.float64) for turns in (one, other))
-    a, b = a / np.maximum(norm(a), 1.0)[:, None], b / np.maximum(norm(b), 1.0)[:, None]
-    # By the chord, which is exact for small angles, too.
-    chord = np.minimum(norm(a - b), norm(a + b))
-    found: Floats = np.degrees(4.0 * np.arcsin(np.minimum(chord / 2.0, 1.0)))
+    found: Floats = turn_angle(multiply(conjugate(a), b)) * (180.0 / np.pi)
     return found
 
 

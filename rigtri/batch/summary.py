@@ -9,6 +9,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rigtri.batch.axes import angles, names
 from rigtri.batch.manifest import NAME, opened
 from rigtri.batch.work import STATUSES
@@ -150,7 +152,7 @@ def _groups(kinds: Counter[bytes], joints: Sequence[str], within: float) -> list
                 "files": files,
                 "joint": joints[far] if far >= 0 else None,
                 "degrees": 0.0 if apart is None else round(float(apart[far]), 3),
-                "others": 0 if apart is None else int((apart > within).sum()) - 1,
+                "others": 0 if apart is None else int(np.count_nonzero(apart > within)) - 1,
             }
         )
     return groups
