@@ -262,6 +262,28 @@ def test_a_file_that_fails_at_the_end_leaves_what_others_may_share(batch: Batch,
     assert contents() == {"biped.bin": (samples / "biped.bin").read_bytes()}
 
 
+def test_two_files_that_need_different_files_of_one_name_are_told(batch: Batch, samples: Path) -> None:
+    lines = []
+    for k, name in enumerate(("one", "two")):
+        add(samples / "biped.gltf", f"{name}/{name}")
+        content = (samples / "biped.bin").read_bytes()
+        Path("in", name, "biped.bin").write_bytes(content + bytes(4 * k))
+        lines.append(json.dumps({"input": f"in/{name}/{name}.gltf", "output": f"out/{name}.gltf"}))
+    Path("job.jsonl").write_text("\n".join(lines))
+    given = ("--json", "--job", "job.jsonl", "-j", "1")
+    told = lines_of(batch(*given, inputs=()))
+    assert [line["status"] for line in told] == ["ok", "error"]
+    assert "is another file than the one that two.gltf needs" in told[1]["message"]
+    shutil.rmtree("out")
+    told = lines_of(batch(*given, "--overwrite", inputs=()))
+    assert [line["status"] for line in told] == ["ok", "error"]
+    assert "need different files biped.bin" in told[1]["message"]
+
+
+def lines_of(result: Result) -> list[dict[str, Any]]:
+    return list(lines(result).values())
+
+
 def test_parts_do_all_once_and_the_whole_knows_what_they_did(batch: Batch, samples: Path) -> None:
     add(samples / "biped.glb", *(f"x{k}" for k in range(6)))
     done: list[str] = []

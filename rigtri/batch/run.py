@@ -67,6 +67,7 @@ class Run:
         self._overwrite, self._hashes = overwrite, Hashes()
         self._keys: dict[tuple[tuple[str, str], ...], str] = {}
         self._told: dict[str, Record] = {}
+        self._beside: dict[str, tuple[str, str]] = {}
         self.counts: Counter[str] = Counter()
 
     def plan(self, entries: Sequence[Entry], stopped: Callable[[], bool] = lambda: False) -> Plan:
@@ -106,10 +107,23 @@ class Run:
             told = self._told.pop(entry.target, None)
             if record.status == "crashed" and told is not None and self._stands(told):
                 record = told  # it was killed when its work was done
+            record = self._alone(entry, record)
             if self._manifest is not None:
                 self._manifest.done(entry, self._keys[entry.variables], record)
             self.counts[record.status] += 1
             yield entry, record
+
+    def _alone(self, entry: Entry, record: Record) -> Record:
+        """The record, or an error where a file beside the output has replaced that of another one."""
+        for name, content in record.made.items():
+            if name != self._name(entry):
+                own, owner = self._beside.setdefault(name, (content, entry.target))
+                if own != content:
+                    text = (
+                        f"{entry.target} and {owner} need different files {name}; give them different folders"
+                    )
+                    return Record("error", "usage", text, UsageError.exit_code, seconds=record.seconds)
+        return record
 
     @property
     def failures(self) -> int:
