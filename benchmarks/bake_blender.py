@@ -1,5 +1,6 @@
-"""The peer of bake.py: an armature with two IK legs and arms with poles, twist bones and a parent constraint,
-baked frame by frame with Blender's nla.bake. Run by bake.py with BPY_PYTHON: JOINTS FRAMES; prints seconds.
+"""The peer of bake.py: an armature with two IK legs and arms with poles, twist bones, a parent constraint and
+keys on all bones, baked frame by frame with Blender's nla.bake: place, turn, size of all bones, visual keys.
+Run by bake.py with BPY_PYTHON: JOINTS FRAMES; prints seconds.
 """
 
 import sys
@@ -57,12 +58,23 @@ for name in limbs:
     for part in ("upper", "lower"):
         twist = pose[f"{name}_{part}_twist"].constraints.new("COPY_ROTATION")
         twist.target, twist.subtarget, twist.influence = rig, f"{name}_{part}", 0.5
+# Every bone moves, as the joints' controls do there.
+for k, posed in enumerate(pose):
+    posed.rotation_mode = "QUATERNION"
+    for frame in range(0, frames, 5):
+        posed.rotation_quaternion = (1.0, 0.1 * sin(frame / (5 + k)), 0.0, 0.1 * sin(frame / (9 + k)))
+        posed.keyframe_insert("rotation_quaternion", frame=frame)
 held = pose["staff"].constraints.new("CHILD_OF")
 held.target, held.subtarget = rig, "limb2_end"
 bpy.context.scene.frame_end = frames - 1
 bpy.ops.pose.select_all(action="SELECT")
 start = time.process_time()
 bpy.ops.nla.bake(
-    frame_start=0, frame_end=frames - 1, only_selected=True, visual_keying=True, bake_types={"POSE"}
+    frame_start=0,
+    frame_end=frames - 1,
+    only_selected=True,
+    visual_keying=True,
+    bake_types={"POSE"},
+    channel_types={"LOCATION", "ROTATION", "SCALE"},
 )
 print("seconds", time.process_time() - start)

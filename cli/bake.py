@@ -8,6 +8,7 @@ import click
 
 from .options import (
     Number,
+    Tolerance,
     edit_options,
     given_options,
     output_options,
@@ -44,7 +45,14 @@ if TYPE_CHECKING:
 @click.option(
     "--fps",
     type=Number(min=0, min_open=True),
-    help="Also so many samples a second, not only the keys.",
+    help="So many samples a second besides the keys, and no others. [as many as --between needs]",
+)
+@click.option(
+    "--between",
+    type=Tolerance(),
+    default=1e-3,
+    show_default=True,
+    help="How far what lies between samples may be off, as a share of the rig's size.",
 )
 @click.option(
     "--soft",
@@ -86,6 +94,8 @@ def summary(report: Report) -> str:
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
     line = ", ".join([counted(len(clips), "clip"), counted(frames, "frame"), counted(keys, "key")])
     line += f" for {counted(max(e['nodes'] for e in clips), 'node')}"
+    curved = max(entry["between_samples"] for entry in clips)
+    line += f"; between samples within {curved:.2g} of the size" if curved else ""
     if clips[0]["to"] == "controls":
         far = max(entry["deviation"] for entry in clips)
         turn = max(entry["residual_degrees"] for entry in clips)

@@ -39,6 +39,7 @@ COMMANDS = {
     "spec-init": "Write a rig spec to start from: steps for the joints that a character has.",
     "schema": "Print a JSON Schema: of rig specs, or of what rigtri writes.",
     "check": "Find all that is wrong with the skinned rigs in files.",
+    "completion": "Print the lines by which bash, zsh or fish complete commands and options.",
     "verify": "Measure how far two files look apart, in every pose.",
     "diff": "Say in rig terms and in file terms what differs between two files.",
 }

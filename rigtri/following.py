@@ -48,7 +48,8 @@ class Parts(NamedTuple):
 def factored(m: Floats) -> Parts:
     """The parts of matrices, (..., 4, 4); a mirrored one has three negative scales, NaN for a flat one."""
     sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
-    return Parts(m[..., 3, :3], turn_of(m), length(m[..., :3, :3]) * sign)
+    # A copy: a part of matrices would keep all of their memory.
+    return Parts(m[..., 3, :3].copy("K"), turn_of(m), length(m[..., :3, :3]) * sign)
 
 
 def turn_of(m: Floats) -> Floats:

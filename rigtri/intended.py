@@ -13,9 +13,10 @@ from rigtri.scenery import Scenery
 
 @dataclass(frozen=True)
 class Intended:
-    """What a document shows, moved as another rig of the same nodes moves it; ``after`` is the result.
+    """What a document shows, moved as another rig with its nodes moves it; ``after`` is the result.
 
     redrawn: nodes of ours whose lines are others on purpose. keys: of the document's nodes in the result.
+    place: where the rig has the document's nodes, (n,).
     """
 
     document: Source
@@ -23,21 +24,30 @@ class Intended:
     after: Source
     redrawn: frozenset[int] = frozenset()
     keys: tuple[Hashable, ...] = ()
+    place: Sequence[int] = ()
 
     def meshes(self) -> Sequence[Mesh]:
-        return self.document.meshes()
+        return self._placed(self.document.meshes())
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
-        return self.document.outlines(closely=closely)
+        return self._placed(self.document.outlines(closely=closely))
+
+    def _placed(self, meshes: Sequence[Mesh]) -> list[Mesh]:
+        """Meshes at the nodes of the rig."""
+        return [
+            mesh if self.place[mesh.node] == mesh.node else replace(mesh, node=self.place[mesh.node])
+            for mesh in meshes
+        ]
 
     def scenery(self, *, closely: bool = False) -> Scenery:
         found = self.document.scenery(closely=closely)
-        if not self.redrawn:
-            return found
-        now = self.after.scenery(closely=closely).nodes
-        place = {key: node for node, key in enumerate(self.after.rig.keys)}
-        lines = {node: now.get(place.get(self.keys[node], -1), {}) for node in self.redrawn}
-        return replace(found, nodes={**found.nodes, **lines})
+        nodes = dict(found.nodes)
+        if self.redrawn:
+            now = self.after.scenery(closely=closely).nodes
+            there = {key: node for node, key in enumerate(self.after.rig.keys)}
+            nodes |= {node: now.get(there.get(self.keys[node], -1), {}) for node in self.redrawn}
+        moved = {self.place[node]: shown for node, shown in nodes.items()}
+        return replace(found, nodes=moved, own={self.place[node]: own for node, own in found.own.items()})
 
 
 def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> Source:
@@ -48,7 +58,14 @@ def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> Sou
     keyed = _keyed(before, rig, after.rig)
     if keyed is before and not redrawn and not reposed:
         return document
-    return Intended(document, rig if reposed else keyed, after, redrawn, keyed.keys)
+    if not reposed:
+        return Intended(document, keyed, after, redrawn, keyed.keys, range(len(before)))
+    # Nodes that the edit has added have no keys: nobody looks for them, as after any other edit.
+    now = dict(zip(before.keys, keyed.keys, strict=True))
+    keys = tuple(now.get(key) for key in rig.keys)
+    new = {key: node for node, key in enumerate(rig.keys) if key is not None}
+    moved = rig if keys == rig.keys else replace(rig, keys=keys)
+    return Intended(document, moved, after, redrawn, keyed.keys, [new[key] for key in before.keys])
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:

@@ -102,8 +102,13 @@ def _clips(before: Rig, after: Rig) -> Integers:
 
 
 def timeline(clip: Clip) -> Hashable:
-    """What clips share that play at once; None for a clip that plays alone."""
-    return clip.key[0] if isinstance(clip.key, tuple) else None
+    """What clips share that play at once; None for a clip that plays alone.
+
+    Keys of prims play with those of joints: a file may have them in one clip, and in two once it is written.
+    """
+    if not isinstance(clip.key, tuple):
+        return None
+    return "samples" if clip.key[0] == "xforms" else clip.key[0]
 
 
 def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Matching) -> Track | None:
@@ -232,7 +237,9 @@ def _shown(before: Rig, after: Rig, node: Integers) -> Integers:
 def _compare_nodes(before: Rig, after: Rig, node: Integers, shown: Integers, news: _News) -> None:
     for k, partner in enumerate(node.tolist()):
         if partner < 0:
-            news.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
+            # What has no key was in no file: an edit that also moves things has added it.
+            if before.keys[k] is not None:
+                news.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
         elif before.is_joint[k] and not after.is_joint[partner]:
             news.lost.append(f"joint {before.title(k)} is a joint no longer")
         if before.payload[k] >= 0 and shown[k] < 0 <= partner:
@@ -272,6 +279,8 @@ def _compare_clips(
             news.changed.append(f"{title} is played {'now' if before.clips[k].idle else 'no longer'}")
         theirs = by_target(after.clips[partner])
         for track in before.clips[k].tracks:
+            if before.keys[track.node] is None:
+                continue
             of = f"{title}: {track.path} of {before.title(track.node)}"
             target = _target(track, node, shown)
             now = theirs.pop(target, None)

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from rigtri.quaternions import from_axes, rotate, to_axes
 from rigtri.trigonometry import Floats
-from rigtri.vectors import as_vectors, cross, dot, length, normalise
+from rigtri.vectors import as_vectors, by_component, cross, dot, length, normalise
 
 # Axes that should meet at right angles do so within this cosine after float32 storage.
 SKEW = 1e-5
@@ -66,13 +66,13 @@ def inverse(m: ArrayLike) -> Floats:
     """
     m = as_matrices(m)
     x, y, z, t = (m[..., row, :3] for row in range(4))
-    columns = np.stack([cross(y, z), cross(z, x), cross(x, y)], axis=-1)
+    columns = _side_by_side(cross(y, z), cross(z, x), cross(x, y)).swapaxes(-1, -2)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         linear = columns / determinant(m)[..., np.newaxis, np.newaxis]
-        result = np.zeros_like(m)
+        result = by_component(m.shape, 2)
         result[..., :3, :3] = linear
         result[..., 3, :3] = -_row_times(t, linear)
-    result[..., 3, 3] = 1.0
+    result[..., :3, 3], result[..., 3, 3] = 0.0, 1.0
     return result
 
 
@@ -127,8 +127,9 @@ def from_frame(axes: ArrayLike, position: ArrayLike) -> Floats:
     """
     axes, position = np.asarray(axes, dtype=np.float64), as_vectors(position)
     shape = np.broadcast_shapes(axes.shape[:-2], position.shape[:-1])
-    m = identity(*shape)
+    m = by_component((*shape, 4, 4), 2)
     m[..., :3, :3], m[..., 3, :3] = axes, position
+    m[..., :3, 3], m[..., 3, 3] = 0.0, 1.0
     return m
 
 
@@ -168,7 +169,7 @@ def orthonormal_axes(m: ArrayLike) -> Floats:
     sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
     x = normalise(m[..., 0, :3]) * sign
     z = normalise(cross(x, m[..., 1, :3] * sign))
-    return np.stack([x, cross(z, x), z], axis=-2)
+    return _side_by_side(x, cross(z, x), z)
 
 
 def nearest_rotation(m: ArrayLike) -> Floats:
@@ -189,7 +190,7 @@ def nearest_rotation(m: ArrayLike) -> Floats:
     # Quadratic near the end, halving the stretch before: 20 steps are enough for 1 to 1000.
     for _ in range(20):
         x, y, z = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
-        opposite = np.stack([cross(y, z), cross(z, x), cross(x, y)], axis=-2)
+        opposite = _side_by_side(cross(y, z), cross(z, x), cross(x, y))
         with np.errstate(divide="ignore", invalid="ignore"):
             rows = 0.5 * (rows + opposite / dot(cross(x, y), z)[..., np.newaxis, np.newaxis])
     return np.asarray(rows)
@@ -220,6 +221,13 @@ def turn_after(m: ArrayLike, q: ArrayLike) -> Floats:
     m = as_matrices(m).copy()
     m[..., :, :3] = rotate(np.asarray(q, dtype=np.float64)[..., np.newaxis, :], m[..., :, :3])
     return m
+
+
+def _side_by_side(x: Floats, y: Floats, z: Floats) -> Floats:
+    """Three vectors, (..., 3) each, as the rows of one array, (..., 3, 3)."""
+    rows = by_component((*x.shape, 3), 2)
+    rows[..., 0, :], rows[..., 1, :], rows[..., 2, :] = x, y, z
+    return rows
 
 
 def _row_times(v: Floats, linear: Floats) -> Floats:

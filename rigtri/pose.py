@@ -21,6 +21,7 @@ from rigtri.quaternions import multiply as product
 from rigtri.records import Clip, Integers, Interpolation, Mesh, Path, Skin, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
+from rigtri.vectors import by_component
 
 
 def worlds(rig: Rig, local: Floats | None = None) -> Floats:
@@ -313,7 +314,9 @@ class _Pack:
     @staticmethod
     def of(tracks: list[Track], driven: Integers) -> _Pack:
         first = tracks[0]
-        values = np.stack([track.values for track in tracks], axis=1)
+        values = by_component((len(first.values), len(tracks), *first.values.shape[1:]))
+        for column, track in enumerate(tracks):
+            values[:, column] = track.values
         columns = np.searchsorted(driven, [track.node for track in tracks])
         return _Pack(first.path, first.interpolation, first.times, values, columns)
 
@@ -328,12 +331,18 @@ class _Pack:
         share = inside[:, np.newaxis, np.newaxis]
         if cubic:
             return _hermite(self.values, left, share, span[:, np.newaxis, np.newaxis], self.path)
-        here, there = self.values[left], self.values[left + 1]
+        here, there = _taken(self.values, left), _taken(self.values, left + 1)
         if self.interpolation == "STEP":
             return np.where(share >= 1.0, there, here)
         if self.path == "rotation":
             return _turn_between(here, there, share)
         return here + (there - here) * share
+
+
+def _taken(values: Floats, rows: Integers) -> Floats:
+    """Some rows of values, (k, tracks, c), each component in one row of memory as in `by_component`."""
+    taken: Floats = np.take(values.transpose(2, 0, 1), rows, axis=1)
+    return taken.transpose(1, 2, 0)
 
 
 def _turn_between(here: Floats, there: Floats, share: Floats) -> Floats:

@@ -10,11 +10,13 @@ matrix", J. Guidance and Control 1 (1978).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rigtri.trigonometry import Floats, arc_tangent, sin_cos
-from rigtri.vectors import as_vectors, cross, dot, length, normalise
+from rigtri.vectors import as_vectors, by_component, cross, dot, length, normalise
 
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 # Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
@@ -40,7 +42,7 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     a, b = as_quaternions(a), as_quaternions(b)
     ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
     bx, by, bz, bw = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
-    result = np.empty(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
+    result = by_component(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
     result[..., 0] = aw * bx + ax * bw + ay * bz - az * by
     result[..., 1] = aw * by - ax * bz + ay * bw + az * bx
     result[..., 2] = aw * bz + ax * by - ay * bx + az * bw
@@ -87,7 +89,17 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
 def to_axes(q: ArrayLike) -> Floats:
     """The X, Y and Z axes after the turn, as rows, (..., 4) → (..., 3, 3)."""
     q = as_quaternions(q)
-    return rotate(q[..., np.newaxis, :], np.eye(3))
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    twice = x + x, y + y, z + z
+    xx, yy, zz = x * twice[0], y * twice[1], z * twice[2]
+    xy, yz, zx = y * twice[0], z * twice[1], x * twice[2]
+    wx, wy, wz = w * twice[0], w * twice[1], w * twice[2]
+    rows = by_component((*q.shape[:-1], 3, 3), 2)
+    # 0 + makes no difference but to the sign of a zero: `rotate` adds to axes with two zeros.
+    rows[..., 0, 0], rows[..., 0, 1], rows[..., 0, 2] = 1.0 - (yy + zz), (0.0 + wz) + xy, (0.0 - wy) + zx
+    rows[..., 1, 0], rows[..., 1, 1], rows[..., 1, 2] = (0.0 - wz) + xy, 1.0 - (zz + xx), (0.0 + wx) + yz
+    rows[..., 2, 0], rows[..., 2, 1], rows[..., 2, 2] = (0.0 + wy) + zx, (0.0 - wx) + yz, 1.0 - (xx + yy)
+    return rows
 
 
 def from_axes(axes: ArrayLike) -> Floats:
@@ -111,26 +123,39 @@ def from_axes(axes: ArrayLike) -> Floats:
         m[..., 2, 0] + m[..., 0, 2],
         m[..., 0, 1] + m[..., 1, 0],
     )
-    squares = np.stack([1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz, 1 + xx + yy + zz], axis=-1)
-    candidates = np.stack(
-        [
-            np.stack([squares[..., 0], xs, zs, yz], axis=-1),
-            np.stack([xs, squares[..., 1], ys, zx], axis=-1),
-            np.stack([zs, ys, squares[..., 2], xy], axis=-1),
-            np.stack([yz, zx, xy, squares[..., 3]], axis=-1),
-        ],
-        axis=-2,
+    squares = (1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz, 1 + xx + yy + zz)
+    candidates = (
+        (squares[0], xs, zs, yz),
+        (xs, squares[1], ys, zx),
+        (zs, ys, squares[2], xy),
+        (yz, zx, xy, squares[3]),
     )
-    best = np.argmax(squares, axis=-1)[..., np.newaxis, np.newaxis]
-    q = unit(np.take_along_axis(candidates, best, axis=-2)[..., 0, :])
+    best = _largest(squares)
+    q = by_component((*m.shape[:-2], 4))
+    for k in range(4):
+        q[..., k] = candidates[3][k]
+        for row in (0, 1, 2):
+            np.copyto(q[..., k], candidates[row][k], where=best == row)
+    q = unit(q)
     return np.where(q[..., 3:] < 0, -q, q)
+
+
+def _largest(numbers: Sequence[Floats]) -> NDArray[np.int8]:
+    """Which of some arrays, (...) each, has the largest number: the first of equals, NaN before all."""
+    most, best = numbers[0], np.zeros(np.shape(numbers[0]), dtype=np.int8)
+    for k, each in enumerate(numbers[1:], start=1):
+        larger = ((each > most) | np.isnan(each)) & ~np.isnan(most)
+        most, best = np.where(larger, each, most), np.where(larger, np.int8(k), best)
+    return best
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
     """Turns by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0."""
     sine, cosine = sin_cos(np.asarray(angle, dtype=np.float64) / 2.0)
     xyz = normalise(axis) * sine[..., np.newaxis]
-    return np.concatenate([xyz, np.broadcast_to(cosine[..., np.newaxis], (*xyz.shape[:-1], 1))], -1)
+    result = by_component((*xyz.shape[:-1], 4))
+    result[..., :3], result[..., 3] = xyz, cosine
+    return result
 
 
 def between(a: ArrayLike, b: ArrayLike) -> Floats:
@@ -198,6 +223,8 @@ def average(q: ArrayLike, weights: ArrayLike) -> Floats:
         shares = weights / total[..., np.newaxis]
     heaviest = np.argmax(np.broadcast_to(shares, q.shape[:-1]), axis=-1)[..., np.newaxis, np.newaxis]
     mean = unit(np.take_along_axis(q, heaviest, axis=-2)[..., 0, :])
+    if count == 1:
+        return np.where((total > 0)[..., np.newaxis], mean, np.nan)
     for _ in range(_MEAN_STEPS):
         step = np.zeros((*mean.shape[:-1], 3))
         for k in range(count):

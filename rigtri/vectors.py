@@ -25,6 +25,19 @@ def as_vectors(v: ArrayLike) -> Floats:
     return array
 
 
+def by_component(shape: tuple[int, ...], kept: int = 1) -> Floats:
+    """An array of a shape, not filled, whose last ``kept`` axes are the slowest in memory.
+
+    So each component of many vectors, turns or matrices lies in one row, which is what elementwise
+    work on components wants; numpy's own operations keep the order of what they are given.
+    """
+    if len(shape) <= kept:
+        return np.empty(shape)
+    many = len(shape) - kept
+    found: Floats = np.empty((*shape[many:], *shape[:many]))
+    return found.transpose((*range(kept, len(shape)), *range(kept)))
+
+
 def dot(a: ArrayLike, b: ArrayLike) -> Floats:
     """Dot products, (..., 3) · (..., 3) → (...).
 
@@ -48,7 +61,7 @@ def cross(a: ArrayLike, b: ArrayLike) -> Floats:
     [0.0, 0.0, 1.0]
     """
     a, b = as_vectors(a), as_vectors(b)
-    result = np.empty(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
+    result = by_component(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     result[..., 0] = ay * bz - az * by
@@ -86,7 +99,7 @@ def normalise(v: ArrayLike) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         x, y, z = x / largest, y / largest, z / largest
         size = np.sqrt(x * x + y * y + z * z)
-        result = np.empty(v.shape)
+        result = by_component(v.shape)
         result[..., 0], result[..., 1], result[..., 2] = x / size, y / size, z / size
     return result
 

@@ -144,3 +144,16 @@ def test_a_zero_quaternion_is_no_turn() -> None:
 def test_three_numbers_are_no_quaternion() -> None:
     with pytest.raises(ValueError, match=r"shape \(3,\)"):
         q.as_quaternions([1, 2, 3])
+
+
+def test_the_axes_of_a_turn_are_the_turned_axes_to_the_bit() -> None:
+    random = np.random.default_rng(3)
+    turns = np.concatenate([random.normal(size=(500, 4)), random.choice([0.0, -0.0, 1.0, -1.0], (200, 4))])
+    turned = q.rotate(turns[:, np.newaxis, :], np.eye(3))
+    assert q.to_axes(turns).tobytes() == turned.tobytes()
+
+
+def test_the_mean_of_one_turn_is_the_turn() -> None:
+    turn = q.unit(np.array([[[0.1, 0.2, 0.3, 0.4]], [[0.4, 0.3, -0.2, -0.1]]]))
+    assert_array_equal(q.average(turn, np.array([0.7])), q.unit(turn)[:, 0])
+    assert np.isnan(q.average(turn, np.array([0.0]))).all()

@@ -137,3 +137,12 @@ def test_what_has_no_direction_is_nan_and_warns_nobody() -> None:
 def test_two_numbers_are_no_vector() -> None:
     with pytest.raises(ValueError, match=r"shape \(2,\)"):
         v.as_vectors([1, 2])
+
+
+def test_components_of_many_vectors_lie_in_one_row_of_memory() -> None:
+    for shape, kept in (((7, 3), 1), ((7, 5, 4, 4), 2), ((3,), 1), ((0, 3), 1)):
+        made = v.by_component(shape, kept)
+        assert made.shape == shape
+        assert np.moveaxis(made, range(-kept, 0), range(kept)).flags.c_contiguous
+    crossed = v.cross(np.ones((7, 3)), [1.0, 2.0, 3.0])
+    assert crossed[:, 0].flags.c_contiguous

@@ -26,9 +26,10 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.rules import rules_of
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
+from rigtri.solve.between import MOST_A_SECOND, ControlCurve, JointCurve, Refined, refined
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed, shares
-from rigtri.solve.match import Matched, matched
+from rigtri.solve.match import Block, matched
 from rigtri.solve.posed import Posed, sampled
 from rigtri.solve.reference import Reference
 from rigtri.timelines import (
@@ -48,6 +49,9 @@ from rigtri.vectors import length
 Direction = Literal["joints", "controls"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+# How far what lies between samples may be off unless another share of the size is given: less than what
+# thirty frames a second leave, and few keys for animators; a hundredth of it takes ten times as many.
+BETWEEN = 1e-3
 # Notes of nodes whose keys follow joints, and are made anew after them.
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 
@@ -57,13 +61,15 @@ class Options:
     """Everything that `bake` can be told; the defaults are the command's.
 
     to: ``joints`` or ``controls``. clips: globs of the clips, all of them where there is none.
-    fps: so many samples a second besides the keys. tolerance: how far thinned keys may be off, as
-    a share of the rig's size. soft, stretch: of all limbs, instead of what their controls say.
+    fps: so many samples a second besides the keys; None: as many as ``between`` needs: how far what lies
+    between samples may be off. tolerance: how far thinned keys may be off. Both are shares of the rig's size.
+    soft, stretch: of all limbs, instead of what their controls say.
     """
 
     to: Direction = "joints"
     clips: tuple[str, ...] = ()
     fps: float | None = None
+    between: float = BETWEEN
     tolerance: float = 1e-5
     soft: float | None = None
     stretch: bool | None = None
@@ -75,6 +81,8 @@ class Options:
         refuse_unworkable("--fps", self.fps)
         if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
+        if not self.between >= 0:
+            raise UsageError("--between is a share of the rig's size, 0 or more")
         if not self.tolerance >= 0:
             raise UsageError("--tolerance is a share of the rig's size, 0 or more")
         if self.soft is not None and not 0 <= self.soft < 1:
@@ -127,6 +135,7 @@ class _Baker:
         if self.options.to == "controls":
             for timeline in self._chosen():
                 self._to_controls(timeline)
+            self._tell_limited()
             return self.rig
         self.report.reposed = True
         held = holding(self.rig)
@@ -137,6 +146,7 @@ class _Baker:
             del self.report.added[told:]
             self._once()
             if not held or _same_motion(before, self.rig):
+                self._tell_limited()
                 return self.rig
         names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
         raise GeometryError(
@@ -213,16 +223,34 @@ class _Baker:
         return replace(timeline, clip=replace(timeline.clip, tracks=kept))
 
     def _times(self, timeline: Timeline) -> Floats:
-        """Where joints, or controls, get keys."""
-        if any(t.interpolation == "CUBICSPLINE" and len(t.times) > 1 for t in timeline.clip.tracks):
-            fps: float | None = self.options.fps or 60.0
-        else:
-            fps = self.options.fps
-        times = times_within(timeline, fps, self.rig.per_second)
+        """Where joints, or controls, get keys to begin with."""
+        times = times_within(timeline, self.options.fps, self.rig.per_second)
         if not steps_only(timeline):
             before = just_before(jumps(timeline))
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
         return times
+
+    def _samples(self, curve: JointCurve | ControlCurve, telling: Timeline) -> Refined:
+        """Where they get keys: also where what lies between these would else be off."""
+        times = self._times(telling)
+        if steps_only(telling) or not curve.nodes:
+            return Refined(times, curve.at(times), 0.0, limited=False)
+        bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
+        return refined(curve, times, bound=bound, per_second=self.rig.per_second)
+
+    def _tell_limited(self) -> None:
+        """One warning for all clips whose samples could not be near enough."""
+        entries = [e for e in self.report.added if e.get("type") == "clip" and e.get("limited")]
+        far = [e for e in entries if e["between_samples"] > self.options.between]
+        if far:
+            worst = max(far, key=lambda entry: float(entry["between_samples"]))
+            more = f" ({len(far) - 1} more clips alike)" if len(far) > 1 else ""
+            self.report.warn(
+                "samples-limited",
+                f"Clip '{worst['clip']}': with {MOST_A_SECOND:g} samples a second, the most, what lies "
+                f"between two of them is off by up to {worst['between_samples']:.2g} of the size{more}. "
+                "--between or --fps ask for fewer",
+            )
 
     @staticmethod
     def _jumps(timeline: Timeline, times: Floats) -> Floats:
@@ -241,9 +269,9 @@ class _Baker:
         }
         told |= {(node, path) for node in solver.offsets for path in _PATHS}
         telling = self._telling(timeline, told)
-        times = self._times(telling)
+        samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
+        times, parts = samples.times, samples.parts
         held = self._jumps(telling, times)
-        parts = solver.solved(sampled(self.rig, timeline.clip, times))
         tracks = [
             track
             for node in nodes
@@ -251,7 +279,7 @@ class _Baker:
             if track.path in {path for path, _ in solver.writes[node]}
         ]
         self.rig = placed(self.rig, timeline, tracks)
-        self._record(timeline, solver, times, tracks, nodes)
+        self._record(timeline, solver, samples, tracks, nodes)
 
     def _tracks(
         self,
@@ -300,7 +328,10 @@ class _Baker:
         solver = self._solver(None)
         made = self.movers | solver.offsets
         telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
-        times = self._times(telling)
+        joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
+        clip = replace(timeline.clip, tracks=joints)
+        samples = self._samples(ControlCurve(solver, clip, self.size), telling)
+        times = samples.times
         held = self._jumps(telling, times)
         tracks: list[Track] = []
 
@@ -314,25 +345,25 @@ class _Baker:
                 read[track.path] = track.values if track.times is times else sample(track, times)
             return Parts(read["translation"], unit(read["rotation"]), read["scale"])
 
-        joints = replace(
-            timeline,
-            clip=replace(timeline.clip, tracks=tuple(t for t in timeline.clip.tracks if t.node not in made)),
-        )
-        parts = sampled(self.rig, joints.clip, times)
-        found = matched(solver, parts, keep)
+        found = matched(solver, sampled(self.rig, clip, times), keep)
         self.rig = placed(self.rig, timeline, tracks)
-        self._record(timeline, solver, times, tracks, sorted(found.controls), self._deviation(found, parts))
+        controls = sorted({node for block in found for node in block.found.controls})
+        self._record(timeline, solver, samples, tracks, controls, self._deviation(found))
 
-    def _deviation(self, found: Matched, parts: Mapping[int, Parts]) -> dict[str, float]:
+    def _deviation(self, blocks: Sequence[Block]) -> dict[str, float]:
         """How far the rig that the controls make is off, and what limbs hold beside IK."""
-        source = Posed(self.rig, parts)
-        joints = np.flatnonzero(self.rig.is_joint).tolist() or sorted(parts)
-        far = 0.0
-        for joint in joints:
-            a, b = found.posed.world(joint), source.world(joint)
-            far = max(far, float(np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3])).max()))
-        turn = max((r.turn for r in found.residuals), default=0.0)
-        move = max((r.move for r in found.residuals), default=0.0)
+        rig, far = self.rig, 0.0
+        for source, found in blocks:
+            joints = np.flatnonzero(rig.is_joint).tolist() or sorted(source.parts)
+            for joint in joints:
+                a, b = found.posed.world(joint), source.world(joint)
+                far = max(far, float(np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3])).max()))
+            if len(blocks) > 1:
+                source.forget()
+                found.posed.forget()
+        residuals = [residual for block in blocks for residual in block.found.residuals]
+        turn = max((r.turn for r in residuals), default=0.0)
+        move = max((r.move for r in residuals), default=0.0)
         return {
             "deviation": far / self.size,
             "residual_degrees": float(np.degrees(turn)),
@@ -343,7 +374,7 @@ class _Baker:
         self,
         timeline: Timeline,
         solver: Solver,
-        times: Floats,
+        samples: Refined,
         tracks: Sequence[Track],
         nodes: Sequence[int],
         more: Mapping[str, float] | None = None,
@@ -353,10 +384,12 @@ class _Baker:
                 "type": "clip",
                 "clip": timeline.name,
                 "to": self.options.to,
-                "frames": len(times),
+                "frames": len(samples.times),
                 "nodes": len(nodes),
                 "limbs": len(solver.limbs),
                 "keys": int(sum(len(track.times) for track in tracks)),
+                "between_samples": samples.off / self.size,
+                "limited": samples.limited,
                 **(more or {}),
             }
         )

@@ -18,15 +18,13 @@ from rigtri.matrices import inverse, multiply
 from rigtri.records import Path
 from rigtri.rig import Rig
 from rigtri.rules import Rule, rules_of
+from rigtri.solve.blocks import BLOCK, blocks, cut, frames, joined
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
 from rigtri.solve.posed import Posed
 from rigtri.solve.reference import FkControl, Reference
-from rigtri.trigonometry import Floats
 from rigtri.twist import Twist, twists
 
-# Frames evaluated at once: enough that numpy's calls cost little, and a hundred joints 100 MB.
-BLOCK = 4096
 _CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
 
 
@@ -251,14 +249,28 @@ class Solver:
 
     def _ordered(self, steps: Sequence[Step]) -> list[Step]:
         """Steps by what they use: parents' places take part in those of their children."""
-        setter = {node: k for k, step in enumerate(steps) for node in step.sets}
-        setter |= {node: k for k, step in enumerate(steps) if isinstance(step, Ik) for node in step.carries}
+        setter = self._setters(steps)
         waits = [self._waits(step, k, setter) for k, step in enumerate(steps)]
         done: list[int] = []
         state = [0] * len(steps)
         for start in range(len(steps)):
             self._visit(start, waits, state, done, steps)
         return [steps[k] for k in done]
+
+    @staticmethod
+    def _setters(steps: Sequence[Step]) -> dict[int, int]:
+        """Which step sets a node, by its place."""
+        setter = {node: k for k, step in enumerate(steps) for node in step.sets}
+        return setter | {n: k for k, step in enumerate(steps) if isinstance(step, Ik) for n in step.carries}
+
+    def steps_for(self, nodes: Collection[int]) -> list[Step]:
+        """The steps that what becomes of some nodes needs, in order."""
+        setter = self._setters(self.steps)
+        taken = {setter[node] for node in nodes if node in setter}
+        for k in range(len(self.steps) - 1, -1, -1):
+            if k in taken:
+                taken.update(self._waits(self.steps[k], k, setter))
+        return [step for k, step in enumerate(self.steps) if k in taken]
 
     def _waits(self, step: Step, own: int, setter: Mapping[int, int]) -> list[int]:
         found = {setter[node] for node in step.reads if node in setter}
@@ -299,29 +311,29 @@ class Solver:
                 state[following] = 1
                 stack.append((following, iter(waits[following])))
 
-    def run(self, sampled: Mapping[int, Parts]) -> Posed:
-        """The rig with all steps taken. sampled: the parts of nodes that a clip moves, (f, ·) each."""
+    def run(self, sampled: Mapping[int, Parts], steps: Sequence[Step] | None = None) -> Posed:
+        """The rig with all steps taken, or some. sampled: the parts of what a clip moves, (f, ·) each."""
         posed = Posed(self.rig, sampled)
-        for step in self.steps:
+        for step in self.steps if steps is None else steps:
             step.run(posed)
         return posed
 
-    def solved(self, sampled: Mapping[int, Parts], block: int = BLOCK) -> dict[int, Parts]:
-        """What becomes of the nodes that are moved, (1 or f, ·) each.
+    def solved(
+        self, sampled: Mapping[int, Parts], block: int = BLOCK, *, steps: Sequence[Step] | None = None
+    ) -> dict[int, Parts]:
+        """What becomes of the nodes that are moved, (1 or f, ·) each; by some of the steps, or all.
 
         So many frames at a time that memory does not grow with their number, but for what goes in and
         comes out; the block changes no bit.
         """
-        count = max((len(part) for parts in sampled.values() for part in parts), default=1)
-        starts = range(0, count, block)
-        found = [self.run(_rows(sampled, start, block)).parts for start in starts]
-        if len(found) == 1:
-            return {node: found[0][node] for node in self.sets}
-        sizes = [min(block, count - start) for start in starts]
-        return {
-            node: Parts(*(_joined([part[node][k] for part in found], sizes) for k in range(3)))
-            for node in self.sets
-        }
+        steps = self.steps if steps is None else steps
+        nodes = sorted({node for step in steps for node in step.sets})
+        count = frames(sampled)
+        found = []
+        for rows in blocks(count, block):
+            parts = self.run(cut(sampled, rows), steps).parts
+            found.append({node: parts[node] for node in nodes})
+        return joined(found, count, block)
 
     @cached_property
     def writes(self) -> dict[int, list[tuple[Path, bool]]]:
@@ -336,22 +348,6 @@ class Solver:
     def sets(self) -> list[int]:
         """The nodes that are moved, parents first."""
         return sorted({node for step in self.steps for node in step.sets})
-
-
-def _rows(sampled: Mapping[int, Parts], start: int, count: int) -> dict[int, Parts]:
-    """Some frames of what moves; what does not has one row, and keeps it."""
-    return {
-        node: Parts(*(part if len(part) == 1 else part[start : start + count] for part in parts))
-        for node, parts in sampled.items()
-    }
-
-
-def _joined(pieces: Sequence[Floats], sizes: Sequence[int]) -> Floats:
-    """Pieces of ``sizes`` rows, or of one that holds for all of them, one after another."""
-    if all(len(piece) == 1 and np.array_equal(piece, pieces[0]) for piece in pieces):
-        return pieces[0]
-    rows = [np.broadcast_to(p, (size, p.shape[1])) for p, size in zip(pieces, sizes, strict=True)]
-    return np.concatenate(rows)
 
 
 def _turn(rule: Rule) -> int:

@@ -61,16 +61,18 @@ def needed(times: Floats, values: Floats, bound: float) -> Integers:
     )
     gaps = _gaps(kept)
     while len(gaps):
-        inner = np.concatenate([np.arange(a + 1, b) for a, b in gaps.tolist()])
-        which = np.repeat(np.arange(len(gaps)), gaps[:, 1] - gaps[:, 0] - 1)
+        many = gaps[:, 1] - gaps[:, 0] - 1
+        which = np.repeat(np.arange(len(gaps)), many)
+        inner = np.arange(len(which)) + np.repeat(gaps[:, 0] + 1 - (np.cumsum(many) - many), many)
         off = _off(times, values, gaps[which, 0], gaps[which, 1], inner)
         starts = np.flatnonzero(np.diff(which, prepend=-1))
         worst = np.maximum.reduceat(off, starts)
         bad = np.flatnonzero(worst > bound)
         if not len(bad):
             break
-        ends = np.append(starts[1:], len(inner))
-        split = np.array([inner[starts[g] + int(np.argmax(off[starts[g] : ends[g]]))] for g in bad.tolist()])
+        # The first of the worst in each gap that is bad.
+        _, first = np.unique(which[places := np.flatnonzero(off == worst[which])], return_index=True)
+        split = inner[places[first]][np.isin(which[places[first]], bad)]
         kept[split] = True
         halves = np.concatenate(
             [np.stack([gaps[bad, 0], split], axis=1), np.stack([split, gaps[bad, 1]], axis=1)]
@@ -90,10 +92,10 @@ def _gaps(kept: Booleans) -> Integers:
 def _off(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
     """How far values are from the line between two others, (m,)."""
     share = (times[at] - times[left]) / (times[right] - times[left])
+    start, end, there = (np.take(values.T, rows, axis=1).T for rows in (left, right, at))
     if values.shape[1] == 4:
-        return _apart(slerp(values[left], values[right], share), values[at])
-    line = values[left] + (values[right] - values[left]) * share[:, np.newaxis]
-    return _apart(line, values[at])
+        return _apart(slerp(start, end, share), there)
+    return _apart(start + (end - start) * share[:, np.newaxis], there)
 
 
 def _apart(a: Floats, b: Floats) -> Floats:

@@ -7,8 +7,10 @@ the rig, so that rounding and reduced keys do not add up along chains. What an I
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from rigtri.following import Parts, factored
 from rigtri.matrices import from_frame, inverse, multiply, transform_points
 from rigtri.quaternions import multiply as product
 from rigtri.quaternions import to_axes, turn_angle
+from rigtri.solve.blocks import BLOCK, blocks, cut, frames, joined
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
@@ -25,6 +28,18 @@ from rigtri.vectors import length
 
 # Takes a node and its wanted parts, and gives those that will be read from the file again.
 Keep = Callable[[int, Parts], Parts]
+
+
+class Wanted(NamedTuple):
+    """What is to be kept of a node in some frames. free: where that cannot be told it stays as it is."""
+
+    node: int
+    parts: Parts
+    free: bool = False
+
+
+# Asks for one node after another, and is answered with what is kept of it; None: nothing.
+Asking = Generator[Wanted, Parts | None, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,54 +61,110 @@ class Matched:
     residuals: list[Residual] = field(default_factory=list)
 
 
-def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep) -> Matched:
-    """The controls' parts for a motion, node → (f, ·) each, by the joints that they move.
+class Block(NamedTuple):
+    """Some of the frames: the motion as it was, and what the controls make of it."""
 
-    keep: rounds and thins out what is to be stored of a control, and says what is read from it.
+    source: Posed
+    found: Matched
+
+
+def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int = BLOCK) -> list[Block]:
+    """The controls' parts for a motion, node → (f, ·) each, by the joints that they move; in blocks.
+
+    keep: rounds and thins out what is to be stored of a control, and says what is read from it; it
+    is given all frames at once. From one control to the next places are forgotten where there are
+    several blocks, so that no more is held than what goes in and comes out.
     """
-    source = Posed(solver.rig, parts)
-    found = Matched(Posed(solver.rig, parts))
+    count = frames(parts)
+    each = []
+    for rows in blocks(count, block):
+        some = cut(parts, rows)
+        each.append(Block(Posed(solver.rig, some), Matched(Posed(solver.rig, some))))
+    asking = [_all_steps(solver, found, source) for source, found in each]
+    _answered(asking, keep, each if len(each) > 1 else (), count, block)
+    return each
+
+
+def _answered(
+    asking: Sequence[Asking], keep: Keep, of: Sequence[Block] = (), count: int = 1, block: int = BLOCK
+) -> None:
+    """Take all blocks through their nodes, side by side: each node is kept for all frames at once.
+
+    of: the blocks, where there are several, which are to hold no places from one node to the next.
+    """
+    wanted = [_asked(each, None, some) for each, some in zip_longest(asking, of)]
+    while wanted[0] is not None:
+        node, parts, free = wanted[0]
+        if len(asking) > 1:
+            pieces = [{node: each.parts} for each in wanted if each is not None]
+            parts = joined(pieces, count, block)[node]
+        told = not free or all(bool(np.isfinite(each).all()) for each in parts)
+        kept = keep(node, parts) if told else None
+        answers = (
+            kept if kept is None or len(asking) == 1 else cut({node: kept}, rows)[node]
+            for rows in blocks(count, block)
+        )
+        wanted = [_asked(*each) for each in zip_longest(asking, answers, of)]
+
+
+def _asked(asking: Asking, kept: Parts | None, of: Block | None) -> Wanted | None:
+    """What is asked next; None at the end. of: the block, where there are others besides."""
+    try:
+        return asking.send(kept)
+    except StopIteration:
+        return None
+    finally:
+        if of is not None:
+            of.source.forget()
+            of.found.posed.forget()
+
+
+def _all_steps(solver: Solver, found: Matched, source: Posed) -> Asking:
     for step in solver.steps:
         if isinstance(step, Fk):
-            _store(found, step.own.control, step.channels(found.posed, source.part(step.joint)), keep)
+            channels = step.channels(found.posed, source.part(step.joint))
+            yield from _store(found, step.own.control, channels)
             step.run(found.posed)
         elif isinstance(step, Ik):
-            match_limb(found, step, source, solver.rules, keep)
+            yield from _limb(found, step, source, solver.rules)
         else:
             step.run(found.posed)
     carried = [fk for limb in solver.limbs for fk in limb.below(solver.offsets.difference(limb.carries))]
     for fk in sorted(carried, key=lambda fk: fk.own.offset):
-        _carry(found, fk, keep)
-    return found
+        yield from _carry(found, fk)
 
 
-def _carry(found: Matched, fk: Fk, keep: Keep) -> None:
+def _carry(found: Matched, fk: Fk) -> Asking:
     """Let an offset follow IK, so that whoever shows the file sees its control on the joint."""
-    parts = fk.beneath(found.posed)
-    if not all(np.isfinite(each).all() for each in parts):
-        return  # a scale of zero: there is no frame to stand in, and the offset stays at rest
-    kept = keep(fk.own.offset, parts)
-    found.offsets[fk.own.offset] = kept
-    found.posed.set(fk.own.offset, kept)
+    # Where a scale of zero leaves no frame to stand in, the offset stays at rest.
+    kept = yield Wanted(fk.own.offset, fk.beneath(found.posed), free=True)
+    if kept is not None:
+        found.offsets[fk.own.offset] = kept
+        found.posed.set(fk.own.offset, kept)
 
 
-def _store(found: Matched, node: int, parts: Parts, keep: Keep) -> None:
-    kept = keep(node, parts)
-    found.controls[node] = kept
-    found.posed.set(node, kept)
+def _store(found: Matched, node: int, parts: Parts) -> Asking:
+    kept = yield Wanted(node, parts)
+    if kept is not None:
+        found.controls[node] = kept
+        found.posed.set(node, kept)
 
 
 def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
     """The controls of one limb whose joints are to stand as in ``source``; ``found`` takes them up."""
+    _answered([_limb(found, ik, source, ruled)], keep)
+
+
+def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int]) -> Asking:
     built, limb = found.posed, ik.limb
     end = limb.chain[2]
     if limb.control not in ruled:
         axes, place = to_axes(ik.grasp(source)), source.world(end)[:, 3, :3]
-        _store(found, limb.control, _seen(built, limb.control, from_frame(axes, place)), keep)
+        yield from _store(found, limb.control, _seen(built, limb.control, from_frame(axes, place)))
     if limb.pole >= 0 and limb.pole not in ruled:
         above = inverse(built.world(int(ik.rig.parents[limb.pole])))
         place = transform_points(ik.side(source), above)
-        _store(found, limb.pole, built.part(limb.pole)._replace(translation=place), keep)
+        yield from _store(found, limb.pole, built.part(limb.pole)._replace(translation=place))
     solved = ik.solved(
         built,
         built.world(limb.control)[:, 3, :3],
@@ -107,13 +178,11 @@ def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], ke
             channels = fk.needed(parts, source.part(node))
             turn = max(turn, float(turn_angle(channels.rotation).max()))
             move = max(move, float(length(channels.translation).max()))
-            kept = keep(fk.own.control, channels)
-            found.controls[fk.own.control] = kept
-            built.set(fk.own.control, kept)
-            parts = fk.moved(parts, kept)
+            yield from _store(found, fk.own.control, channels)
+            parts = fk.moved(parts, found.controls[fk.own.control])
         built.set(node, parts)
     for fk in ik.below(ik.carries):
-        _carry(found, fk, keep)
+        yield from _carry(found, fk)
     found.residuals.append(Residual(ik, turn, move))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -50,6 +50,10 @@ class Posed:
             raise ValueError(f"'{self.rig.title(node)}' is moved after its place was used")
         self.parts[node] = parts
 
+    def forget(self) -> None:
+        """Give up places in the world, and their memory; they are worked out again when asked for."""
+        self._worlds.clear()
+
     def world(self, node: int) -> Floats:
         """The world matrices of a node, (1 or f, 4, 4); of −1 the world's own."""
         if node < 0:
@@ -69,11 +73,11 @@ class Posed:
         return from_axes(orthonormal_axes(self.world(node)))
 
 
-def sampled(rig: Rig, clip: Clip, times: Floats) -> dict[int, Parts]:
-    """The local parts of all nodes that a clip moves, at ``times``, (f,)."""
+def sampled(rig: Rig, clip: Clip, times: Floats, *, only: Collection[int] | None = None) -> dict[int, Parts]:
+    """The local parts of all nodes that a clip moves, or of some of them, at ``times``, (f,)."""
     found: dict[int, dict[str, Floats]] = {}
     for track in clip.tracks:
-        if track.path == "weights":
+        if track.path == "weights" or (only is not None and track.node not in only):
             continue
         same = track.times is times or (len(track.times) == len(times) and bool((track.times == times).all()))
         plain = same and track.interpolation != "CUBICSPLINE"

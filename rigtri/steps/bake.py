@@ -16,6 +16,7 @@ def step(request: Request) -> Step:
         to=request["to"],
         clips=request["clips"],
         fps=request["fps"],
+        between=request["between"],
         tolerance=request["tolerance"],
         soft=request["soft"],
         stretch=request["stretch"],

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from rigtri.spec.models.base import StepModel, option
-from rigtri.spec.models.values import Above, Assignments, File, Names, Share, Triples
+from rigtri.spec.models.values import Above, Assignments, File, Names, Share, Tolerance, Triples
 
 
 class TakeClips(StepModel):
@@ -37,6 +37,7 @@ class Bake(StepModel):
     described: File | None = option("rig", None)
     clips: Names = option("clip", ())
     fps: Above | None = None
+    between: Tolerance = 1e-3
     soft: Share | None = None
     stretch: bool | None = None
 

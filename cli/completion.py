@@ -1,0 +1,32 @@
+"""rigtri completion"""
+
+from __future__ import annotations
+
+import click
+from click.shell_completion import get_completion_class
+
+from rigtri.errors import UsageError
+
+from .options import json_option
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+@click.command("completion")
+@click.argument("shell", type=click.Choice(SHELLS))
+@json_option
+@click.pass_context
+def command(ctx: click.Context, shell: str, as_json: bool) -> None:
+    """Print the lines by which a shell completes commands, options and their values.
+
+    \b
+    Examples:
+        rigtri completion bash > ~/.local/share/bash-completion/completions/rigtri
+        rigtri completion zsh > "${fpath[1]}/_rigtri"
+        rigtri completion fish > ~/.config/fish/completions/rigtri.fish
+    """
+    known = get_completion_class(shell)
+    if known is None:
+        raise UsageError(f"click knows no completion for {shell}")
+    program = ctx.find_root().command
+    click.echo(known(program, {}, "rigtri", "_RIGTRI_COMPLETE").source())

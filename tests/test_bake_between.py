@@ -1,0 +1,102 @@
+"""bake: what lies between samples is as near as the samples themselves, up to a highest rate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_bake import animated, apart, control, rigged, size
+
+from rigtri import pose
+from rigtri.ops.bake import Options, bake
+from rigtri.records import Clip
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.solve import between
+from rigtri.solve.at_work import keyed_in
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.posed import sampled
+from rigtri.timelines import timelines
+
+BOUND = 1e-5
+
+
+def reaching(name: str) -> Rig:
+    """A hand whose IK end goes inward and up on one straight line, between two keys, in a second."""
+    rig = rigged(name)
+    hand = control(rig, "hand_L", "ik")
+    inward = rig.world[rig.find("upper_arm_L"), 3, :3] - rig.world[hand, 3, :3]
+    move = (0.4 * inward + [0.0, 0.1, 0.05]) @ np.linalg.inv(rig.world[hand, :3, :3])
+    rig = replace(rig, clips=(Clip("other", ()),))
+    rig = animated(rig, hand, "translation", [[0, 0, 0], move], times=(0.0, rig.per_second))
+    return replace(rig, clips=rig.clips[-1:])
+
+
+@pytest.mark.parametrize("clip", ["walk", "wave"])
+def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
+    rig, report = rigged(), Report()
+    home = bake(
+        bake(rig, options=Options(to="controls", between=5e-6), report=report),
+        options=Options(between=5e-6),
+        report=report,
+    )
+    keys = pose.key_times(rig.clip(clip))
+    assert apart(rig, home, clip, np.linspace(keys[0], keys[-1], 2001)) < BOUND
+    assert all(entry["between_samples"] <= BOUND for entry in report.added)
+    assert not report.warnings
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_joints_follow_ik_between_keys(name: str) -> None:
+    rig, report = reaching(name), Report()
+    baked = bake(rig, options=Options(between=5e-6), report=report)
+    times = np.linspace(0.0, rig.per_second, 500)
+    timeline = timelines(rig)[0]
+    there = Solver(rig, keyed_in(rig, timeline)).run(sampled(rig, timeline.clip, times))
+    world = pose.worlds(baked, pose.locals_at(baked, baked.clips[0], times))
+    for joint in ("forearm_L", "hand_L"):
+        node = rig.find(joint)
+        far = np.linalg.norm(world[:, node, 3, :3] - there.world(node)[:, 3, :3], axis=1).max()
+        assert far / size(rig) < BOUND
+    (entry,) = report.added
+    assert 0.0 < entry["between_samples"] <= BOUND
+    assert 10 < entry["frames"] < 1025
+
+
+def test_a_larger_tolerance_takes_fewer_samples() -> None:
+    counts = []
+    for tolerance in (1e-3, 1e-4, 1e-5):
+        report = Report()
+        bake(reaching("biped.glb"), options=Options(between=tolerance / 2), report=report)
+        counts.append(report.added[0]["frames"])
+    assert counts[0] < counts[1] < counts[2]
+
+
+def test_samples_that_were_asked_for_are_the_only_ones() -> None:
+    report = Report()
+    baked = bake(reaching("biped.glb"), options=Options(fps=10.0), report=report)
+    (entry,) = report.added
+    assert entry["frames"] == 11
+    assert entry["between_samples"] > BOUND
+    grid = np.linspace(0.0, 1.0, 11).astype(np.float32).astype(np.float64)
+    assert all(np.isin(track.times, grid).all() for track in baked.clips[0].tracks)
+
+
+def test_what_moves_on_lines_gets_no_more_samples() -> None:
+    rig = rigged()
+    rig = replace(rig, clips=())
+    head = control(rig, "head", "fk")
+    rig = animated(rig, head, "rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
+    report = Report()
+    bake(rig, options=Options(between=5e-6), report=report)
+    assert [(e["frames"], e["between_samples"]) for e in report.added] == [(2, 0.0)]
+
+
+def test_a_highest_rate_bounds_the_samples_and_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(between, "MOST_A_SECOND", 8.0)
+    report = Report()
+    bake(reaching("biped.glb"), options=Options(between=5e-6), report=report)
+    assert report.added[0]["frames"] == 9
+    assert [notice.code for notice in report.warnings] == ["samples-limited"]
+    assert "'new'" in report.warnings[0].text

@@ -1,0 +1,69 @@
+"""bake: frames are taken some at a time, which changes no bit and bounds memory."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from test_bake import rigged
+
+from rigtri.following import Parts
+from rigtri.ops.constrain import Options as ConstrainOptions
+from rigtri.ops.constrain import constrain
+from rigtri.rig import Rig
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.match import matched
+from rigtri.solve.posed import sampled
+from rigtri.timelines import single, timelines
+
+
+def moving(frames: int) -> tuple[Solver, dict[int, Parts]]:
+    """The biped with a staff held by a hand, and its walk."""
+    rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
+    rig: Rig = constrain(rigged(), options=rule)
+    clip = timelines(rig)[0].clip
+    joints = tuple(track for track in clip.tracks if rig.is_joint[track.node])
+    assert len(joints) == len(clip.tracks)
+    return Solver(rig), sampled(rig, clip, np.linspace(0.0, 1.0, frames))
+
+
+def rounded(node: int, parts: Parts) -> Parts:
+    return Parts(*(single(each) for each in parts))
+
+
+def kept_of(solver: Solver, parts: dict[int, Parts], block: int, frames: int) -> dict[int, list[bytes]]:
+    found: dict[int, list[bytes]] = {}
+
+    def keep(node: int, wanted: Parts) -> Parts:
+        rows = [np.broadcast_to(each, (frames, each.shape[1])) for each in wanted]
+        found[node] = [each.tobytes() for each in rows]
+        return rounded(node, wanted)
+
+    matched(solver, parts, keep, block)
+    return found
+
+
+@pytest.mark.parametrize("block", [1, 7, 64])
+def test_blocks_change_no_bit_of_what_controls_get(block: int) -> None:
+    solver, parts = moving(100)
+    whole = kept_of(solver, parts, 100, 100)
+    assert {note["type"] for node, note in solver.rig.notes.items() if node in whole} == {
+        "control",
+        "offset",
+        "poleVector",
+    }
+    assert kept_of(solver, parts, block, 100) == whole
+
+
+def test_memory_beyond_what_goes_in_and_comes_out_does_not_grow_with_the_frames() -> None:
+    def beyond(frames: int) -> int:
+        solver, parts = moving(frames)
+        tracemalloc.start()
+        held = matched(solver, parts, rounded, 500)
+        left, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert len(held) == -(-frames // 500)
+        return peak - left
+
+    assert beyond(8000) < 2 * beyond(2000)
