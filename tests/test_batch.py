@@ -309,6 +309,23 @@ def test_a_task_of_a_slurm_array_does_its_part(batch: Batch, monkeypatch: pytest
     assert len(lines(batch("--json", "--shard", "1/1"))) == 3
 
 
+@pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+def test_names_that_are_no_text_are_no_trouble(batch: Batch, samples: Path) -> None:
+    shutil.copy(samples / "biped.bin", "in")
+    text = (samples / "biped.gltf").read_text().replace('"hips"', '"h\\\\ud800"')
+    Path("in/half.gltf").write_text(text.replace("\\\\", "\\"))
+    try:
+        os.rename(b"in/a.glb", b"in/\xff.glb")
+    except OSError:  # of a file system that takes text alone
+        os.rename("in/a.glb", "in/ä.glb")
+    inputs = ("in/*.glb", "in/*.gltf")
+    result = batch("--json", "--shard", "1/1", inputs=inputs)
+    assert result.exit_code == 0, result.stderr
+    assert set(statuses(batch("--json", "--log", "log.jsonl", inputs=inputs)).values()) == {"skipped"}
+    assert len(Path("log.jsonl").read_text().splitlines()) == 3
+    assert len(lines(batch("--json", "--shard", "2/2", "-O", "other", inputs=inputs))) <= 3
+
+
 def test_a_log_gets_the_lines_of_every_run(batch: Batch) -> None:
     first = batch("--json", "--log", "log.jsonl")
     second = batch("--json", "--log", "log.jsonl")

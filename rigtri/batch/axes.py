@@ -29,7 +29,7 @@ class Axes:
     @property
     def skeleton(self) -> str:
         """The same for all files whose joints have the same names and parents."""
-        return hashlib.sha256(self.joints.encode("utf-8", "surrogatepass")).hexdigest()[:16]
+        return hashlib.sha256(self.joints.encode()).hexdigest()[:16]
 
 
 def axes_of(rig: Rig) -> Axes | None:
@@ -45,7 +45,7 @@ def axes_of(rig: Rig) -> Axes | None:
         known = np.isfinite(posed).all(axis=(1, 2))
         frames[skin.joints[known]] = posed[known]
     turns = _turns(frames[joints])
-    return Axes(json.dumps(told, ensure_ascii=False), np.rint(turns * _UNIT).astype("<i2").tobytes())
+    return Axes(json.dumps(told), np.rint(turns * _UNIT).astype("<i2").tobytes())
 
 
 def _above(rig: Rig, node: int, place: dict[int, int]) -> int:

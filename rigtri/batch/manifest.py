@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, overload
 
 from rigtri.batch.axes import Axes
 from rigtri.batch.contents import seen_from
@@ -112,13 +112,17 @@ class Manifest:
     def known(self, entry: Entry) -> Known | None:
         """What is known of an entry's output; None for a new one."""
         with self._lock:
-            return look_up(self._base, seen_from(self.folder, entry.target))
+            return look_up(self._base, self.name(entry))
+
+    def name(self, entry: Entry) -> str:
+        """What an entry's output is called here."""
+        return name_of(self.folder, entry)
 
     def ready(self, entry: Entry, task: str, record: Record) -> None:
         """Put down what is about to appear, until `done` says that it has."""
-        told = json.dumps(asdict(record), ensure_ascii=False, default=_plain)
+        told = json.dumps(asdict(record), default=_plain)
         with self._writing() as base:
-            values = (seen_from(self.folder, entry.target), task, told)
+            values = (self.name(entry), task, told)
             base.execute("INSERT OR REPLACE INTO ready VALUES (?, ?, ?)", values)
 
     def about_to_be(self) -> dict[str, tuple[str, Record]]:
@@ -129,7 +133,7 @@ class Manifest:
 
     def done(self, entry: Entry, task: str, record: Record) -> None:
         """Put down what became of an entry, in place of what was known of it."""
-        output = seen_from(self.folder, entry.target)
+        output = self.name(entry)
         with self._writing() as base:
             axes = self._axes(base, record.axes)
             (number,) = base.execute(
@@ -140,10 +144,10 @@ class Manifest:
                 "axes=excluded.axes, task=excluded.task, at=excluded.at RETURNING id",
                 (
                     output,
-                    seen_from(self.folder, entry.source),
+                    writable(seen_from(self.folder, entry.source)),
                     record.status,
                     record.kind,
-                    reason(record, entry),
+                    writable(reason(record, entry)),
                     record.exit_code,
                     record.deviation,
                     record.seconds.get("all"),
@@ -157,12 +161,12 @@ class Manifest:
                 "INSERT INTO contents VALUES (?, ?, ?, ?) ON CONFLICT(file) DO UPDATE SET "
                 "read=excluded.read, message=excluded.message, "
                 "made=CASE WHEN excluded.made='{}' THEN made ELSE excluded.made END",
-                (number, json.dumps(record.read), json.dumps(record.made), record.message),
+                (number, json.dumps(record.read), json.dumps(record.made), writable(record.message)),
             )
             base.execute("DELETE FROM warnings WHERE file=?", (number,))
             base.executemany(
                 "INSERT INTO warnings VALUES (?, ?, ?, ?)",
-                [(number, w["code"], w["joint"], w["text"]) for w in record.warnings],
+                [(number, w["code"], writable(w["joint"]), writable(w["text"])) for w in record.warnings],
             )
             base.execute("DELETE FROM ready WHERE output=?", (output,))
 
@@ -256,6 +260,20 @@ def others(path: Path, own: Path) -> list[Path]:
     """The manifests that other parts of a batch have written, and the whole of it, if they are there."""
     found = path.parent.glob(f"{glob.escape(path.stem)}-*-of-*{glob.escape(path.suffix)}")
     return [other for other in (path, *sorted(found)) if other != own and other.is_file()]
+
+
+def name_of(folder: str, entry: Entry) -> str:
+    """What an entry's output is called in the manifests of a folder."""
+    return writable(seen_from(folder, entry.target))
+
+
+@overload
+def writable(text: str) -> str: ...
+@overload
+def writable(text: None) -> None: ...
+def writable(text: str | None) -> str | None:
+    """Text that SQLite takes: names of files and joints may hold half of a surrogate pair."""
+    return text and text.encode("utf-8", "backslashreplace").decode()
 
 
 def look_up(base: sqlite3.Connection, output: str) -> Known | None:

@@ -17,7 +17,7 @@ from pathlib import Path
 from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
-from rigtri.batch.manifest import Known, Manifest, look_up, reason
+from rigtri.batch.manifest import Known, Manifest, look_up, name_of, reason
 from rigtri.batch.work import Assignment, Record, Task
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
 from rigtri.outputs import as_file_error, recover
@@ -116,7 +116,7 @@ class Run:
     def _alone(self, entry: Entry, record: Record) -> Record:
         """The record, or an error where a file beside the output has replaced that of another one."""
         for name, content in record.made.items():
-            if name != self._name(entry):
+            if name != seen_from(self._folder, entry.target):
                 own, owner = self._beside.setdefault(name, (content, entry.target))
                 if own != content:
                     text = (
@@ -188,7 +188,7 @@ class Run:
             return False
 
     def _name(self, entry: Entry) -> str:
-        return seen_from(self._folder, entry.target)
+        return name_of(self._folder, entry)
 
     def _heard(self, assignment: Assignment, record: Record) -> None:
         """What is about to appear is put down before it does."""

@@ -38,7 +38,7 @@ def _place(target: str, folder: str) -> int:
         name = os.path.relpath(os.path.abspath(target), os.path.abspath(folder))
     except ValueError:  # another drive
         name = os.path.abspath(target)
-    return int.from_bytes(hashlib.sha256(name.replace(os.sep, "/").encode()).digest()[:8], "big")
+    return int.from_bytes(hashlib.sha256(os.fsencode(name.replace(os.sep, "/"))).digest()[:8], "big")
 
 
 def parse(text: str) -> Shard:
