@@ -141,7 +141,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
             own.parent.mkdir(parents=True, exist_ok=True)
             kept = stack.enter_context(manifest.Manifest(own, shard=str(shard) if shard else None))
         known = [own, *manifest.others(whole, own)] if kept is None else manifest.others(whole, own)
-        others = [stack.enter_context(manifest.opened(path)) for path in known if path.is_file()]
+        others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
         log = stack.enter_context(_log(values["log"]))
         limits = {"seconds": values["timeout"], "memory": values["max_memory"]}
         jobs = max(1, min(values["jobs"] or processors(), len(chosen)))

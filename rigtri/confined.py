@@ -61,6 +61,7 @@ class Confined:
         if method == "forkserver":
             self._context.set_forkserver_preload([*_PRELOADED, *preload])
         self._process: Any = None
+        self._killed = False
         self._pipe: Connection | None = None
 
     def __call__(
@@ -78,6 +79,8 @@ class Confined:
         """
         pipe = self._started()
         try:
+            if self._killed:
+                raise EOFError
             pipe.send((task, arguments))
             kind, value = self._answer(name, pipe, heard)
         except (EOFError, ConnectionError):
@@ -106,7 +109,11 @@ class Confined:
         raise CrashError(f"{name}: took longer than {self._seconds:g} s and was stopped", "timeout")
 
     def kill(self) -> None:
-        """End the child in the middle of its task, from any thread; who waits for it gets a CrashError."""
+        """End the child in the middle of its task, from any thread; who waits for it gets a CrashError.
+
+        There will be no other.
+        """
+        self._killed = True  # first, for a child that is being started
         if self._process is not None:
             self._process.kill()
 
@@ -140,6 +147,8 @@ class Confined:
 
     def _death(self) -> str:
         """What ended the child, in words; another will be started for the next task."""
+        if self._killed:
+            self._process.kill()
         self._process.join()
         code = self._process.exitcode
         self.close()

@@ -128,12 +128,13 @@ def _put_back(backup: Path, place: Path) -> None:
     backup.unlink(missing_ok=True)
 
 
-def recover(final: Path) -> None:
+def recover(final: Path, *, alone: bool = False) -> None:
     """Finish what killed runs have left: put back what they had replaced, remove their parts.
 
     A buffer that was new stays: by its name alone nobody knows who else refers to it.
+    alone: nobody else writes ``final``.
     """
-    for process in {process for _, process in stale_parts(final)}:
+    for process in {process for _, process in stale_parts(final, every=alone)}:
         for backup in final.parent.rglob(f".*.kept-{process}"):
             _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
         for part in final.parent.rglob(f".*.part-{process}*"):

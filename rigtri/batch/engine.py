@@ -160,5 +160,5 @@ class Local:
             record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
         if not self._dry_run:
             with suppress(OSError):  # it is told that the file has failed, and the next run tries again
-                recover(Path(assignment.entry.target))
+                recover(Path(assignment.entry.target), alone=True)
         return record

@@ -233,8 +233,11 @@ def check(base: sqlite3.Connection, path: Path, *, empty: bool = False) -> None:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[sqlite3.Connection]:
-    """A manifest for reading, also while a run writes it. FileError where it cannot be read."""
+def opened(path: Path, *, empty: bool = False) -> Iterator[sqlite3.Connection]:
+    """A manifest for reading, also while a run writes it. FileError where it cannot be read.
+
+    empty: it may have no tables yet.
+    """
     if not path.is_file():
         raise FileError(f"There is no manifest {path}")
     # Who may only read cannot tidy up what reading a WAL leaves beside it.
@@ -243,7 +246,7 @@ def opened(path: Path) -> Iterator[sqlite3.Connection]:
         base = sqlite3.connect(f"{path.resolve().as_uri()}?mode={mode}", uri=True, check_same_thread=False)
         try:
             base.execute("PRAGMA query_only=1")
-            check(base, path)
+            check(base, path, empty=empty)
             yield base
         finally:
             base.close()

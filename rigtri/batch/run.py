@@ -234,4 +234,4 @@ def _clear(entries: Sequence[Entry]) -> None:
             for name in own & {f"{part[1]}{part[2]}" for part in parts}:
                 final = Path(folder, name)
                 with as_file_error(final):
-                    recover(final)
+                    recover(final, alone=True)  # the manifest is ours, and so are its outputs
