@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,8 @@ def build(
     work = _Work(spec, source, verify, report if report is not None else Report())
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    several = len(spec.steps) > 1
+    with tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder:
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.number), Path(source if str(source) != "-" else target).name)
             place.parent.mkdir()
