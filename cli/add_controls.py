@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     nargs=3,
     multiple=True,
     metavar="ROOT MIDDLE END",
-    help="An IK control at the end of this limb, and its pole vector. Repeatable.",
+    help="An IK control at the end of this limb, its pole vector, and FK controls below IK. Repeatable.",
 )
 @click.option("--limbs", "auto", type=click.Choice(["auto"]), help="The same for every limb that is known.")
 @click.option(

@@ -89,13 +89,17 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     clips = [entry for entry in report.added if entry["type"] == "clip"]
+    resting = {name for entry in report.added if entry["type"] == "rest" for name in entry["nodes"]}
+    at_rest = f"{counted(len(resting), 'node')} at rest" if resting else ""
     if not clips:
-        return "no clip has keys of controls or constraints; nothing was baked"
+        nothing = "no clip has keys of controls or constraints"
+        return f"{nothing}; {at_rest}" if at_rest else f"{nothing}; nothing was baked"
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
     line = ", ".join([counted(len(clips), "clip"), counted(frames, "frame"), counted(keys, "key")])
     line += f" for {counted(max(e['nodes'] for e in clips), 'node')}"
     curved = max(entry["between_samples"] for entry in clips)
     line += f"; between samples within {curved:.2g} of the size" if curved else ""
+    line += f"; {at_rest}" if at_rest else ""
     if clips[0]["to"] == "controls":
         far = max(entry["deviation"] for entry in clips)
         turn = max(entry["residual_degrees"] for entry in clips)

@@ -9,6 +9,7 @@ from rigtri.errors import FileError
 from rigtri.lengths import ROUNDING
 from rigtri.pose import worlds
 from rigtri.reach import reaches
+from rigtri.records import key_values
 from rigtri.reframe import Scales
 from rigtri.rig import Rig
 
@@ -22,10 +23,17 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     Turning a joint whose scale is nearly uniform moves what hangs there; else only the rounding
     of stored numbers can be what differs.
     """
-    near = result.shown < 10 * tolerance
-    if result.lost or result.different or not near:
+    if result.lost or result.different:
         return ""
     allow = f"allow more with --tolerance {_rounded_up(result.shown):g}"
+    if rough := rough_scales(before, after, result.shown):
+        names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
+        return (
+            f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
+            f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale as it was, or {allow}"
+        )
+    if not result.shown < 10 * tolerance:
+        return ""
     noisy = nearly_uniform(before, after, tolerance)
     if noisy:
         scale = " ".join(f"{x:.8g}" for x in before.scale[noisy[0]])
@@ -43,6 +51,31 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
         f"named with --exclude, or {allow}"
     )
+
+
+def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
+    """The joints of a USD file whose new scales are rounded to 16 bits by so much that it may be all of
+    ``shown``, a share of the size: those that count most come first.
+
+    Source: UsdSkelAnimation, `scales` are half3[].
+    """
+    known = {id(track) for clip in before.clips for track in clip.tracks}
+    off = np.zeros(len(before))
+    for track in (t for clip in after.clips for t in clip.tracks if after.raw and id(t) not in known):
+        if track.path == "scale" and track.node < len(before) and before.is_joint[track.node]:
+            values = key_values(track)
+            apart = np.abs(values - values.astype(np.float16).astype(np.float64))
+            share = apart / np.maximum(np.abs(before.scale[track.node]), np.finfo(np.float64).tiny)
+            off[track.node] = max(off[track.node], float(share.max(initial=0.0)))
+    if not off.any():
+        return []
+    try:
+        effect = off * reaches(before)
+    except FileError:
+        return []
+    # A reach is that of bones in one line; in a pose they are not.
+    found = np.flatnonzero((effect > _BLAME * shown) & (sum(effect.tolist()) > shown)).tolist()
+    return sorted(found, key=lambda node: -float(effect[node]))
 
 
 def nearly_uniform(before: Rig, after: Rig, tolerance: float) -> list[int]:

@@ -38,6 +38,7 @@ from rigtri.watched import (
     frames,
     mesh_title,
     origins,
+    own_frames,
     points_of,
     rigid_corners,
     skin_corners,
@@ -98,7 +99,7 @@ class Comparison:
     were looked at, and the box that the file states for all. moved: where an edit changes poses on
     purpose, how far, relative to ``diagonal``; None where none was meant to. driven: how far morph
     weights that the edit drives on purpose move points of each mesh, of the diagonal; the rest is
-    without them.
+    without them. meant: an edit moves things on purpose, and what it meant is what was compared with.
     """
 
     deviation: float
@@ -118,6 +119,7 @@ class Comparison:
     moved: float | None = None
     raw_counts: bool = False
     driven: Mapping[str, float] = field(default_factory=dict)
+    meant: bool = False
 
     @property
     def shown(self) -> float:
@@ -128,7 +130,7 @@ class Comparison:
     @property
     def identical(self) -> bool:
         """Whether all that was there is the same to the bit, so that no pose had to be evaluated."""
-        apart = self.poses or self.moved is not None or self.driven
+        apart = self.poses or self.moved is not None or self.driven or self.meant
         return not (apart or self.lost or self.changed or self.different)
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
@@ -217,6 +219,7 @@ def self_check(
     closely: bool = False,
     points: bool = False,
     driven: Driven | None = None,
+    meant: bool = False,
 ) -> Comparison:
     """Compare a file with what an edit made of it; nodes are known by their keys.
 
@@ -227,7 +230,8 @@ def self_check(
     meshes, where else the box that the file states for all stands for what any joint moves. points:
     move the points themselves, at the weights that their morphs have; a box has room for what all
     morphs add at once, which may be far more. driven: morph weights that are meant to be other ones:
-    they are set aside in both and told apart.
+    they are set aside in both and told apart. meant: ``before`` is what the edit meant to become of
+    the file, so what rigtri itself has added, which else may move, is to stand and turn as there, too.
     """
     rigs = before.rig, after.rig
     if driven:
@@ -254,6 +258,7 @@ def self_check(
     watched: list[Watched] = [
         *bodies,
         *frames(mine, matching, meshes, moving, diagonal),
+        *(own_frames(mine, matching, moving, diagonal) if meant else ()),
         origins(mine, matching, moving),
     ]
     different, changed = compare_scenery((mine, theirs), before.scenery(), after.scenery(), matching)
@@ -265,7 +270,7 @@ def self_check(
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
     far = moved((before.rig, after.rig), (before.meshes(), after.meshes()), driven) if driven else {}
     shares = {name: value / diagonal for name, value in far.items()}
-    return replace(compared, boxed=() if closely else boxed, driven=shares)
+    return replace(compared, boxed=() if closely else boxed, driven=shares, meant=meant)
 
 
 def verify(before: Source, after: Source) -> Comparison:

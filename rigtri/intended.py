@@ -9,6 +9,7 @@ from rigtri.compare import Source
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
+from rigtri.timelines import played_at_once, timelines
 
 
 @dataclass(frozen=True)
@@ -50,22 +51,32 @@ class Intended:
         return replace(found, nodes=moved, own={self.place[node]: own for node, own in found.own.items()})
 
 
-def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> Source:
-    """The document, as the edit to ``rig`` means it; reposed: what it shows is to move as ``rig`` does."""
+def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> tuple[Source, Source]:
+    """The document, as the edit to ``rig`` means it, and the result, to be compared with each other.
+
+    reposed: what the document shows is to move as ``rig`` does. Then both have one clip for all that plays
+    at once: it shows one pose, whichever of a stage's clips holds which keys.
+    """
     before = document.rig
     old = {key: node for node, key in enumerate(before.keys)}
     redrawn = frozenset(old[rig.keys[node]] for node in rig.shapes if rig.keys[node] in old)
     keyed = _keyed(before, rig, after.rig)
     if keyed is before and not redrawn and not reposed:
-        return document
+        return document, after
     if not reposed:
-        return Intended(document, keyed, after, redrawn, keyed.keys, range(len(before)))
+        return Intended(document, keyed, after, redrawn, keyed.keys, range(len(before))), after
     # Nodes that the edit has added have no keys: nobody looks for them, as after any other edit.
     now = dict(zip(before.keys, keyed.keys, strict=True))
     keys = tuple(now.get(key) for key in rig.keys)
     new = {key: node for node, key in enumerate(rig.keys) if key is not None}
     moved = rig if keys == rig.keys else replace(rig, keys=keys)
-    return Intended(document, moved, after, redrawn, keyed.keys, [new[key] for key in before.keys])
+    name = next((t.name for t in reversed(timelines(rig))), "")
+    meant, made = played_at_once(moved, name), played_at_once(after.rig, name)
+    place = [new[key] for key in before.keys]
+    return (
+        Intended(document, meant, after, redrawn, keyed.keys, place),
+        Intended(after, made, after, frozenset(), after.rig.keys, range(len(made))),
+    )
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:

@@ -11,11 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rigtri.records import Clip, Integers, Track
+from rigtri.records import Clip, Integers, Track, key_values
 from rigtri.rig import Rig
 
 # Morph weights that another tool stored again as 16-bit integers differ by less.
 SAME_WEIGHT = 2e-5
+# Matrices that are taken apart give the parts they were made of but for this, of the largest number.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,12 +290,32 @@ def _compare_clips(
                 # A split joint moves and turns by the node that holds its axes.
                 now = theirs.pop((after.frame_of.get(target[0], -1), track.path), None)
             if now is None:
-                news.lost.append(of)
+                resting = target[0] in after.own and _says_rest(track, after, target[0])
+                (news.changed if resting else news.lost).append(
+                    f"{of} is told by its rest" if resting else of
+                )
             else:
                 _compare_track(track, now, of, news)
         news.added += [f"{title}: {t.path} of {after.title(t.node)}" for t in theirs.values()]
     known = set(clip.tolist())
     news.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in known]
+
+
+def _says_rest(track: Track, after: Rig, node: int) -> bool:
+    """Whether all keys of a track say what a node is at rest: prims of ours need no such keys.
+
+    As a prim of nobody's, one that moves has keys for its place, its turn and its scale.
+    """
+    if track.path == "weights":
+        return False
+    rest = {"translation": after.translation, "rotation": after.rotation, "scale": after.scale}[track.path]
+    values, still = key_values(track), rest[node]
+    if track.path == "rotation":  # q and −q are one rotation
+        both = values * still
+        ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
+        values = np.where(ahead[:, np.newaxis] < 0, -values, values)
+    size = float(np.abs(after.translation).max(initial=0.0)) if track.path == "translation" else 1.0
+    return bool((np.abs(values - still) <= _ROUNDING * size).all())
 
 
 def _compare_track(track: Track, now: Track, of: str, news: _News) -> None:

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -233,12 +234,14 @@ def _checked(
             return check_split(document, after)
         if rig.removed:
             return _without(after, document, rig, report.driven)
-        source = intended(document, rig, after, reposed=report.reposed)
-        result = self_check(source, after, driven=report.driven)
+        reposed = report.reposed and rig is not document.rig
+        meant, made = intended(document, rig, after, reposed=reposed)
+        check = partial(self_check, meant, made, driven=report.driven, meant=reposed)
+        result = check()
         if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
-            result = self_check(source, after, closely=True, driven=report.driven)
+            result = check(closely=True)
         if not result.passes(tolerance) and result.passes(np.inf):  # and so may boxes of morphs be
-            exact = self_check(source, after, points=True, driven=report.driven)
+            exact = check(points=True)
             return exact if exact.passes(tolerance) else result
         return result
 

@@ -57,6 +57,23 @@ def timelines(rig: Rig) -> list[Timeline]:
     return found
 
 
+def played_at_once(rig: Rig, name: str) -> Rig:
+    """The rig with all that shares its time in one clip called ``name``: a prim's keys stand in other clips
+    of a stage than a joint's, and one pose is all that is seen of them.
+
+    What is seen without a time, or not at all, stays in clips of its own. Without keys nothing changes.
+    """
+    found = next((t for t in timelines(rig) if isinstance(rig.clips[t.members[0]].key, tuple)), None)
+    if found is None or _is_default(rig.clips[found.members[0]]):
+        return rig
+    apart = [
+        clip
+        for k, clip in enumerate(rig.clips)
+        if k not in found.members or _is_default(clip) or (clip.idle and clip.tracks)
+    ]
+    return replace(rig, clips=(replace(found.clip, name=name, key=("played", "")), *apart))
+
+
 def moment(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     """The timeline and the time that ``CLIP@TIME`` names, the last @ splits; None and 0 for ``rest``.
 

@@ -355,12 +355,26 @@ def frames(
     """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such not ours."""
     nodes = [node for node in frames_shown(before, meshes) if _to_watch(node, m, moving)]
     if nodes:
-        axes = length(pose.worlds(before)[nodes, :3, :3])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            size = diagonal / axes
-        size = np.where(np.isfinite(size), size, 0.0)
         titles = [f"frame of {before.title(node)}" for node in nodes]
-        yield _framed(nodes, m, _corners(-size, size), titles, [""] * len(nodes))
+        yield _framed(nodes, m, _whole(before, nodes, diagonal), titles, [""] * len(nodes))
+
+
+def own_frames(before: Rig, m: Matching, moving: Booleans, diagonal: float) -> Iterator[Rows]:
+    """The whole frames, a diagonal long, of what rigtri itself has added."""
+    nodes = [node for node in sorted(before.own) if m.node[node] >= 0 and moving[node]]
+    if nodes:
+        titles = [f"frame of {before.title(node)}" for node in nodes]
+        points = _whole(before, nodes, diagonal)
+        yield Rows((np.array(nodes), m.node[nodes]), (points, points), titles, [""] * len(nodes))
+
+
+def _whole(rig: Rig, nodes: Sequence[int], diagonal: float) -> Floats:
+    """The corners of frames a diagonal long, (r, 8, 4); of what has no size at rest, its place."""
+    axes = length(pose.worlds(rig)[nodes, :3, :3])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = diagonal / axes
+    size = np.where(np.isfinite(size), size, 0.0)
+    return _corners(-size, size)
 
 
 def _to_watch(node: int, m: Matching, moving: Booleans) -> bool:

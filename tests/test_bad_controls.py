@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from places import SAMPLES
 from test_bake import control, rigged
 
+from rigtri.cli.main import program
 from rigtri.errors import GeometryError
 from rigtri.matrices import inverse, transform_points
 from rigtri.ops.bake import Options as BakeOptions
 from rigtri.ops.bake import bake
 from rigtri.ops.constrain import Options as ConstrainOptions
 from rigtri.ops.constrain import constrain
+from rigtri.ops.controls import Options as ControlOptions
+from rigtri.ops.controls import add_controls
 from rigtri.ops.posing import Options, pose_of
 from rigtri.ops.snap import Options as SnapOptions
 from rigtri.ops.snap import snap
+from rigtri.pipeline import edit
 from rigtri.records import Clip, Track
 from rigtri.records import Path as TrackPath
 from rigtri.report import Report
@@ -62,8 +70,11 @@ def evaluated(rig: Rig, *codes: str) -> Any:
     posed = pose_of(rig, Options(at), report)
     assert {notice.code for notice in report.warnings} == set(codes)
     assert all(np.isfinite(posed.world(node)).all() for node in range(len(rig)))
+    heard = Report()
+    baked = bake(rig, options=BakeOptions(), report=heard)
+    assert {notice.code for notice in heard.warnings if notice.code != "samples-limited"} == set(codes)
     for done in (
-        bake(rig, options=BakeOptions()),
+        baked,
         bake(rig, options=BakeOptions(to="controls")),
         snap(rig, options=SnapOptions("fk", (at,), (ARM,))),
         snap(rig, options=SnapOptions("ik", (at,), (ARM,))),
@@ -114,6 +125,45 @@ def test_uneven_scale_of_a_control_is_that_of_its_joint(name: str) -> None:
     posed = evaluated(asked(rig, (node, "scale", [2.0, 1.0, 0.5])), "control-scale")
     grown = posed.part(rig.find("forearm_L")).scale[0] / rig.scale[rig.find("forearm_L")]
     np.testing.assert_allclose(grown, [2.0, 1.0, 0.5])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_scale_of_zero_of_a_control_is_that_of_its_joint(name: str) -> None:
+    rig = rigged(name)
+    node = control(rig, "head", "fk")
+    posed = evaluated(asked(rig, (node, "scale", [0.0, 0.0, 0.0])), "control-scale")
+    assert not posed.part(rig.find("head")).scale.any()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bake_says_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: str, tmp_path: Path) -> None:
+    asks, out = (tmp_path / f"{k}{Path(name).suffix}" for k in range(2))
+
+    def asking(rig: Rig, report: Report) -> Rig:
+        rig = add_controls(rig, options=ControlOptions(whole_character=True))
+        end, root = control(rig, "hand_L", "ik"), rig.world[rig.find(ARM[0]), 3, :3]
+        far = np.array([place(rig, end, root + np.array([0.0, 0.0, z])) for z in (0.1, 0.3, 50.0, 0.3)])
+        first, *others = rig.clips
+        keys = Track(end, "translation", "LINEAR", np.array([0.0, 1.0, 2.0, 3.0]), far)
+        return replace(rig, clips=(replace(first, tracks=(*first.tracks, keys)), *others))
+
+    edit(SAMPLES / name, asks, asking, verify=False)
+
+    def run(*arguments: str) -> Any:
+        return CliRunner().invoke(program, ["bake", str(asks), "-o", str(out), *arguments])
+
+    warnings = json.loads(run("--json").stdout)["warnings"]
+    (told,) = (warning["text"] for warning in warnings if warning["code"] == "ik-unreachable")
+    assert "@2 for the limb" in told
+    assert run("--strict", "--overwrite").exit_code == 5
+
+
+@pytest.mark.parametrize("soft", [0.05, 0.3])
+def test_a_soft_limb_whose_target_matching_has_placed_is_no_trouble(soft: float) -> None:
+    rig = add_controls(rigged("tpose.glb"), options=ControlOptions(whole_character=True, soft=soft))
+    report = Report()
+    bake(bake(rig, options=BakeOptions(to="controls")), options=BakeOptions(), report=report)
+    assert "ik-unreachable" not in {notice.code for notice in report.warnings}
 
 
 @pytest.mark.parametrize("name", NAMES)

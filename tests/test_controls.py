@@ -20,6 +20,7 @@ from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
+from rigtri.limbs import Limb
 from rigtri.matrices import nearest_rotation
 from rigtri.ops.controls import Options, add_controls
 from rigtri.ops.select import Selection
@@ -435,3 +436,24 @@ def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) 
     assert (note(across, "hand_R")["soft"], note(across, "hand_R")["stretch"]) == (0.125, True)
     run("add-controls", once, "-o", plain, *limb, "--soft", "0", "--no-stretch")
     assert not {"soft", "stretch"} & set(note(plain, "hand_L"))
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_limbs_with_ik_have_fk_controls_below_it_though_no_point_hangs_on_them(whole: bool) -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    bare = {rig.find(name) for name in ("shin_L", "foot_L", "toe_L", "toe_L_end")}
+    skins = tuple(
+        replace(skin, weigh=lambda skin=skin: skin.weighted & ~np.isin(skin.joints, sorted(bare)))
+        for skin in rig.skins
+    )
+    limb = Limb(*(rig.find(name) for name in ("thigh_L", "shin_L", "foot_L")))
+    options = Options(whole_character=True) if whole else Options(ik=(limb,))
+    made = add_controls(replace(rig, skins=skins), options=options)
+    fk = {
+        note["joint"] for note in made.notes.values() if note.get("kind") == "fk" and note["type"] != "offset"
+    }
+    assert {"thigh_L", "shin_L", "foot_L"} <= fk
+    assert "toe_L" not in fk
+    assert whole or fk == {"thigh_L", "shin_L", "foot_L"}
+    again = add_controls(made, options=options)
+    assert len(again) == len(made)

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from morphs import arm
 from places import SAMPLES, asset_files, leave_out_refused, sample_files
 from pxr import Usd
+from rigs import chain
 
 from rigtri import pose
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
@@ -357,6 +358,36 @@ def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
     assert np.abs(mine["head"] - its["head"]).max() < 1e-5
 
 
+def test_a_joint_that_edited_lets_rest_stays_there_where_rig_has_a_moving_one_above_it() -> None:
+    times = np.array([0.0, 0.5, 1.0])
+    turns = from_axis_angle([0.0, 0.0, 1.0], np.array([0.0, 0.8, -0.4]))
+    ours, theirs = (
+        chain((0, 0, 0), (1, 0, 0), (3, 0, 0), names="abc"),
+        chain((0, 0, 0), (3, 0, 0), names="ac"),
+    )
+    walk = (Track(1, "rotation", "LINEAR", times, turns), Track(0, "rotation", "LINEAR", times, turns))
+    rig = replace(ours, clips=(Clip("walk", walk),))
+    edited = replace(theirs, clips=(Clip("walk", (Track(0, "rotation", "LINEAR", times, turns[::-1]),)),))
+    home = take_clips(rig, edited)
+    mine, its = places(home, "walk", times), places(edited, "walk", times)
+    np.testing.assert_allclose(mine["c"], its["c"], atol=CLOSE)
+    assert np.abs(places(rig, "walk", times)["c"] - its["c"]).max() > 0.1
+
+
+def test_a_rig_of_other_proportions_keeps_its_size() -> None:
+    times, turns = np.array([0.0, 1.0]), from_axis_angle([0.0, 0.0, 1.0], np.array([0.0, 0.8]))
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 1, 1))
+    other = chain((0, 0, 0), (0, 1.9, 0), (0, 1.9, 1.1))
+    edited = replace(other, clips=(Clip("walk", (Track(0, "rotation", "LINEAR", times, turns),)),))
+    report = Report()
+    home = take_clips(rig, edited, report=report)
+    assert "other-proportions" in notices(report)
+    world = pose.worlds(home, pose.locals_at(home, home.clip("walk"), times))
+    np.testing.assert_allclose(np.linalg.norm(world[..., :3, :3], axis=-1), 1.0, atol=CLOSE)
+    bones = np.linalg.norm(np.diff(world[..., 3, :3], axis=1), axis=-1)
+    np.testing.assert_allclose(bones, 1.0, atol=CLOSE)
+
+
 def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:
     rig = rig_of(arm().glb(tmp_path / "arm.glb"))
     other = arm()
@@ -377,6 +408,11 @@ def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:
     report = Report()
     assert take_clips(rig, rig_of(nameless.glb(tmp_path / "nameless.glb")), report=report) is rig
     assert notices(report) == []
+
+
+def test_one_name_in_place_of_a_list_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"\('walk',\)"):
+        take_clips(rig_of(), rig_of(), options=Options(clips="walk"))  # type: ignore[arg-type]
 
 
 def test_what_has_no_motion_or_no_common_name_is_an_error() -> None:
@@ -745,7 +781,7 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
         return bake(rig, options=Bake(to="controls"), report=report)
 
     def joints(rig: Rig, report: Report) -> Rig:
-        return bake(rig, options=Bake(to="joints"), report=report)
+        return bake(rig, options=Bake(to="joints", fps=24.0), report=report)
 
     def lifted(rig: Rig, report: Report) -> Rig:
         report.reposed = True
@@ -778,7 +814,7 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
     edit(home, game, joints)
     edit(rigged, before, joints)
     now, was = rig_of(game), rig_of(before)
-    times = pose.key_times(was.clip("walk"))
+    times = np.union1d(pose.key_times(was.clip("walk")), pose.key_times(now.clip("walk")))
     mine, its = places(now, "walk", times), places(was, "walk", times)
     far = {name: float(np.abs(mine[name] - its[name]).max()) for name in mine}
     assert {name for name, apart in far.items() if apart > 1e-6} == {"forearm_L", "hand_L", "fingers_L"}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rigtri.quaternions import rotate
-from rigtri.solve.two_bone import two_bone
+from rigtri.solve.two_bone import distance_for, two_bone
 
 X = np.array([1.0, 0.0, 0.0])
 
@@ -70,6 +70,20 @@ def test_soft_never_becomes_straight_and_meets_the_hard_one_where_it_begins():
     assert reach.max() < 2.0
     hard = distances <= 1.8
     np.testing.assert_allclose(reach[hard], distances[hard], atol=1e-12)
+
+
+@pytest.mark.parametrize("soft", [0.0, 0.01, 0.2, 0.9])
+def test_the_distance_of_a_target_follows_from_how_far_the_end_goes(soft):
+    # Up to 5 ways of slowing down after the start, 2 (1 - soft).
+    distances = np.linspace(0.1, 2.0 * (1.0 - soft) + 9.9 * soft, 300)
+    _, _, end = solved(distances[:, np.newaxis] * X, [0.0, 9.0, 0.0], soft=soft)
+    reach = np.linalg.norm(end, axis=1)
+    np.testing.assert_allclose(distance_for(reach, np.full(300, 2.0), soft), distances, atol=1e-11)
+
+
+def test_a_straight_soft_limb_has_a_target_that_is_not_far_off():
+    # 1.6 + 5 * 0.4
+    np.testing.assert_allclose(distance_for(np.array([2.0, 2.1]), np.full(2, 2.0), 0.2), 3.6, atol=1e-12)
 
 
 @pytest.mark.parametrize("target", [[0, 0, 0], [1e-12, 0, 0]])

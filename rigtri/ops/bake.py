@@ -13,11 +13,14 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from rigtri.bounds import refuse_unworkable
+from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
+from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding
 from rigtri.ops.posing import at_rest
+from rigtri.ops.stretched import refuse_endless
+from rigtri.ops.trouble import clip_troubles, troubles
 from rigtri.ops.twist_keys import keyed
 from rigtri.pose import sample
 from rigtri.quaternions import unit
@@ -29,7 +32,7 @@ from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_
 from rigtri.solve.between import MOST_A_SECOND, ControlCurve, JointCurve, Refined, refined
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed, shares
-from rigtri.solve.match import Block, matched
+from rigtri.solve.match import matched
 from rigtri.solve.posed import Posed, sampled
 from rigtri.solve.reference import Reference
 from rigtri.timelines import (
@@ -44,7 +47,6 @@ from rigtri.timelines import (
 )
 from rigtri.trigonometry import Floats
 from rigtri.twist import is_twist, twists
-from rigtri.vectors import length
 
 Direction = Literal["joints", "controls"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
@@ -78,7 +80,10 @@ class Options:
         """These options. UsageError for what cannot be."""
         if self.to not in DIRECTIONS:
             raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
-        refuse_unworkable("--fps", self.fps)
+        refuse_single_name("--clip", self.clips)
+        told = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
+        for flag, number in (*told, ("--between", self.between)):
+            refuse_unworkable(flag, number)
         if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
         if not self.between >= 0:
@@ -241,7 +246,8 @@ class _Baker:
     def _tell_limited(self) -> None:
         """One warning for all clips whose samples could not be near enough."""
         entries = [e for e in self.report.added if e.get("type") == "clip" and e.get("limited")]
-        far = [e for e in entries if e["between_samples"] > self.options.between]
+        most = max(self.options.between, self.options.tolerance)
+        far = [e for e in entries if e["between_samples"] > most]
         if far:
             worst = max(far, key=lambda entry: float(entry["between_samples"]))
             more = f" ({len(far) - 1} more clips alike)" if len(far) > 1 else ""
@@ -272,12 +278,14 @@ class _Baker:
         samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
         times, parts = samples.times, samples.parts
         held = self._jumps(telling, times)
+        refuse_endless(self.rig, solver.limbs, parts, timeline.name, times)
         tracks = [
             track
             for node in nodes
             for track in self._tracks(timeline, times, held, node, parts[node])
             if track.path in {path for path, _ in solver.writes[node]}
         ]
+        self.report.hear(clip_troubles(solver, timeline, times, parts))
         self.rig = placed(self.rig, timeline, tracks)
         self._record(timeline, solver, samples, tracks, nodes)
 
@@ -317,15 +325,21 @@ class _Baker:
         if not solver.steps:
             return
         posed = solver.run({})
+        self.report.hear(troubles(solver, posed, lambda _: "the rest pose"))
         moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
         moves, _ = self.bounds
         least = np.minimum(moves, NOTHING * self.size)
-        self.rig, _ = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
+        self.rig, found = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
+        if found:
+            self.report.added.append({"type": "rest", "nodes": [self.rig.title(node) for node in found]})
 
     # --- to controls
 
     def _to_controls(self, timeline: Timeline) -> None:
-        solver = self._solver(None)
+        reference = self.reference
+        # A joint that only the root control carries keeps its own keys; that control gets none.
+        carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
+        solver = self._solver(self.movers - carrying)
         made = self.movers | solver.offsets
         telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
@@ -348,27 +362,11 @@ class _Baker:
         found = matched(solver, sampled(self.rig, clip, times), keep)
         self.rig = placed(self.rig, timeline, tracks)
         controls = sorted({node for block in found for node in block.found.controls})
-        self._record(timeline, solver, samples, tracks, controls, self._deviation(found))
-
-    def _deviation(self, blocks: Sequence[Block]) -> dict[str, float]:
-        """How far the rig that the controls make is off, and what limbs hold beside IK."""
-        rig, far = self.rig, 0.0
-        for source, found in blocks:
-            joints = np.flatnonzero(rig.is_joint).tolist() or sorted(source.parts)
-            for joint in joints:
-                a, b = found.posed.world(joint), source.world(joint)
-                far = max(far, float(np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3])).max()))
-            if len(blocks) > 1:
-                source.forget()
-                found.posed.forget()
-        residuals = [residual for block in blocks for residual in block.found.residuals]
-        turn = max((r.turn for r in residuals), default=0.0)
-        move = max((r.move for r in residuals), default=0.0)
-        return {
-            "deviation": far / self.size,
-            "residual_degrees": float(np.degrees(turn)),
-            "residual_move": move / self.size,
-        }
+        told, notices = fidelity(
+            self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance
+        )
+        self.report.hear(notices)
+        self._record(timeline, solver, samples, tracks, controls, told)
 
     def _record(
         self,

@@ -54,7 +54,8 @@ class Options:
     """Everything that `add_controls` can be told; the defaults are the command's.
 
     selection: the joints that get FK controls. whole_character: all that carry weight, a root
-    control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them.
+    control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them,
+    and FK controls of their three joints.
     size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}, which is
     ctl, ik_ctl or root_ctl. shapes: by kind of control (fk, ik, root, pole). colors: by side (left,
     right, ""). What of these is given, controls that are there already get too, unless edited.
@@ -162,12 +163,17 @@ class _Builder:
         self.rig = remembered(self.rig, [c for c, _, _ in self.made if self.rig.keys[c] is None])
 
     def _joints(self) -> list[int]:
-        """The joints that get FK controls, parents first; twist joints follow by themselves."""
-        options = self.options
-        if not (options.selection.named or options.whole_character):
-            return []
-        found = [k for k in chosen(self.tree, options.selection) if not is_twist(self.rig.notes.get(k))]
-        return found if options.selection.named else [joint for joint in found if self.tree.carries[joint]]
+        """The joints that get FK controls, parents first; twist joints follow by themselves.
+
+        Those of limbs with IK always do, whatever carries weight: theirs hold what IK cannot.
+        """
+        options, found = self.options, list[int]()
+        if options.selection.named or options.whole_character:
+            found = [k for k in chosen(self.tree, options.selection) if not is_twist(self.rig.notes.get(k))]
+            if not options.selection.named:
+                found = [joint for joint in found if self.tree.carries[joint]]
+        missing = {node for limb in self.limbs for node in limb.triple}.difference(found)
+        return sorted({*found, *missing}) if missing else found
 
     def _root(self) -> None:
         """The control over all: below the first root joint, as low as the lowest joint, along the world."""

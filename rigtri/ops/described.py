@@ -22,11 +22,13 @@ def as_described(rig: Rig, described: Rig, *, report: Report | None = None) -> R
     missing = []
     for node, note in notes.items():
         own = rig.known(described.names[node])
+        if own is None and note.get("type") == "group":
+            continue  # says nothing but where the others are; as a Scope without notes it is no node
         if own is None:
             missing.append(described.names[node])
         else:
             found[own] = note
-    if len(missing) == len(notes):
+    if found == dict(rig.notes):
         raise GeometryError("No node of the file of --rig is in this file; were they made of one another?")
     if missing:
         names = ", ".join(f"'{name}'" for name in missing[:4])

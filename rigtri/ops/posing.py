@@ -50,7 +50,7 @@ def pose_of(rig: Rig, options: Options, report: Report | None = None) -> Posed:
     solver = Solver(rig, at_work)
     posed = solver.run({} if timeline is None else sampled(rig, timeline.clip, np.array([time])))
     if report is not None:
-        report.hear(troubles(solver, posed, options.at))
+        report.hear(troubles(solver, posed, lambda _: options.at))
     return posed
 
 

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
 from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, span
@@ -44,6 +45,8 @@ class Options:
 
     def checked(self) -> Options:
         """These options. UsageError for what cannot be."""
+        refuse_single_name("--clip", self.clips)
+        refuse_unworkable("--tolerance", self.tolerance)
         if not self.tolerance >= 0:
             raise UsageError("--tolerance is a share of the rig's size, 0 or more")
         return self

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
+from rigtri.following import Parts
 from rigtri.matrices import transform_points
 from rigtri.report import Notice
-from rigtri.solve.evaluate import Solver
+from rigtri.solve.blocks import blocks, cut
+from rigtri.solve.evaluate import Follow, Root, Solver, Step
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
-from rigtri.solve.posed import Posed
+from rigtri.solve.posed import Posed, sampled
+from rigtri.solve.two_bone import BEYOND
+from rigtri.timelines import Timeline
+from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 # As a share of the limb: nearer than this to what it can reach, rounding or a bake has put the IK end.
@@ -20,42 +26,91 @@ REACHED = 1e-3
 EVEN = 1e-4
 
 
-def troubles(solver: Solver, posed: Posed, where: str) -> Iterator[Notice]:
-    """Notices of a rig that ``solver`` has run, in words for ``where`` (a clip, a moment)."""
+# Names the moment of a row.
+Moment = Callable[[int], str]
+
+
+def troubles(solver: Solver, posed: Posed, at: Moment) -> Iterator[Notice]:
+    """Notices of a rig that ``solver`` has run: of each kind of trouble, the moment where it is worst."""
     for ik in solver.limbs:
-        yield from _limb(ik, posed, where)
-    for step in (*solver.steps, *(fk for ik in solver.limbs for fk in ik.fk.values())):
-        if isinstance(step, Fk):
-            scale = posed.part(step.own.control).scale
-            if (scale.max(axis=1) - scale.min(axis=1) > EVEN * np.abs(scale).max(axis=1)).any():
-                text = (
-                    f"'{solver.rig.title(step.own.control)}' is scaled unevenly in {where}: "
-                    "so is its joint, and what turns below it is sheared"
-                )
-                yield Notice("control-scale", text)
+        yield from _limb(ik, posed, at)
+    scaled = {node for step in solver.steps for node in _scaled(step)}
+    scaled |= {fk.own.control for ik in solver.limbs for fk in ik.fk.values()}
+    for node in sorted(scaled):
+        yield from _scale(solver.rig.title(node), posed.part(node).scale, at)
 
 
-def _limb(ik: Ik, posed: Posed, where: str) -> Iterator[Notice]:
+def clip_troubles(
+    solver: Solver, timeline: Timeline, times: Floats, solved: Mapping[int, Parts]
+) -> list[Notice]:
+    """The notices of a timeline, of each node's troubles the first. solved: what ``solver`` makes of it at
+    ``times``, node → (1 or f, ·) each."""
+    rig, looked_at = solver.rig, set[int]()
+    for node in (node for step in solver.steps for node in (*step.reads, *step.needs)):
+        while node >= 0 and node not in looked_at:
+            looked_at.add(node)
+            node = int(rig.parents[node])
+    tracks = tuple(t for t in timeline.clip.tracks if t.node in looked_at and t.node not in solved)
+    parts = {**sampled(rig, replace(timeline.clip, tracks=tracks), times), **solved}
+    found: dict[tuple[str, str | None], Notice] = {}
+    for rows in blocks(len(times)):
+        moment = _moment(timeline.name, times[rows])
+        for notice in troubles(solver, Posed(rig, cut(parts, rows)), moment):
+            found.setdefault((notice.code, notice.joint), notice)
+    return list(found.values())
+
+
+def _moment(clip: str, times: Floats) -> Moment:
+    return lambda row: f"{clip}@{times[row]:g}"
+
+
+def _scaled(step: Step) -> Iterator[int]:
+    """The control whose scale a step uses."""
+    base = step.base if isinstance(step, Follow) else step
+    if isinstance(base, Fk | Root):
+        yield base.own.control
+
+
+def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
+    most = np.abs(scale).max(axis=1)
+    uneven = scale.max(axis=1) - scale.min(axis=1) - EVEN * most
+    if most.min() == 0:
+        text = f"'{name}' is scaled to zero in {at(int(most.argmin()))}: so is its joint, with all below it"
+        yield Notice("control-scale", text, name)
+    elif uneven.max() > 0:
+        text = (
+            f"'{name}' is scaled unevenly in {at(int(uneven.argmax()))}: "
+            "so is its joint, and what turns below it is sheared"
+        )
+        yield Notice("control-scale", text, name)
+
+
+def _limb(ik: Ik, posed: Posed, at: Moment) -> Iterator[Notice]:
     rig, limb = ik.rig, ik.limb
-    target, place = posed.world(limb.control)[:, 3, :3], ik.place(posed)
+    target, place = ik.target(posed), ik.place(posed)
     solved, lengths = ik.solve(posed, target, place), ik.lengths(posed)
     longest, shortest = lengths[0] + lengths[1], np.abs(lengths[0] - lengths[1])
     distance = length(target - transform_points(ik.start, posed.world(ik.above)))
-    far = 0.0 if limb.stretch else float((distance - longest * (1.0 + REACHED)).max())
-    near = float((shortest - REACHED * longest - distance).max())
+    # The targets that matching gives a soft limb are beyond it, and meant.
+    far = distance - longest * (1.0 + (BEYOND - 1.0) * limb.soft + REACHED)
+    far = np.where(limb.stretch, -np.inf, far)
+    near = shortest - REACHED * longest - distance
     end = rig.title(limb.chain[2])
-    if far > 0 or near > 0:
-        how = "too far away" if far > 0 else "too near"
-        yield Notice(
-            "ik-unreachable",
-            f"'{rig.title(limb.control)}' is {how} in {where} for the limb that ends in '{end}' to reach it; "
-            "the limb points there",
-            geometry=True,
-        )
+    for off, how in ((far, "too far away"), (near, "too near")):
+        if off.max() > 0:
+            yield Notice(
+                "ik-unreachable",
+                f"'{rig.title(limb.control)}' is {how} in {at(int(off.argmax()))} for the limb that ends in "
+                f"'{end}' to reach it; the limb points there",
+                end,
+                geometry=True,
+            )
+            break
     if solved.lost.any():
         yield Notice(
             "ik-no-side",
             f"The limb that ends in '{end}' has its IK end at its root, or its pole on the line to it, in "
-            f"{where}; it keeps the side it has at rest",
+            f"{at(int(solved.lost.argmax()))}; it keeps the side it has at rest",
+            end,
             geometry=True,
         )

@@ -1,9 +1,9 @@
 """A limb whose end follows a control and whose bend follows a pole, and the place that both need.
 
 The solver turns the rest pose of the limb, carried by what the limb hangs on, from the triangle
-that it has there to the one that reaches the target. At rest it changes nothing, wherever rounding
-has put control and pole. FK controls of the limb's joints work below it: their channels come
-on top of what it has solved.
+that its joints make there to the one that reaches the target. A control that rounding has put
+beside its joint is taken to be on it, so that a hard limb's rest pose stays as it is. FK controls
+of the limb's joints work below the solver: their channels come on top of what it has found.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.following import Parts, factored, pole
-from rigtri.matrices import inverse, transform_directions, transform_points
-from rigtri.quaternions import conjugate, rotate
+from rigtri.matrices import from_frame, inverse, transform_directions, transform_points
+from rigtri.quaternions import conjugate, rotate, to_axes
 from rigtri.quaternions import multiply as product
 from rigtri.rig import Rig
 from rigtri.rules import Rule
 from rigtri.solve.fk import Fk
 from rigtri.solve.posed import Posed
-from rigtri.solve.reference import IkLimb, Reference
-from rigtri.solve.two_bone import Solved, two_bone
+from rigtri.solve.reference import SAME_PLACE, IkLimb, Reference
+from rigtri.solve.two_bone import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
 from rigtri.trigonometry import Floats
 from rigtri.vectors import cross, dot, length, normalise
 
@@ -108,14 +108,30 @@ class Ik:
         return self.reference.world[list(self.limb.chain), 3, :3]
 
     @cached_property
-    def _target(self) -> Floats:
-        return self.reference.world[self.limb.control, 3, :3]
+    def _line(self) -> Floats:
+        """The direction from root to end while controls are zero, (3,); of a folded limb, any that fits."""
+        a, b, c = self._points
+        square = cross(b - a, np.eye(3)[np.argmin(np.abs(b - a))])
+        for line in (c - a, square):
+            if length(line) > NOWHERE * (length(b - a) + length(c - b)):
+                return normalise(line)
+        return np.array([1.0, 0.0, 0.0])
+
+    @cached_property
+    def _seat(self) -> Floats:
+        """From the control to the limb's target, seen from how the control is turned, (3,), whatever its
+        scale: to the end joint, where but rounding parts the two."""
+        control = self.limb.control
+        apart = self._points[2] - self.reference.world[control, 3, :3]
+        if length(apart) > SAME_PLACE * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
+            return np.zeros(3)
+        return rotate(conjugate(self.reference.turn(control)), apart)
 
     @cached_property
     def _pole(self) -> Floats:
         """Where the pole tells the rest pose from, (3,): the pole, or the plane where the pole was moved."""
         a, b, c = self._points
-        line = normalise(c - a)
+        line = self._line
         bend = (b - a) - dot(b - a, line) * line
         told = self.limb.pole >= 0
         straight = length(bend) <= _STRAIGHT * (length(b - a) + length(c - b))
@@ -131,26 +147,22 @@ class Ik:
 
     @cached_property
     def rest(self) -> _Rest:
+        """The triangle is the one of the joints, in the plane of the pole: turns are counted from it, so
+        bones lie where the solver wants them. What parts the middle joint from that plane, which is
+        rounding, is not seen."""
         world, above = self.reference.world, self.above
         a, b, c = self._points
-        chord, side = normalise(c - a), self._pole - a
-        solved = two_bone(
-            a[np.newaxis],
-            (length(b - a)[np.newaxis], length(c - b)[np.newaxis]),
-            self._target[np.newaxis],
-            self._pole[np.newaxis],
-            chord=chord[np.newaxis],
-            side=side[np.newaxis],
-            soft=self.limb.soft,
-            stretch=False,
-        )
+        chord, side = self._line, self._pole - a
+        bends, _ = sides(chord, side, side, length(b - a) + length(c - b))
+        hinge = cross(chord, bends)
+        upper, lower = (bone - dot(bone, hinge) * hinge for bone in (b - a, c - b))
         start = conjugate(self.reference.turn(above))
         back = inverse(world[above]) if above >= 0 else np.eye(4)
         _, middle, end = self.limb.chain
         return _Rest(
-            lines=(transform_directions(b - a, back), transform_directions(c - b, back)),
-            upper=product(start, solved.upper[0]),
-            lower=product(start, solved.lower[0]),
+            lines=(transform_directions(upper, back), transform_directions(lower, back)),
+            upper=product(start, bone_frame(upper, hinge)),
+            lower=product(start, bone_frame(lower, hinge)),
             between=product(start, self.reference.turn(int(self.rig.parents[middle]))),
             last=product(start, self.reference.turn(int(self.rig.parents[end]))),
             chord=rotate(start, chord),
@@ -176,9 +188,8 @@ class Ik:
 
     def solve(self, posed: Posed, target: Floats, place: Floats) -> Solved:
         """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
-        rest, above = self.rest, self.above
-        world, turn = posed.world(above), _turn(posed, above)
-        root = transform_points(self.start, world)
+        rest, turn = self.rest, _turn(posed, self.above)
+        root = transform_points(self.start, posed.world(self.above))
         root, target, place, first, second = _level(root, target, place, *self.lengths(posed))
         return two_bone(
             root,
@@ -225,7 +236,7 @@ class Ik:
         """Move the limb's joints to where control and pole want them."""
         control = self.limb.control
         hand = product(_turn(posed, control), self.grip)
-        found = self.solved(posed, posed.world(control)[:, 3, :3], self.place(posed), hand)
+        found = self.solved(posed, self.target(posed), self.place(posed), hand)
         for node, parts in found.items():
             if node in self.fk:
                 parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
@@ -237,6 +248,11 @@ class Ik:
         """The FK controls below some of the limb's offsets, parents first."""
         found = [fk for fk in self.fk.values() if fk.own.offset in offsets]
         return sorted(found, key=lambda fk: fk.own.offset)
+
+    def target(self, posed: Posed) -> Floats:
+        """Where the limb is to end, (1 or f, 3), by its control."""
+        control = self.limb.control
+        return posed.world(control)[:, 3, :3] + rotate(_turn(posed, control), self._seat)
 
     def place(self, posed: Posed) -> Floats:
         """Where the pole is, (1 or f, 3)."""
@@ -258,11 +274,23 @@ class Ik:
         root = transform_points(self.start, posed.world(self.above))
         return root + rotate(turn, self.rest.side)
 
-    def grasp(self, source: Posed) -> Floats:
-        """The turn in the world, (f, 4), of a control whose end joint stands as in ``source``."""
+    def grasp(self, built: Posed, source: Posed) -> Floats:
+        """World matrices, (f, 4, 4), of a control with which the limb's end stands as in ``source``.
+
+        built: the rig above the limb as controls make it. The end of a soft limb is nearer than its target.
+        """
         _, _, end = self.limb.chain
         parent = _turn(source, int(self.rig.parents[end]))
-        return product(product(parent, source.part(end).rotation), conjugate(self.grip))
+        turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
+        place = source.world(end)[:, 3, :3]
+        if self.limb.soft > 0 and not self.limb.stretch:
+            first, second = self.lengths(built)
+            away = place - transform_points(self.start, built.world(self.above))
+            reach = length(away)
+            wanted = distance_for(reach, first + second, self.limb.soft)
+            share = np.where(reach > 0, wanted / np.where(reach > 0, reach, 1.0), 1.0)
+            place = place + away * (share - 1.0)[:, np.newaxis]
+        return from_frame(to_axes(turn), place - rotate(turn, self._seat))
 
     def side(self, source: Posed) -> Floats:
         """Where a pole tells the bend that the joints have in ``source``, (f, 3), in the world.

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.following import Parts, factored
-from rigtri.matrices import from_frame, inverse, multiply, transform_points
+from rigtri.matrices import inverse, multiply, transform_points
 from rigtri.quaternions import multiply as product
-from rigtri.quaternions import to_axes, turn_angle
+from rigtri.quaternions import turn_angle
 from rigtri.solve.blocks import BLOCK, blocks, cut, frames, joined
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.fk import Fk
@@ -157,17 +157,15 @@ def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], ke
 
 def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int]) -> Asking:
     built, limb = found.posed, ik.limb
-    end = limb.chain[2]
     if limb.control not in ruled:
-        axes, place = to_axes(ik.grasp(source)), source.world(end)[:, 3, :3]
-        yield from _store(found, limb.control, _seen(built, limb.control, from_frame(axes, place)))
+        yield from _store(found, limb.control, _seen(built, limb.control, ik.grasp(built, source)))
     if limb.pole >= 0 and limb.pole not in ruled:
         above = inverse(built.world(int(ik.rig.parents[limb.pole])))
         place = transform_points(ik.side(source), above)
         yield from _store(found, limb.pole, built.part(limb.pole)._replace(translation=place))
     solved = ik.solved(
         built,
-        built.world(limb.control)[:, 3, :3],
+        ik.target(built),
         ik.place(built),
         product(built.turn(limb.control), ik.grip),
     )

@@ -15,8 +15,11 @@ from rigtri.records import Booleans
 from rigtri.trigonometry import Floats, exponential
 from rigtri.vectors import cross, dot, length, normalise
 
-# As a share of the limb: a target or a pole nearer than this tells no direction.
-NOWHERE = 1e-7
+# As shares of the limb: a target nearer than this to the root tells no direction, and a pole nearer than
+# this to the line to the target no side: files hold float32, some nodes deep.
+NOWHERE, ON_LINE = 1e-7, 1e-5
+# How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
+BEYOND, _NEWTON = 5.0, 12
 
 
 class Solved(NamedTuple):
@@ -60,7 +63,7 @@ def two_bone(
     if stretch:
         grows = (distance > reach) & (reach > 0)
         growth = np.where(grows, distance / np.where(grows, reach, 1.0), 1.0)
-    bends, poleless = _sides(along, pole - root, side, total)
+    bends, poleless = sides(along, pole - root, side, total)
     high = _height(first, second, reach)
     with np.errstate(invalid="ignore", divide="ignore"):
         foot = (reach * reach + first * first - second * second) / (2.0 * reach)
@@ -70,8 +73,8 @@ def two_bone(
     hinge = cross(along, bends)
     rest = reach[..., np.newaxis] * along - middle
     return Solved(
-        _frame(middle, hinge),
-        _frame(rest, hinge),
+        bone_frame(middle, hinge),
+        bone_frame(rest, hinge),
         growth,
         np.maximum(distance - reach * growth, 0.0),
         np.asarray(near | poleless),
@@ -89,10 +92,30 @@ def _reach(distance: Floats, total: Floats, soft: float) -> Floats:
     return np.where((distance > first) & (last > 0), np.minimum(slow, total), np.minimum(distance, total))
 
 
-def _sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Floats, Booleans]:
+def distance_for(reach: Floats, total: Floats, soft: float) -> Floats:
+    """How far off, (f,), a target is for which a soft limb's end goes as far as ``reach``, (f,).
+
+    The inverse of what `two_bone` makes of the distance. A limb that is nearly straight would need a
+    target at any distance: it is at most `BEYOND` of the ways over which the limb slows down, from
+    where it begins to.
+    """
+    if soft <= 0:
+        return reach
+    last = soft * total
+    first = total - last
+    with np.errstate(invalid="ignore", divide="ignore"):
+        left = np.where(last > 0, (total - reach) / last, 1.0)
+    left = np.clip(left, exponential(-BEYOND), 1.0)
+    ways = np.zeros_like(left)
+    for _ in range(_NEWTON):  # e^-ways = left, by Newton's method, which comes from below
+        ways = ways + 1.0 - left / exponential(-ways)
+    return np.where(reach > first, first + last * ways, reach)
+
+
+def sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Floats, Booleans]:
     """Unit directions, (f, 3), square to ``along``, on the pole's side; and where the pole told none."""
     across = pole - dot(pole, along)[..., np.newaxis] * along
-    lost = length(across) <= NOWHERE * total
+    lost = length(across) <= ON_LINE * total
     own = side - dot(side, along)[..., np.newaxis] * along
     # A limb that points where its side was: any direction is as good, the same one every time.
     aside = cross(along, np.eye(3)[np.argmin(np.abs(along), axis=-1)])
@@ -116,7 +139,7 @@ def _height(first: Floats, second: Floats, reach: Floats) -> Floats:
         return np.sqrt(np.maximum(around, 0.0)) / (2.0 * reach)
 
 
-def _frame(bone: Floats, hinge: Floats) -> Floats:
+def bone_frame(bone: Floats, hinge: Floats) -> Floats:
     """The turn, (f, 4), whose x axis lies along a bone and z along the hinge, square to it."""
     x = normalise(bone)
     x = np.where(np.isfinite(x), x, np.array([1.0, 0.0, 0.0]))

@@ -290,9 +290,10 @@ class _Reader:
             self.warnings.append(
                 Notice(
                     "unbound-animation",
-                    f"No skeleton uses {shown} in the selected variants: left as they were, in the old "
-                    "axes, unless a skeleton of another variant uses them. To turn one along, bind "
-                    "a skeleton to it (skel:animationSource) and run again from the source.",
+                    f"No skeleton uses {shown} in the selected variants: left as they were, unless a "
+                    "skeleton of another variant uses them. Where joints get other axes, they have the old "
+                    "ones. To edit one along, bind a skeleton to it (skel:animationSource) and run again "
+                    "from the source.",
                 )
             )
 

@@ -117,7 +117,11 @@ class Counterparts:
         usable = np.isfinite(ours).all(axis=(1, 2)) & np.isfinite(bind).all(axis=(1, 2))
         if not usable.any():
             return {}
-        fit = fitted(bind[usable, 3, :3], ours[usable, 3, :3], about_origin=False)
+        points = bind[usable, 3, :3], ours[usable, 3, :3]
+        fit = fitted(*points, about_origin=False)
+        if fit.residual > OTHER_SHAPE:
+            # No size fits, and with another than the worlds' the rig would grow while it moves.
+            fit = fitted(*points, about_origin=False, ratio=float(length(self.space[0, :3])))
         self.proportions = max(self.proportions, fit.residual)
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
         return {both[k][1]: turns[k] for k in np.flatnonzero(usable).tolist()}

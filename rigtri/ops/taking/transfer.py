@@ -95,6 +95,8 @@ class Transfer:
             parent = int(both.rig.parents[parent])
         own, above = self._lines(both.of[node], both.of[parent] if parent >= 0 else -1)
         tracks = [t for k in (*own, *above) if k in self.driven for t in self.driven[k].values()]
+        # What the rig alone moves on the way is undone wherever the clip has a key.
+        tracks = tracks or list(self.clip.tracks)
         times = each_once(np.concatenate([track.times for track in tracks]))
         placed = multiply(left, self._along(own, times))
         if parent >= 0:

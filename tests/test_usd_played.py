@@ -1,0 +1,248 @@
+"""What a stage plays at once: keys of joints and of prims stand in two clips, and are one motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import SAMPLES
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, UsdUtils
+from rigs import chain
+from test_bake import run
+
+from rigtri.errors import DeviationError
+from rigtri.formats import read
+from rigtri.formats.gltf.document import GltfDocument
+from rigtri.formats.usd.document import UsdDocument
+from rigtri.matching import match
+from rigtri.pipeline import edit
+from rigtri.pose import sample
+from rigtri.quaternions import from_axis_angle
+from rigtri.quaternions import multiply as product
+from rigtri.records import Clip, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.timelines import played_at_once, timelines
+
+# A quarter of a turn about z, xyzw, and the keys that lead to it.
+TURN = from_axis_angle([0.0, 0.0, 1.0], np.pi / 2)
+TIMES = np.array([0.0, 6.0])
+
+
+def rigged(tmp_path: Path, source: Path = SAMPLES / "biped.usda") -> Path:
+    out = tmp_path / f"rigged{source.suffix}"
+    result = run("add-controls", source, "-o", out, "--whole-character")
+    assert result.exit_code == 0, result.output
+    return out
+
+
+def keyed(path: Path, out: Path, name: str) -> Path:
+    """The file with keys for a prim that had none."""
+    stage = Usd.Stage.Open(str(path))
+    prim = next(prim for prim in stage.TraverseAll() if prim.GetName() == name)
+
+    op = UsdGeom.Xformable(prim).AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    for time, (x, y, z, w) in zip(TIMES, ((0.0, 0.0, 0.0, 1.0), TURN), strict=True):
+        op.Set(Gf.Quatd(float(w), float(x), float(y), float(z)), float(time))
+    stage.Export(str(out))
+    return out
+
+
+def tracks(rig: Rig, name: str, path: str) -> list[Track]:
+    node = rig.find(name)
+    return [t for clip in rig.clips for t in clip.tracks if (t.node, t.path) == (node, path)]
+
+
+def test_keys_that_are_new_to_a_control_come_into_a_usd_file(tmp_path: Path) -> None:
+    home = rigged(tmp_path)
+    edited = keyed(home, tmp_path / "edited.usda", "chest_ctl")
+    result = run("take-clips", home, "--from", edited, "-o", tmp_path / "out.usda")
+    assert result.exit_code == 0, result.output
+    (track,) = tracks(read(tmp_path / "out.usda").rig, "chest_ctl", "rotation")
+    np.testing.assert_allclose(sample(track, TIMES), [[0, 0, 0, 1], TURN], atol=1e-7)
+
+
+def test_a_gltf_motion_comes_into_a_usd_file_whose_controls_have_no_keys(tmp_path: Path) -> None:
+    home, other = rigged(tmp_path), rigged(tmp_path, SAMPLES / "biped.glb")
+    up = tmp_path / "up.glb"
+    assert run("bake", other, "-o", up, "--to", "controls", "--clip", "walk").exit_code == 0
+    result = run("take-clips", home, "--from", up, "-o", tmp_path / "out.usda", "--clip", "walk")
+    assert result.exit_code == 0, result.output
+    assert tracks(read(tmp_path / "out.usda").rig, "chest_ctl", "rotation")
+
+
+def without_animation(stage: Any) -> None:
+    for prim in list(stage.TraverseAll()):
+        if prim.IsA(UsdSkel.Skeleton):
+            prim.RemoveProperty("skel:animationSource")
+    stage.RemovePrim(next(p.GetPath() for p in stage.TraverseAll() if p.IsA(UsdSkel.Animation)))
+
+
+def held(stage: Any) -> None:
+    """One pose instead of an animation."""
+    prim = next(p for p in stage.TraverseAll() if p.IsA(UsdSkel.Animation))
+    for name in ("translations", "rotations", "scales"):
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get(0.0)
+        attribute.Clear()
+        attribute.Set(value)
+
+
+@pytest.mark.parametrize("still", [without_animation, held])
+def test_controls_move_joints_that_have_no_samples(still: Callable[[Any], None], tmp_path: Path) -> None:
+    stage = Usd.Stage.Open(str(SAMPLES / "biped.usda"))
+    still(stage)
+    stage.Export(str(tmp_path / "still.usda"))
+    home = rigged(tmp_path, tmp_path / "still.usda")
+    edited = keyed(home, tmp_path / "edited.usda", "chest_ctl")
+    before, out = read(home).rig, tmp_path / "out.usda"
+    result = run("bake", edited, "-o", out, "--to", "joints")
+    assert result.exit_code == 0, result.output
+    after = read(out).rig
+    rest = before.rotation[before.find("chest")]
+    wanted = product(np.array([rest, rest]), np.array([[0.0, 0.0, 0.0, 1.0], TURN]))
+    found = sample(next(t for t in tracks(after, "chest", "rotation") if len(t.times) > 1), TIMES)
+    signs = np.sign((found * wanted).sum(axis=1, keepdims=True))
+    np.testing.assert_allclose(found * signs, wanted, atol=1e-6)
+    again = tmp_path / "again.usda"
+    assert run("bake", out, "-o", again, "--to", "joints").exit_code == 0
+    assert again.read_bytes() == out.read_bytes()
+
+
+def without_notes(path: Path, out: Path) -> Path:
+    """What an exporter leaves: the prims and their keys, and nothing that rigtri has stored."""
+
+    stage = Usd.Stage.Open(str(path))
+    for prim in stage.TraverseAll():
+        for item in prim.GetProperties():
+            if "rigtri" in item.GetName():
+                prim.RemoveProperty(item.GetName())
+        if prim.HasMetadata("apiSchemas"):
+            names = prim.GetMetadata("apiSchemas").GetAddedOrExplicitItems()
+            kept = [name for name in names if not name.startswith("Rigtri")]
+            prim.SetMetadata("apiSchemas", Sdf.TokenListOp.CreateExplicit(kept))
+    plain = out.with_suffix(".usdc") if out.suffix == ".usdz" else out
+    stage.Export(str(plain))
+    assert plain == out or UsdUtils.CreateNewUsdzPackage(str(plain), str(out))
+    return out
+
+
+def joint_poses(path: Path) -> np.ndarray:
+    """The joints' matrices at some times, as USD says."""
+    stage = Usd.Stage.Open(str(path))
+    prim = next(prim for prim in stage.TraverseAll() if prim.IsA(UsdSkel.Skeleton))
+    root, cache = next(p for p in stage.TraverseAll() if p.IsA(UsdSkel.Root)), UsdSkel.Cache()
+    cache.Populate(UsdSkel.Root(root), Usd.PrimDefaultPredicate)
+    query = cache.GetSkelQuery(UsdSkel.Skeleton(prim))
+    return np.array([np.array(query.ComputeJointSkelTransforms(time)) for time in np.arange(0.0, 24.0, 1.5)])
+
+
+@pytest.mark.parametrize(
+    ("suffix", "described", "to"),
+    [
+        ("usda", "rigged", "joints"),
+        ("usda", "rigged", "controls"),
+        ("usdc", "rigged", "joints"),
+        ("usdz", "rigged", "controls"),
+        ("usdz", "biped.glb", "joints"),
+        ("usdc", "biped.glb", "controls"),
+    ],
+)
+def test_a_usd_file_that_has_lost_its_notes_is_baked_with_those_of_another(
+    suffix: str, described: str, to: str, tmp_path: Path
+) -> None:
+    home, up = rigged(tmp_path), tmp_path / "up.usda"
+    assert run("bake", home, "-o", up, "--to", "controls").exit_code == 0
+    bare = without_notes(up, tmp_path / f"bare.{suffix}")
+    assert run("bake", bare, "-o", tmp_path / f"none.{suffix}").exit_code == 5
+    rig = home if described == "rigged" else rigged(tmp_path, SAMPLES / described)
+    out, again = tmp_path / f"out.{suffix}", tmp_path / f"again.{suffix}"
+    result = run("bake", bare, "-o", out, "--rig", rig, "--to", to)
+    assert result.exit_code == 0, result.output
+    assert "warning" not in result.output
+    assert run("bake", out, "-o", again, "--to", to).exit_code == 0
+    assert again.read_bytes() == out.read_bytes()
+    assert np.abs(joint_poses(home) - joint_poses(out)).max() < 1e-5
+
+
+def without_keys(name: str) -> Callable[[Rig, Report], Rig]:
+    """Take a control's keys out, and say that this was meant."""
+
+    def step(rig: Rig, report: Report) -> Rig:
+        report.reposed = True
+        node = rig.find(name)
+        clips = (replace(c, tracks=tuple(t for t in c.tracks if t.node != node)) for c in rig.clips)
+        return replace(rig, clips=tuple(clips))
+
+    return step
+
+
+@pytest.mark.parametrize(("name", "kind"), [("biped.usda", UsdDocument), ("biped.glb", GltfDocument)])
+def test_the_self_check_sees_keys_of_a_control_that_were_to_go(
+    name: str, kind: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tmp_path / f"up{Path(name).suffix}"
+    run("bake", rigged(tmp_path, SAMPLES / name), "-o", source, "--to", "controls")
+    out = tmp_path / f"out{source.suffix}"
+    edit(source, out, without_keys("hand_L_ik_ctl"))
+    assert not tracks(read(out).rig, "hand_L_ik_ctl", "translation")
+    right = kind.write
+    monkeypatch.setattr(kind, "write", lambda self, rig, *places: right(self, self.rig, *places))
+    with pytest.raises(DeviationError, match="frame of hand_L_ik_ctl"):
+        edit(source, tmp_path / f"wrong{source.suffix}", without_keys("hand_L_ik_ctl"))
+
+
+def test_what_plays_at_once_is_one_clip_whichever_clip_holds_it() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    values, times = np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([0.0, 1.0])
+    a, b = (Track(node, "translation", "LINEAR", times, values) for node in (0, 1))
+    still = replace(b, times=times[:1], values=values[:1], interpolation="STEP")
+    default = Clip("walk@default", (still,), ("default", "/walk"))
+    apart = (Clip("walk", (a,), ("samples", "/walk")), default, Clip("xforms", (b,), ("xforms", "")))
+    together = (Clip("walk", (a, b), ("samples", "/walk")), default)
+    shown = [played_at_once(replace(rig, clips=clips), "walk").clips for clips in (apart, together)]
+    for clips in shown:
+        assert [clip.name for clip in clips] == ["walk", "walk@default"]
+        assert {t.node: t for t in clips[0].tracks} == {0: a, 1: b}
+    # Clips of glTF play one by one, and defaults alone are seen without a time.
+    for clips in ((Clip("walk", (a,), 0), Clip("run", (b,), 1)), (default,)):
+        one = replace(rig, clips=clips)
+        assert played_at_once(one, "walk") is one
+        assert timelines(one)
+
+
+def test_keys_that_say_what_a_node_of_ours_is_at_rest_are_not_lost_and_others_are() -> None:
+    rig = chain((0, 0, 0), (1, 2, 3))
+    ours = replace(rig, notes={1: {"v": 1, "type": "control", "kind": "fk", "joint": "a"}})
+    times = np.array([0.0, 1.0])
+
+    def lost(path: Any, values: Any, after: Rig = ours) -> tuple[str, ...]:
+        track = Track(1, path, "LINEAR", times, np.array(values, dtype=np.float64))
+        before = replace(rig, clips=(Clip("walk", (track,)),))
+        return match(before, replace(after, clips=(Clip("walk", ()),)), by_key=True).lost
+
+    assert not lost("translation", [[1, 2, 3], [1, 2, 3]])
+    assert not lost("rotation", [[0, 0, 0, -1], [0, 0, 0, 1]])
+    assert not lost("scale", [[1, 1, 1], [1, 1, 1]])
+    assert lost("scale", [[1, 1, 1], [1, 1, 1.001]]) == ("clip walk: scale of b",)
+    assert lost("translation", [[1, 2, 3], [1, 2, 3.001]])
+    assert lost("rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
+    assert lost("scale", [[1, 1, 1], [1, 1, 1]], rig)  # of a node of somebody else
+
+
+def test_a_scale_that_sixteen_bits_cannot_hold_is_told_by_name(tmp_path: Path) -> None:
+    def larger(rig: Rig, report: Report, by: float) -> Rig:
+        report.reposed = True
+        track = tracks(rig, "hips", "scale")[0]
+        wide = replace(track, values=np.full_like(track.values, by))
+        clips = (replace(c, tracks=tuple(wide if t is track else t for t in c.tracks)) for c in rig.clips)
+        return replace(rig, clips=tuple(clips))
+
+    with pytest.raises(DeviationError, match="16-bit numbers, which cannot say the new ones of 'hips'"):
+        edit(SAMPLES / "biped.usda", tmp_path / "out.usda", lambda rig, report: larger(rig, report, 1.2589))
+    # 1.25 is a number of 16 bits.
+    edit(SAMPLES / "biped.usda", tmp_path / "out.usda", lambda rig, report: larger(rig, report, 1.25))
