@@ -11,7 +11,6 @@ from __future__ import annotations
 import glob
 import json
 import os
-import re
 import sqlite3
 import threading
 import time
@@ -25,15 +24,13 @@ from rigtri.batch.axes import Axes
 from rigtri.batch.contents import seen_from
 from rigtri.batch.entries import Entry
 from rigtri.batch.shards import Shard
-from rigtri.batch.work import Record
+from rigtri.batch.work import Record, reason
 from rigtri.errors import FileError, UsageError
 
 NAME = "rigtri-batch.sqlite"
 # Of this layout of the tables, and of manifests among other SQLite files.
 VERSION = 1
 APPLICATION = 0x52494742
-
-_HINT = re.compile(r"(?<=')\. .*")
 
 _TABLES = """
 CREATE TABLE files(
@@ -289,20 +286,6 @@ def look_up(base: sqlite3.Connection, output: str) -> Known | None:
         return None
     status, task, read, made, deviation = row
     return Known(status, task, json.loads(read), json.loads(made), deviation)
-
-
-def reason(record: Record, entry: Entry) -> str | None:
-    """Why a file failed, without its own name, so that files that failed alike can be counted."""
-    if record.message is None:
-        return None
-    text = record.message
-    for name in (entry.source, entry.target):
-        text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
-    first = text.strip().splitlines()[-1] if record.kind == "bug" else text
-    if record.kind in ("name not found", "ambiguous name"):
-        # After what is missing comes what this file has instead.
-        first = "; ".join(_HINT.sub("", fault) for fault in first.split("; "))
-    return first.removeprefix("FILE: ")
 
 
 @contextmanager

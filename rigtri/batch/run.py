@@ -17,8 +17,8 @@ from pathlib import Path
 from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
-from rigtri.batch.manifest import Known, Manifest, look_up, name_of, reason
-from rigtri.batch.work import Assignment, Record, Task
+from rigtri.batch.manifest import Known, Manifest, look_up, name_of
+from rigtri.batch.work import Assignment, Record, Task, reason
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
 from rigtri.outputs import as_file_error, recover
 

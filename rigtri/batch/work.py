@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import tempfile
 import threading
@@ -24,6 +25,8 @@ from rigtri.report import Report
 
 STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
 FAILED = ("error", "crashed")
+# After what is missing comes what a file has instead.
+_HINT = re.compile(r"(?<=')\. .*")
 Ready = Callable[[Outcome, Written], None]
 
 
@@ -99,6 +102,19 @@ class Record:
             "run": run,
             "shard": shard,
         }
+
+
+def reason(record: Record, entry: Entry) -> str | None:
+    """Why a file failed, without its own name, so that files that failed alike can be counted."""
+    if record.message is None:
+        return None
+    text = record.message
+    for name in (entry.source, entry.target):
+        text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
+    first = text.strip().splitlines()[-1] if record.kind == "bug" else text
+    if record.kind in ("name not found", "ambiguous name"):
+        first = "; ".join(_HINT.sub("", fault) for fault in first.split("; "))
+    return first.removeprefix("FILE: ")
 
 
 # Of this process: a texture that many files share is read once.
