@@ -120,6 +120,17 @@ def test_a_job_gives_a_file_its_own_variables(app: click.Group, here: Path) -> N
     assert "forearm_L" in poles["b.glb"]
 
 
+def test_a_variable_that_a_spec_has_not_is_told_with_the_file(app: click.Group, here: Path) -> None:
+    lines = [{"input": "in/a.glb"}, {"input": "in/b.glb", "variables": {"colour": "red"}}]
+    Path("job.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    given = ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"]
+    result = CliRunner().invoke(app, given)
+    assert result.exit_code == 2
+    assert "in/b.glb: " in result.stderr
+    assert "colour" in result.stderr
+    assert not list(Path("out").glob("*.glb"))
+
+
 def test_an_override_of_a_package_is_a_layer(app: click.Group, here: Path, samples: Path) -> None:
     shutil.copy(samples / "biped.usdz", "in")
     Path("rig.yaml").write_text("override: stage\nsteps: [{do: orient-joints, aim: y, up: z}]")

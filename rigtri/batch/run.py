@@ -76,8 +76,13 @@ class Run:
         UsageError, before anything is done, for outputs that would be lost: those that this batch has
         not written, or that were changed since, unless it may overwrite.
         """
-        for variables in {entry.variables for entry in entries}:
-            self._keys[variables] = self._key(self._tasks(variables))
+        for variables, entry in {entry.variables: entry for entry in reversed(entries)}.items():
+            try:
+                self._keys[variables] = self._key(self._tasks(variables))
+            except RigtriError as error:
+                if variables:
+                    error.args = (f"{entry.source}: {error}", *error.args[1:])
+                raise
         appeared: dict[str, Record] = {}
         if self._manifest is not None:
             _clear(entries)
