@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import sys
 import traceback
 from collections.abc import Iterator, Sequence
@@ -13,7 +12,7 @@ from typing import NoReturn
 
 import click
 
-from rigtri.errors import Fault, RigtriError
+from rigtri.errors import Fault, RigtriError, kind_of
 
 from .words import plain
 
@@ -122,15 +121,3 @@ def _said(error: Exception) -> tuple[str, str, int]:
         # What the pipeline did not foresee, such as a full disk behind standard output.
         return "file", f"{error.filename or 'output'}: {error.strerror or error}", 3
     return "memory", "There is not enough memory for this file.", 1
-
-
-def kind_of(error: type[RigtriError]) -> str:
-    """The class of an error in words, of those that `rigtri.errors` has.
-
-    >>> from rigtri.errors import NameNotFoundError
-    >>> kind_of(NameNotFoundError)
-    'name not found'
-    """
-    known = next(kind for kind in error.__mro__ if kind.__module__ == RigtriError.__module__)
-    words = re.findall("[A-Z][a-z]+", known.__name__.removesuffix("Error"))
-    return " ".join(words).lower()

@@ -34,6 +34,8 @@ COMMANDS = {
     "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
     "strip": "Take out again what rigtri has put into a file.",
     "build": "Build a rig by a spec: the steps that a file lists, in one go.",
+    "batch": "Do what a spec says to many files, in several processes.",
+    "batch-report": "Say what the manifest of a batch knows: counts, worst, slowest, errors.",
     "spec-init": "Write a rig spec to start from: steps for the joints that a character has.",
     "schema": "Print a JSON Schema: of rig specs, or of what rigtri writes.",
     "check": "Find all that is wrong with the skinned rigs in files.",

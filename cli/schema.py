@@ -19,7 +19,8 @@ _SUFFIX = ".schema.json"
 def command(name: str, as_json: bool) -> None:
     """Print a JSON Schema: of rig specs, or of what rigtri writes.
 
-    NAME is spec unless given; others are check, diff, error, frames, mirror, node, pose, report and rig.
+    NAME is spec unless given; others are batch, batch-report, check, diff, error, frames, mirror, node,
+    pose, report and rig.
 
     \b
     Examples:

@@ -12,8 +12,9 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
@@ -28,7 +29,14 @@ _PRELOADED = ["rigtri.pipeline", "rigtri.formats.gltf.document", "rigtri.formats
 
 
 class CrashError(FileError):
-    """A file on which the process died, hung or ran out of memory."""
+    """A file on which the process died, hung or ran out of memory: ``kind`` says which of them."""
+
+    kind = "crash"
+
+    def __init__(self, text: str, kind: str = "crash") -> None:
+        """kind: crash, timeout or memory."""
+        super().__init__(text)
+        self.kind = kind
 
 
 class Confined:
@@ -40,36 +48,46 @@ class Confined:
     """
 
     allowed: ClassVar[int | None] = None  # in a child: its own limit
+    parent: ClassVar[Connection | None] = None  # in a child: where its parent listens
 
-    def __init__(self, *, seconds: float | None = None, memory: int | None = None) -> None:
+    def __init__(
+        self, *, seconds: float | None = None, memory: int | None = None, preload: Sequence[str] = ()
+    ) -> None:
+        """preload: modules that tasks will need."""
         self._seconds, self._memory = seconds, self.allowed if memory is None else memory
         # A fork of this process would copy the locks that its threads hold; the server has no threads.
         method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
         self._context: Any = multiprocessing.get_context(method)
         if method == "forkserver":
-            self._context.set_forkserver_preload(_PRELOADED)
+            self._context.set_forkserver_preload([*_PRELOADED, *preload])
         self._process: Any = None
+        self._killed = False
         self._pipe: Connection | None = None
 
-    def __call__(self, name: str, task: Callable[..., T], *arguments: Any) -> T:
+    def __call__(
+        self,
+        name: str,
+        task: Callable[..., T],
+        *arguments: Any,
+        heard: Callable[[Any], None] = lambda _: None,
+    ) -> T:
         """``task(*arguments)`` in the child. ``name``: of the file, for errors.
 
-        Task, arguments and result travel by pickle. CrashError where the child did not
-        live to answer; a RigtriError of the task is raised here as it was there, any
-        other exception as a RuntimeError with its traceback.
+        Task, arguments and result travel by pickle, and so does what the task tells (`tell`), which
+        ``heard`` gets. CrashError where the child did not live to answer; a RigtriError of the task
+        is raised here as it was there, any other exception as a RuntimeError with its traceback.
         """
         pipe = self._started()
         try:
+            if self._killed:
+                raise EOFError
             pipe.send((task, arguments))
-            if not pipe.poll(self._seconds):
-                self.close()
-                raise CrashError(f"{name}: took longer than {self._seconds:g} s and was stopped")
-            kind, value = pipe.recv()
+            kind, value = self._answer(name, pipe, heard)
         except (EOFError, ConnectionError):
             raise CrashError(f"{name}: {self._death()}") from None
         if kind == "memory":
             self.close()
-            raise CrashError(f"{name}: there is not enough memory for this file")
+            raise CrashError(f"{name}: there is not enough memory for this file", "memory")
         if kind == "refused":
             raise _rebuilt(*value)
         if kind == "failed":
@@ -77,6 +95,27 @@ class Confined:
             raise RuntimeError(value)
         result: T = value
         return result
+
+    def _answer(self, name: str, pipe: Connection, heard: Callable[[Any], None]) -> tuple[str, Any]:
+        """What the child says at the end of its task; meanwhile ``heard`` gets what the task tells."""
+        end = None if self._seconds is None else time.monotonic() + self._seconds
+        while pipe.poll(None if end is None else max(end - time.monotonic(), 0.0)):
+            kind, value = pipe.recv()
+            if kind != "told":
+                return kind, value
+            heard(value)
+            pipe.send(None)
+        self.close()
+        raise CrashError(f"{name}: took longer than {self._seconds:g} s and was stopped", "timeout")
+
+    def kill(self) -> None:
+        """End the child in the middle of its task, from any thread; who waits for it gets a CrashError.
+
+        There will be no other.
+        """
+        self._killed = True  # first, for a child that is being started
+        if self._process is not None:
+            self._process.kill()
 
     def close(self) -> None:
         """End the child, whatever it does."""
@@ -102,20 +141,33 @@ class Confined:
             process.start()
             theirs.close()
             self._process, self._pipe = process, mine
+            with contextlib.suppress(EOFError, ConnectionError):  # told with the task that it does not take
+                mine.recv()  # it is ready: the time of a task does not begin with imports
         return self._pipe
 
     def _death(self) -> str:
         """What ended the child, in words; another will be started for the next task."""
+        if self._killed:
+            self._process.kill()
         self._process.join()
         code = self._process.exitcode
         self.close()
         if code is not None and code < 0:
             with contextlib.suppress(ValueError):
                 code = signal.Signals(-code).name
+        if code == "SIGKILL":
+            return "the process that read it was killed (SIGKILL), as systems do that run out of memory"
         return (
             f"the library that reads it crashed ({code}). The file is damaged; export it anew with the "
             "program that wrote it"
         )
+
+
+def tell(value: Any) -> None:
+    """From within a task: the parent has heard this when it returns; nothing outside a child."""
+    if Confined.parent is not None:
+        Confined.parent.send(("told", value))
+        Confined.parent.recv()
 
 
 def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError:
@@ -135,7 +187,9 @@ def _serve(pipe: Connection, memory: int | None) -> None:
     if memory is not None:
         Confined.allowed = memory
         _limit(memory)
+    Confined.parent = pipe
     with contextlib.suppress(EOFError, ConnectionError):
+        pipe.send("ready")
         while True:
             task, arguments = pipe.recv()
             try:
@@ -144,9 +198,9 @@ def _serve(pipe: Connection, memory: int | None) -> None:
                 answer = "refused", (type(error), error.args)
             except MemoryError:
                 answer = "memory", None
-            except Exception:
+            except Exception:  # noqa: BLE001 - whatever it is, the parent raises it
                 pipe.send(("failed", traceback.format_exc()))
-                raise
+                raise SystemExit(1) from None
             pipe.send(answer)
 
 

@@ -122,13 +122,17 @@ def discard_stale(path: Path) -> None:
         part.unlink(missing_ok=True)
 
 
-def stale_parts(path: Path) -> list[tuple[Path, int]]:
-    """Parts of ``path`` whose process is no more, with its number."""
+def stale_parts(path: Path, *, every: bool = False) -> list[tuple[Path, int]]:
+    """Parts of ``path`` whose process is no more, with its number.
+
+    every: nobody else writes ``path``, so that what still has the number is another process, or one
+    that nobody has taken leave of.
+    """
     found = []
     for part in path.parent.glob(f".{glob.escape(path.stem)}.part-*{glob.escape(path.suffix)}"):
         owner = part.name[len(path.stem) + len("..part-") : len(part.name) - len(path.suffix)]
         # In a container numbers return soon: what bears ours was there before us.
-        if owner.isdigit() and (int(owner) == os.getpid() or not _runs(int(owner))):
+        if owner.isdigit() and (every or int(owner) == os.getpid() or not _runs(int(owner))):
             found.append((part, int(owner)))
     return found
 

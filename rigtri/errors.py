@@ -7,6 +7,7 @@ programmer's mistake.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import Protocol
@@ -74,6 +75,17 @@ class DeviationError(RigtriError):
     """The result would look different from the source; nothing was written."""
 
     exit_code = 6
+
+
+def kind_of(error: type[RigtriError]) -> str:
+    """The class of an error in words, of those that are in this module.
+
+    >>> kind_of(NameNotFoundError)
+    'name not found'
+    """
+    known = next(kind for kind in error.__mro__ if kind.__module__ == RigtriError.__module__)
+    words = re.findall("[A-Z][a-z]+", known.__name__.removesuffix("Error"))
+    return " ".join(words).lower()
 
 
 def _quoted(words: Iterable[str]) -> str:

@@ -31,13 +31,22 @@ class Written:
         overwrite: bool,
         needed: Sequence[tuple[Path, str]] = (),
         ahead: Ahead | None = None,
+        *,
+        shared: bool = False,
     ) -> None:
-        self.final, self.overwrite, self._needed = final, overwrite, needed
+        """shared: other files appear in the folder at the same time, and may need the same copies.
+
+        Copies of the source's files then are not ours to take back, and what killed runs have left is
+        for the caller to `recover`: who looks through a folder for each of its files is never done.
+        """
+        self.final, self.overwrite, self._needed, self._shared = final, overwrite, needed, shared
         self._ahead = ahead or Ahead()
-        with as_file_error(final):
-            _recover(final)
+        if not shared:
+            with as_file_error(final):
+                recover(final)
         self.part = beside(final)
         self.placed: list[tuple[Path, Path | None]] = []
+        self.beside: list[Path] = []  # all companions, also those that were there
         self._orphans = _our_buffers(final)
 
     def add(self, companion: Companion) -> None:
@@ -49,6 +58,7 @@ class Written:
                 "beside the output. Use --resources relink."
             )
         place = self.final.parent / name
+        self.beside.append(place)
         if place.exists() and _same(companion.content, place):
             return
         if place.exists() and not self.overwrite:
@@ -60,12 +70,13 @@ class Written:
         place.parent.mkdir(parents=True, exist_ok=True)
         content = companion.content
         there = isinstance(content, Path) and self._ahead.take(content, beside(place))
-        if not there:
+        if not there and not self._shared:
             discard_stale(place)
-        backup = _kept(place, os.getpid()) if place.exists() else None
-        if backup is not None:
-            _link(place, backup)
-        self.placed.append((place, backup))
+        if not (self._shared and isinstance(content, Path)):
+            backup = _kept(place, os.getpid()) if place.exists() else None
+            if backup is not None:
+                _link(place, backup)
+            self.placed.append((place, backup))
         with replacing(place) as fresh:
             if isinstance(content, bytes):
                 fresh.write_bytes(content)
@@ -117,12 +128,13 @@ def _put_back(backup: Path, place: Path) -> None:
     backup.unlink(missing_ok=True)
 
 
-def _recover(final: Path) -> None:
+def recover(final: Path, *, alone: bool = False) -> None:
     """Finish what killed runs have left: put back what they had replaced, remove their parts.
 
     A buffer that was new stays: by its name alone nobody knows who else refers to it.
+    alone: nobody else writes ``final``.
     """
-    for process in {process for _, process in stale_parts(final)}:
+    for process in {process for _, process in stale_parts(final, every=alone)}:
         for backup in final.parent.rglob(f".*.kept-{process}"):
             _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
         for part in final.parent.rglob(f".*.part-{process}*"):

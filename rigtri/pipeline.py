@@ -41,13 +41,18 @@ _LARGE = 1 << 24
 
 @dataclass(frozen=True)
 class Outcome:
-    """What an edit did: the report, the measured deviation (None with verify off), and the clock."""
+    """What an edit did: the report, the measured deviation (None with verify off), and the clock.
+
+    rig: as it was written. files: all that the source is made of, itself first, there or not.
+    """
 
     report: Report
     verification: Comparison | None
     written: bool
     changed: bool
     seconds: dict[str, float] = field(default_factory=dict)
+    rig: Rig | None = None
+    files: tuple[Path, ...] = ()
 
     @property
     def unread(self) -> list[str]:
@@ -69,6 +74,7 @@ def edit(
     strict: bool = False,
     side_files: Sequence[Path] = (),
     ahead: Ahead | None = None,
+    ready: Callable[[Outcome, Written], None] | None = None,
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
@@ -76,7 +82,9 @@ def edit(
     compared with the source first: over ``tolerance`` (a share of the bounding-box
     diagonal) DeviationError is raised and nothing is written. ``strict`` makes
     any warning a GeometryError. ``side_files`` are what the caller will write besides, ``ahead``
-    the copies that it has begun (`rigtri.ahead`).
+    the copies that it has begun (`rigtri.ahead`). ``ready`` is called when the output has passed and is
+    about to take its name, by runs of many files at once: these may share copies, which then stay
+    where the edit fails.
     Raises FileError for anything that cannot be read or written, UsageError for an existing
     target without ``overwrite``, and for a target or side file that the source refers to.
     """
@@ -90,6 +98,7 @@ def edit(
             _check_suffix(path, final, options)
         document = read(path, options)
         needed = _needed(document, path, final, options)
+        files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
         for place in (*side_files, *(() if to_stdout else (final,))):
             spare(place, needed)
         _hear(document, report, strict)
@@ -101,20 +110,23 @@ def edit(
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
             place = folder / final.name
-            written = Written(place, overwrite, needed, ahead)
+            written = Written(place, overwrite, needed, ahead, shared=ready is not None)
             try:
                 result = _deliver(document, path, rig, written, verify, tolerance, clock, report)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring
                 if to_stdout and not dry_run:
                     _to_stdout(written)
                 elif not dry_run:
+                    if ready is not None:
+                        changed = rig is not document.rig
+                        ready(Outcome(report, result, True, changed, clock.laps, rig, files), written)
                     written.finish()
                     report.hear(_left_behind(document, path, final, needed))
             except BaseException:  # an interrupt too leaves the folder as it was; it goes on up
                 written.undo()
                 raise
             clock.lap("write")
-            return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps)
+            return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps, rig, files)
 
 
 def check_target(

@@ -17,7 +17,19 @@ from referencing import Registry, Resource
 
 # tests/README.md says what RIGTRI_VALIDATOR names.
 NO_VALIDATOR = "the Khronos validator is not here: set RIGTRI_VALIDATOR"
-SCHEMAS = ("check", "diff", "error", "frames", "mirror", "node", "pose", "report", "rig")
+SCHEMAS = (
+    "batch",
+    "batch-report",
+    "check",
+    "diff",
+    "error",
+    "frames",
+    "mirror",
+    "node",
+    "pose",
+    "report",
+    "rig",
+)
 _SCRIPT = Path(__file__).parent / "validate.mjs"
 
 

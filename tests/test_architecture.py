@@ -53,6 +53,7 @@ checks pipeline difference
 steps
 spec
 confined
+batch
 cli
 """.strip().splitlines()
 LONGEST = 60

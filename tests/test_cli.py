@@ -345,7 +345,9 @@ def test_names_with_an_equals_sign_can_be_aimed(run: Any, tmp_path: Path, sample
 
 def _line(name: str, file: Path, target: Path) -> list[str]:
     """A command that reads ``file``, with what it needs besides."""
-    if name in ("inspect", "check", "spec-init", "schema", "completion"):
+    if name == "batch":
+        return [name, str(file), "--spec", str(file), "-O", str(target)]
+    if name in ("inspect", "check", "batch-report", "spec-init", "schema", "completion"):
         return [name, str(file)]
     if name in ("verify", "diff"):
         return [name, str(file), str(file)]

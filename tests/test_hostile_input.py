@@ -23,7 +23,7 @@ from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.cli.words import plain
 from rigtri.compare import verify
-from rigtri.confined import Confined, CrashError
+from rigtri.confined import Confined, CrashError, tell
 from rigtri.errors import FileError, GeometryError, RigtriError
 from rigtri.formats import Options
 from rigtri.formats import read as read_any
@@ -488,6 +488,30 @@ def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(how
         with pytest.raises(FileError, match=r"no\.glb"):
             child("no.glb", die, "refuse")
         assert child("other.usdc", twice, 4) == 8
+
+
+def counting(count: int) -> int:
+    """A task that tells how far it is, and finds each time that it was heard."""
+    for number in range(count):
+        tell(number)
+    return count
+
+
+def test_what_a_task_tells_is_heard_before_it_goes_on() -> None:
+    heard: list[int] = []
+    with Confined(seconds=60) as child:
+        assert child("x", counting, 3, heard=heard.append) == 3
+    assert heard == [0, 1, 2]
+    assert counting(3) == 3  # outside of a child nobody listens
+
+
+@POSIX
+def test_why_a_child_ended_is_told_to_machines_too() -> None:
+    for how, kind in (("crash", "crash"), ("hang", "timeout"), ("eat", "memory")):
+        with Confined(seconds=2 if how == "hang" else 60, memory=1 << 28) as child:
+            with pytest.raises(CrashError) as told:
+                child("x", die, how)
+            assert told.value.kind == kind
 
 
 def test_a_fault_in_the_task_itself_is_told_with_its_traceback() -> None:

@@ -18,7 +18,8 @@ from places import sample_files
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Options, read
 from rigtri.ops.orient import orient_joints
-from rigtri.pipeline import edit
+from rigtri.outputs import Written
+from rigtri.pipeline import Outcome, edit
 from rigtri.report import Report
 from rigtri.rig import Rig
 
@@ -282,3 +283,33 @@ def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -
         assert gone() is None
     finally:
         gc.enable()
+
+
+def test_what_is_about_to_appear_is_told_before_it_does(samples: Path, tmp_path: Path) -> None:
+    source, target = samples / "biped.gltf", tmp_path / "out.gltf"
+    told: list[tuple[Outcome, Written]] = []
+
+    def ready(outcome: Outcome, written: Written) -> None:
+        assert not target.exists()
+        assert written.part.exists()
+        assert outcome.verification is not None
+        told.append((outcome, written))
+
+    outcome = edit(source, target, lambda rig, report: orient_joints(rig, report=report), ready=ready)
+    ((before, written),) = told
+    assert outcome.files == before.files == (source, samples / "biped.bin")
+    assert outcome.rig is before.rig
+    assert {path.name for path in written.beside} == {p.name for p in tmp_path.iterdir()} - {"out.gltf"}
+
+
+def test_who_is_told_can_still_prevent_it(samples: Path, tmp_path: Path) -> None:
+    def ready(*_: object) -> None:
+        raise FileError("no room in the books")
+
+    with pytest.raises(FileError, match="no room"):
+        edit(samples / "biped.glb", tmp_path / "out.glb", lambda rig, _: orient_joints(rig), ready=ready)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nobody_is_told_of_what_is_only_tried(samples: Path, tmp_path: Path) -> None:
+    edit(samples / "biped.glb", tmp_path / "out.glb", lambda rig, _: rig, dry_run=True, ready=pytest.fail)

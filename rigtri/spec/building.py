@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from rigtri.errors import NameNotFoundError, RigtriError
+from rigtri.outputs import Written
 from rigtri.pipeline import Outcome, check_target, edit
 from rigtri.report import Report
 from rigtri.spec.faults import SpecError
@@ -43,18 +45,27 @@ def build(
     dry_run: bool = False,
     side_files: Sequence[Path] = (),
     report: Report | None = None,
+    ready: Callable[[Outcome, Written], None] | None = None,
 ) -> Built:
     """Give the character in ``source`` the rig that a spec describes; ``target`` appears whole or not at all.
 
     Raises SpecError for a spec that is wrong or that names joints the character does not have, all of
-    them at once; else as `rigtri.pipeline.edit`, with the step that it happened in.
+    them at once; else as `rigtri.pipeline.edit`, with the step that it happened in. ``ready`` is called
+    as there, with what is to be said of the whole.
     """
     spec = spec if isinstance(spec, Spec) else load(spec)
-    last = {"overwrite": overwrite, "dry_run": dry_run, "side_files": tuple(side_files)}
+    last: dict[str, Any] = {
+        "overwrite": overwrite,
+        "dry_run": dry_run,
+        "side_files": tuple(side_files),
+    }
     if len(spec.steps) > 1:
         check_target(source, target, overwrite=overwrite, options=spec.reading, side_files=side_files)
     work = _Work(spec, source, verify, report if report is not None else Report())
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    if ready is not None:
+        last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
+    several = len(spec.steps) > 1
+    with tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder:
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.number), Path(source if str(source) != "-" else target).name)
             place.parent.mkdir()
@@ -133,23 +144,34 @@ class _Work:
             faults = [self.spec.fault(*one) for one in self.lost]
             raise SpecError(faults, self.lost[0][1].exit_code) from self.lost[0][1]
 
-    def whole(self) -> Outcome:
-        """What is to be said of all steps together; of deviations, and of motion, the largest of a step."""
+    def whole(self, last: Outcome | None = None) -> Outcome:
+        """What is to be said of all steps together; of deviations, and of motion, the largest of a step.
+
+        last: what the last step has done, as long as it is under way.
+        """
         seconds: dict[str, float] = {}
-        for outcome in self.outcomes:
+        outcomes = [*self.outcomes, *([] if last is None else [last])]
+        report = self.report
+        if last is not None:
+            report = Report()
+            _take(report, self.report)
+            _take(report, last.report)
+        for outcome in outcomes:
             for name, value in outcome.seconds.items():
                 seconds[name] = seconds.get(name, 0.0) + value
-        found = [outcome.verification for outcome in self.outcomes if outcome.verification is not None]
+        found = [outcome.verification for outcome in outcomes if outcome.verification is not None]
         worst = max(found, key=lambda one: one.deviation) if found else None
         motions = [one.motion for one in found if one.motion is not None]
         if worst is not None and motions:
             worst = replace(worst, meant=True, motion=max(motions, key=lambda one: one.deviation))
         return Outcome(
-            self.report,
+            report,
             worst,
-            self.outcomes[-1].written,
-            any(outcome.changed for outcome in self.outcomes),
+            outcomes[-1].written,
+            any(outcome.changed for outcome in outcomes),
             seconds,
+            outcomes[-1].rig,
+            outcomes[0].files,
         )
 
 

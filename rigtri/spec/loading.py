@@ -54,10 +54,16 @@ class Spec:
         """How files are read and written."""
         return self.model.reading()
 
-    def limited(self, *, strict: bool = False, tolerance: float | None = None) -> Spec:
-        """The spec as one that is strict, or with another tolerance; its own where nothing is said."""
+    def limited(
+        self, *, strict: bool = False, tolerance: float | None = None, resources: str | None = None
+    ) -> Spec:
+        """The spec as one that is strict, or with another tolerance or way with the files of a .gltf.
+
+        Its own where nothing is said.
+        """
         changed: dict[str, Any] = {"strict": True} if strict else {}
         changed |= {} if tolerance is None else {"tolerance": tolerance}
+        changed |= {} if resources is None else {"resources": resources}
         if not changed:
             return self
         model = self.model.model_copy(update=changed)

@@ -1,0 +1,310 @@
+"""rigtri batch"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import FileError
+
+from . import failures
+from .build import assigned, set_option, spec_option
+from .options import Tolerance, json_option, quiet_option
+from .progress import Progress
+from .words import counted, plain
+
+if TYPE_CHECKING:
+    from rigtri.batch.engine import Local
+    from rigtri.batch.entries import Entry, Found
+    from rigtri.batch.run import Plan, Run, Tasks
+    from rigtri.batch.shards import Shard
+    from rigtri.batch.spec_task import SpecTask
+    from rigtri.batch.work import Record
+
+SOME_FAILED = 7
+# Failures that are told while a batch runs; the summary counts all, and the manifest has each.
+MOST_TOLD = 20
+
+
+class Bytes(click.ParamType[int]):
+    """A size: 2G, 500M, 1.5GiB."""
+
+    name = "size"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
+        size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
+        if not 1 << 20 <= size < 1 << 50:
+            self.fail(f"{value} is no amount of memory, such as 500M or 2G", param, ctx)
+        return int(size)
+
+
+@click.command("batch")
+@click.argument("inputs", metavar="IN…", nargs=-1)
+@spec_option
+@set_option
+@click.option(
+    "-O", "--out-dir", metavar="DIR", type=click.Path(), help="Where outputs go; they keep the folder tree."
+)
+@click.option(
+    "--base",
+    metavar="DIR",
+    type=click.Path(),
+    help="The folder whose tree is kept. [the fixed part of a pattern]",
+)
+@click.option(
+    "--job", metavar="FILE.jsonl", type=click.Path(), help="Inputs with outputs and variables of their own."
+)
+@click.option(
+    "--manifest",
+    metavar="FILE.sqlite",
+    type=click.Path(),
+    help="Where it is kept what was done. [rigtri-batch.sqlite in DIR]",
+)
+@click.option("--log", metavar="FILE.jsonl", type=click.Path(), help="Add a line of JSON for each file.")
+@click.option("-j", "--jobs", type=click.IntRange(1, 1024), help="How many processes work. [one per core]")
+@click.option(
+    "--timeout",
+    type=click.FloatRange(0, min_open=True),
+    metavar="SECONDS",
+    help="Give a file up after so long.",
+)
+@click.option(
+    "--max-memory", type=Bytes(), metavar="SIZE", help="Give a file up that takes more, as 2G (Linux)."
+)
+@click.option("--shard", metavar="i/n", help="Do the i-th of n parts. [of a SLURM array: its own part]")
+@click.option("--fail-fast", is_flag=True, help="Begin no other file when one has failed.")
+@click.option(
+    "--max-errors", type=click.IntRange(0), metavar="N", help="Begin no other file when more than N failed."
+)
+@click.option(
+    "--verify/--no-verify",
+    default=True,
+    show_default=True,
+    help="Compare source and result in every pose before an output appears.",
+)
+@click.option("--strict", is_flag=True, help="Make any warning an error, also where the spec does not.")
+@click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
+@click.option(
+    "--resources",
+    type=click.Choice(["copy", "relink"]),
+    help="A .gltf takes its files along, or points back. [as the spec says, else copy]",
+)
+@click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure.")
+@click.option("--overwrite", is_flag=True, help="Replace outputs that this batch has not written.")
+@quiet_option
+@json_option
+def command(inputs: tuple[str, ...], **values: Any) -> None:
+    """Do what a spec says to many files, in several processes.
+
+    IN is a path, a pattern in quotes (** stands for all folders), or @LIST, a file with one of
+    these in each line. A file that crashes or takes too long is told and costs the others
+    nothing. Run again, it does only what is not done: files, spec and version decide. Exit code 0
+    when all is done, 7 when some files failed, 130 when it was interrupted.
+
+    \b
+    Example:
+        rigtri batch --spec rig.yaml 'assets/**/*.glb' -O out/
+        rigtri batch-report out/
+    """
+    sys.exit(run(inputs, values, _tasks(values)))
+
+
+def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
+    """Run a batch with a command's options; its exit code."""
+    from rigtri.batch import manifest
+    from rigtri.batch.engine import Local, processors
+    from rigtri.batch.run import Run
+
+    out_dir = Path(values["out_dir"]) if values["out_dir"] else None
+    found = _found(inputs, values, out_dir, tasks)
+    whole = _manifest(values, out_dir)
+    shard = _shard(values)
+    folder = os.path.abspath(whole.parent)
+    chosen = found.entries if shard is None else shard.of(found.entries, folder)
+    if not values["quiet"]:
+        _tell_chosen(found, chosen, shard, values)
+    own = manifest.place(whole, shard)
+    with ExitStack() as stack:
+        kept = None
+        if not values["dry_run"]:
+            own.parent.mkdir(parents=True, exist_ok=True)
+            kept = stack.enter_context(manifest.Manifest(own, shard=str(shard) if shard else None))
+        known = [own, *manifest.others(whole, own)] if kept is None else manifest.others(whole, own)
+        others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
+        log = stack.enter_context(_log(values["log"]))
+        limits = {"seconds": values["timeout"], "memory": values["max_memory"]}
+        jobs = max(1, min(values["jobs"] or processors(), len(chosen)))
+        most = 0 if values["fail_fast"] else values["max_errors"]
+        engine = Local(jobs, folder, **limits, dry_run=values["dry_run"], max_errors=most)
+        engines = [engine]
+        heard = stack.enter_context(_signals(engines, quiet=values["quiet"]))
+        session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
+        plan = session.plan(chosen, lambda: bool(heard))
+        if len(plan.assignments) > 1 and not plan.settled and not heard:
+            engines.append(Local(jobs, folder, **limits, dry_run=True))
+            _try_out(plan, engines[1])
+        _work(session, plan, engine, log, values, str(shard) if shard else None)
+        if kept is not None:
+            kept.end(dict(session.counts))
+    left = len(chosen) - session.counts.total()
+    if not values["quiet"]:
+        _tell_end(session, left, values)
+    failures.answered(click.get_current_context())
+    return 128 + heard[0] if heard else SOME_FAILED if session.failures else 0
+
+
+def _tasks(values: dict[str, Any]) -> Tasks:
+    """What the spec makes of each file, by its own variables."""
+    from rigtri.spec.loading import load
+
+    shared = assigned(values["variables"])
+
+    def task(own: tuple[tuple[str, str], ...]) -> SpecTask:
+        from rigtri.batch.spec_task import SpecTask
+
+        spec = load(values["spec"], variables=shared | dict(own))
+        words = {name: values[name] for name in ("strict", "tolerance", "resources")}
+        return SpecTask(spec.limited(**words), values["verify"])
+
+    return task
+
+
+def _found(inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | None, tasks: Tasks) -> Found:
+    """The entries, which can go together; the spec is right for the first of them."""
+    from rigtri.batch import targets
+    from rigtri.batch.entries import entries
+
+    job, base = (Path(values[name]) if values[name] else None for name in ("job", "base"))
+    found = entries(inputs, job=job, out_dir=out_dir, base=base)
+    task = tasks(found.entries[0].variables)
+    if task.layers:
+        found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
+    targets.check(found.entries, layers=task.layers, beside=task.beside)
+    return found
+
+
+def _manifest(values: dict[str, Any], out_dir: Path | None) -> Path:
+    from rigtri.batch.manifest import NAME
+
+    if values["manifest"]:
+        path = Path(values["manifest"])
+        if not path.parent.is_dir():
+            raise FileError(f"There is no folder {path.parent} to write --manifest {path.name} into")
+        return path
+    return (out_dir or Path(values["job"]).parent) / NAME
+
+
+def _shard(values: dict[str, Any]) -> Shard | None:
+    from rigtri.batch.shards import of_slurm, parse
+
+    return parse(values["shard"]) if values["shard"] else of_slurm(os.environ)
+
+
+def _try_out(plan: Plan, engine: Local) -> None:
+    from rigtri.batch.run import try_out
+
+    try_out(plan, engine)
+
+
+def _work(
+    session: Run, plan: Plan, engine: Local, log: IO[str] | None, values: dict[str, Any], shard: str | None
+) -> None:
+    """Do the files, and tell each as it is done."""
+    began = datetime.now(UTC).isoformat(timespec="seconds")
+    told = 0
+    with Progress(len(plan.assignments), quiet=values["quiet"]) as progress:
+        settled = len(plan.settled)
+        for entry, record in session.work(plan, engine):
+            line = json.dumps(record.as_json(entry, began, shard), ensure_ascii=False)
+            if log is not None:
+                log.write(line + "\n")
+                log.flush()
+            if values["as_json"]:
+                click.echo(line)
+            if record.failed:
+                told += 1
+                progress.clear()
+                _tell_failure(entry, record, told)
+            settled -= 1
+            if settled < 0:
+                progress.step(failed=record.failed)
+
+
+def _tell_failure(entry: Entry, record: Record, number: int) -> None:
+    if number <= MOST_TOLD:
+        text = str(record.message)
+        said = text.strip().splitlines()[-1] if record.kind == "bug" else text
+        where = "" if entry.source in said else f"{entry.source}: "
+        click.echo(f"{record.status}: {plain(where + said, one_line=True)}", err=True)
+    elif number == MOST_TOLD + 1:
+        click.echo("more failures are counted at the end", err=True)
+
+
+def _tell_chosen(found: Found, chosen: Sequence[Entry], shard: Shard | None, values: dict[str, Any]) -> None:
+    if found.left_out:
+        text = f"{counted(found.left_out, 'file')} in {values['out_dir']} left out: outputs are no inputs"
+        click.echo(plain(text, one_line=True), err=True)
+    if shard is not None:
+        whose = "" if values["shard"] else " (of the SLURM array; --shard 1/1 does all)"
+        click.echo(f"part {shard}{whose}: {len(chosen)} of {counted(len(found.entries), 'file')}", err=True)
+
+
+def _tell_end(session: Run, left: int, values: dict[str, Any]) -> None:
+    from rigtri.batch.work import STATUSES
+
+    counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
+    words = [*counts, *([f"{left} not begun"] if left else [])]
+    click.echo(f"{counted(session.counts.total() + left, 'file')}: {', '.join(words)}", err=True)
+    if values["dry_run"]:
+        click.echo("Nothing was written (--dry-run).", err=True)
+
+
+@contextmanager
+def _log(path: str | None) -> Iterator[IO[str] | None]:
+    if path is None:
+        yield None
+        return
+    try:
+        file = open(path, "a", encoding="utf-8", errors="backslashreplace")  # noqa: SIM115
+    except OSError as error:
+        raise FileError(f"--log {path} cannot be written: {error.strerror}") from error
+    with file:
+        yield file
+
+
+@contextmanager
+def _signals(engines: list[Local], *, quiet: bool) -> Iterator[list[int]]:
+    """Meanwhile an interrupt lets the files end that are begun, and a second one gives them up.
+
+    Gives the signals that were heard.
+    """
+    heard: list[int] = []
+
+    def hear(number: int, _frame: object) -> None:
+        heard.append(number)
+        for engine in engines:
+            if len(heard) > 1:
+                engine.kill()
+            else:
+                engine.stop()
+        if len(heard) == 1 and not quiet:
+            os.write(2, b"\nending: files that are begun are finished; once more gives them up\n")
+
+    kinds = [signal.SIGINT, signal.SIGTERM]
+    before: list[Any] = [signal.signal(kind, hear) for kind in kinds]
+    try:
+        yield heard
+    finally:
+        for kind, old in zip(kinds, before, strict=True):
+            signal.signal(kind, old)

@@ -1,0 +1,98 @@
+"""rigtri batch-report"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .options import Tolerance, json_option
+from .words import counted, plain
+
+
+@click.command("batch-report")
+@click.argument("manifests", metavar="MANIFEST…", nargs=-1, required=True, type=click.Path())
+@click.option(
+    "--most", type=click.IntRange(1), default=10, show_default=True, help="How many of each kind are told."
+)
+@click.option(
+    "--within",
+    type=Tolerance(),
+    default=0.1,
+    show_default=True,
+    help="Degrees that axes of one skeleton may differ by.",
+)
+@json_option
+def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool) -> None:
+    """Say what the manifest of a batch knows: counts, the worst, the slowest, errors by kind.
+
+    MANIFEST is a file or the folder that holds it, with those of all parts. Also told are files of
+    one skeleton whose axes came out different, so that they cannot share clips.
+
+    \b
+    Example:
+        rigtri batch-report out/
+    """
+    from rigtri import __version__
+    from rigtri.batch.summary import summarise
+
+    found = summarise([Path(name) for name in manifests], most=most, within=within)
+    if as_json:
+        document = {"rigtri": __version__, "command": "batch-report"} | found
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        return
+    for line in _lines(found):
+        click.echo(plain(line))
+
+
+def _lines(found: dict[str, Any]) -> Iterator[str]:
+    counts = [f"{count} {status}" for status, count in found["statuses"].items() if count]
+    done = ", ".join(counts) or "none done"
+    yield f"{counted(found['files'], 'file')}: {done}; {found['seconds']:.1f} s of work"
+    if found["unfinished"]:
+        yield f"{counted(found['unfinished'], 'file')} under way, or left by a run that was killed"
+    yield from _table(
+        "worst deviations (of the diagonal)",
+        [(f"{row['deviation']:.2e}", row["file"]) for row in found["worst"]],
+    )
+    yield from _table(
+        "slowest (seconds)", [(f"{row['seconds']:.2f}", row["file"]) for row in found["slowest"]]
+    )
+    yield from _table(
+        "errors", [(row["files"], row["kind"], row["reason"], row["example"]) for row in found["errors"]]
+    )
+    yield from _table("warnings", [(row["files"], row["code"], row["example"]) for row in found["warnings"]])
+    yield from _axes(found["axes"])
+
+
+def _table(title: str, rows: list[tuple[Any, ...]]) -> Iterator[str]:
+    """A title and its rows, first column to the right; nothing where there are none."""
+    if not rows:
+        return
+    texts = [[str(cell).replace("\n", " ") for cell in row] for row in rows]
+    widths = [max(len(row[k]) for row in texts) for k in range(len(texts[0]))]
+    yield ""
+    yield title
+    for row in texts:
+        first = row[0].rjust(widths[0])
+        rest = [cell.ljust(width) for cell, width in zip(row[1:], widths[1:], strict=True)]
+        yield "  ".join(["", first, *rest]).rstrip()
+
+
+def _axes(skeletons: list[dict[str, Any]]) -> Iterator[str]:
+    for item in skeletons:
+        rows = []
+        for group in item["groups"]:
+            if group["joint"] is None:
+                rows.append((group["files"], "the axes of most", group["example"]))
+            else:
+                more = f" and {counted(group['others'], 'joint')} more" if group["others"] else ""
+                words = f"{group['joint']} {group['degrees']:.1f}° off{more}"
+                rows.append((group["files"], words, group["example"]))
+        if item["more"]:
+            rows.append((item["more"], "more kinds of axes", ""))
+        title = f"one skeleton of {counted(item['joints'], 'joint')}, different axes ({item['files']} files)"
+        yield from _table(title, rows)

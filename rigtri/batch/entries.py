@@ -1,0 +1,209 @@
+"""Which files a batch is about: paths, patterns, lists, job files; and what each becomes."""
+
+from __future__ import annotations
+
+import glob
+import json
+import os
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rigtri.errors import FileError, UsageError
+
+_WILD = re.compile(r"[*?\[]")
+_KEYS = {"input", "output", "variables"}
+# So many of many faults or names are told.
+MOST = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One file of a batch: what is read, what is written, and the variables that hold for it alone."""
+
+    source: str
+    target: str
+    variables: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Input:
+    """A file that was named. base: the folder whose tree is kept. output: where a job file says so."""
+
+    source: str
+    base: str
+    output: str | None = None
+    variables: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Found:
+    """The entries of a batch, each once, sorted by their source; and inputs left out as outputs."""
+
+    entries: tuple[Entry, ...]
+    left_out: int
+
+
+def entries(
+    words: Sequence[str],
+    *,
+    job: Path | None = None,
+    out_dir: Path | None = None,
+    base: Path | None = None,
+    layers: bool = False,
+) -> Found:
+    """The files that ``words`` name: paths, patterns with ``**``, ``@list`` (``@-`` is standard input).
+
+    job: a file of JSON lines, each ``{"input", "output", "variables"}``, seen from its own folder.
+    out_dir: outputs keep their place in the tree below ``base``; without that it is the fixed part
+    of a pattern, and for paths the deepest folder that they share. A pattern does not find what
+    lies in out_dir. layers: outputs are layers over their inputs, also over packages.
+    UsageError for a word that names nothing, FileError for lists that cannot be read.
+    """
+    inputs, left_out = _without_outputs(_named(words), out_dir)
+    if job is not None:
+        inputs += _of_job(job)
+    if not inputs:
+        if left_out:
+            raise UsageError(f"all files that were found lie in {out_dir}, where the outputs go")
+        raise UsageError("name the files to work on: paths, patterns in quotes, @LIST, or --job FILE.jsonl")
+    if base is not None:
+        inputs = [_below(item, base) for item in inputs]
+    each = dict.fromkeys(_entry(item, out_dir, layers) for item in inputs)
+    return Found(tuple(sorted(each, key=lambda entry: (entry.source, entry.target))), left_out)
+
+
+def _named(words: Sequence[str]) -> list[tuple[_Input, bool]]:
+    """The inputs, and whether a pattern found each."""
+    plain, found = [], []
+    for word in words:
+        for name in _listed(word[1:]) if word.startswith("@") and not os.path.exists(word) else [word]:
+            if _WILD.search(name) and not os.path.exists(name):
+                start = _WILD.search(name)
+                fixed = os.path.dirname(name[: start.start()]) if start else ""
+                found += [(_Input(path, fixed), True) for path in _expanded(name)]
+            else:
+                plain.append(name)
+    base = _shared(plain)
+    return [*((_Input(name, base), False) for name in plain), *found]
+
+
+def _listed(name: str) -> list[str]:
+    """The lines of a list of files."""
+    try:
+        text = sys.stdin.read() if name == "-" else Path(name).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise FileError(f"@{name} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"@{name} is no UTF-8 text: {error}") from error
+    names = [line for line in text.splitlines() if line.strip()]
+    if not names:
+        raise UsageError(f"@{name} names no files")
+    return names
+
+
+def _expanded(pattern: str) -> list[str]:
+    """The files that a pattern matches, hidden ones left out."""
+    found = [path for path in glob.glob(pattern, recursive=True) if os.path.isfile(path)]
+    if not found:
+        raise UsageError(f"'{pattern}' matches no file (seen from {os.getcwd()}); ** stands for all folders")
+    return found
+
+
+def _shared(names: Sequence[str]) -> str:
+    """The deepest folder that holds all of these files."""
+    if not names:
+        return ""
+    for name in names:
+        if os.path.isdir(name):
+            raise UsageError(
+                f"{name} is a folder; say which files of it, as in '{Path(name, '**', '*.glb')}'"
+            )
+    try:
+        return os.path.commonpath([os.path.dirname(os.path.abspath(name)) for name in names])
+    except ValueError:  # drives of Windows
+        raise UsageError("the files lie on several drives; give each drive a batch of its own") from None
+
+
+def _without_outputs(named: list[tuple[_Input, bool]], out_dir: Path | None) -> tuple[list[_Input], int]:
+    if out_dir is None:
+        return [item for item, _ in named], 0
+    place = os.path.join(os.path.realpath(out_dir), "")
+    # A pattern that finds what an earlier run has written is not meant so.
+    kept = [
+        item
+        for item, by_pattern in named
+        if not by_pattern or not os.path.join(os.path.realpath(item.source)).startswith(place)
+    ]
+    return kept, len(named) - len(kept)
+
+
+def _below(item: _Input, base: Path) -> _Input:
+    relative = os.path.relpath(os.path.abspath(item.source), os.path.abspath(base))
+    if relative.split(os.sep)[0] == os.pardir and item.output is None:
+        raise UsageError(f"{item.source} does not lie below --base {base}")
+    return _Input(item.source, str(base), item.output, item.variables)
+
+
+def _entry(item: _Input, out_dir: Path | None, layers: bool) -> Entry:
+    """Where an input goes."""
+    if item.output is not None:
+        return Entry(item.source, item.output, item.variables)
+    if out_dir is None:
+        raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
+    relative = os.path.relpath(os.path.abspath(item.source), os.path.abspath(item.base or "."))
+    target = out_dir / relative
+    if layers and target.suffix.lower() == ".usdz":
+        target = target.with_suffix(".usda")
+    return Entry(item.source, str(target), item.variables)
+
+
+def _of_job(path: Path) -> list[_Input]:
+    """The lines of a job file; a UsageError that tells all that is wrong with them."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path} is no UTF-8 text: {error}") from error
+    found: list[_Input] = []
+    faults: list[str] = []
+    for number, line in enumerate(lines, 1):
+        if line.strip():
+            try:
+                found.append(_job_input(json.loads(line), path.parent))
+            except (ValueError, RecursionError) as error:
+                faults.append(f"{path}:{number}: {error}")
+    if faults:
+        more = f"; and {len(faults) - MOST} more" if len(faults) > MOST else ""
+        raise UsageError(f"{'; '.join(faults[:MOST])}{more}")
+    if not found:
+        raise UsageError(f"{path} names no files")
+    shared = _shared([item.source for item in found if item.output is None])
+    return [_Input(item.source, shared, item.output, item.variables) for item in found]
+
+
+def _job_input(line: Any, folder: Path) -> _Input:
+    """One line of a job file. ValueError for what it cannot mean."""
+    if not isinstance(line, dict):
+        raise ValueError('a line is an object, as in {"input": "hero.glb", "variables": {"side": "left"}}')
+    if unknown := sorted(line.keys() - _KEYS):
+        raise ValueError(f"'{unknown[0]}' is no key of a job; known are {', '.join(sorted(_KEYS))}")
+    for key in ("input", "output"):
+        if not isinstance(line.get(key, "." if key == "output" else None), str) or line.get(key) == "":
+            raise ValueError(f"'{key}' is the path of a file")
+    variables = line.get("variables", {})
+    if not isinstance(variables, dict):
+        raise ValueError("'variables' is an object of names and values")
+    output = str(folder / line["output"]) if "output" in line else None
+    return _Input(str(folder / line["input"]), "", output, tuple(_texts(variables)))
+
+
+def _texts(variables: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for name, value in sorted(variables.items()):
+        if isinstance(value, dict | list) or value is None:
+            raise ValueError(f"the variable '{name}' is a text, a number, true or false")
+        yield name, value if isinstance(value, str) else json.dumps(value)

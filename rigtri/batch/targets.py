@@ -1,0 +1,137 @@
+"""What would go wrong with the outputs of a batch, told before anything is done."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import unicodedata
+from collections.abc import Iterator, Sequence
+from functools import cache
+from pathlib import Path
+
+from rigtri.batch.entries import MOST, Entry
+from rigtri.errors import FileError, UsageError
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
+
+
+def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "") -> None:
+    """UsageError or FileError for inputs and outputs that cannot go together, with the first few of them.
+
+    layers: outputs are layers over their inputs. beside: the suffix of a file that goes with each output.
+    """
+    known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
+    _refuse(_no_files(entries), "there is no such file to read", FileError)
+    _refuse(_strange(entries), f"no rig file, as its name does not end with one of {known}", UsageError)
+    _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
+    _refuse(_clashes(entries), "more than one input for one output", UsageError)
+    if beside:
+        sides = [Entry(e.source, os.path.splitext(e.target)[0] + beside) for e in entries]
+        _refuse(_clashes(sides), "more than one output for one file beside it", UsageError)
+    _refuse(_inputs_written(entries), "an input that an output would replace; give another -O", UsageError)
+    _refuse(_shut(entries), "nothing can be written there", FileError)
+
+
+def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:
+    if names:
+        more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
+        raise kind(f"{why}: {', '.join(names[:MOST])}{more}")
+
+
+def _strange(entries: Sequence[Entry]) -> list[str]:
+    return [e.source for e in entries if not e.source.lower().endswith(GLTF_SUFFIXES + USD_SUFFIXES)]
+
+
+def _no_files(entries: Sequence[Entry]) -> list[str]:
+    return [entry.source for entry in entries if not os.path.isfile(entry.source)]
+
+
+def _other_suffixes(entries: Sequence[Entry], layers: bool) -> list[str]:
+    groups = ((".glb", ".vrm", ".vrma"), (".gltf",), (".usd", ".usda", ".usdc"), (".usdz",))
+
+    def of(name: str) -> int:
+        suffix = os.path.splitext(name)[1].lower()
+        return next((k for k, group in enumerate(groups) if suffix in group), -1)
+
+    if layers:
+        layer = groups[2]
+        entries = [e for e in entries if not (of(e.source) >= 2 and e.target.lower().endswith(layer))]
+
+    return [f"{entry.source} → {entry.target}" for entry in entries if of(entry.source) != of(entry.target)]
+
+
+def _clashes(entries: Sequence[Entry]) -> list[str]:
+    """Outputs that several inputs have; by letter case too, where the file system does not tell it apart."""
+    first: dict[str, Entry] = {}
+    found = []
+    for entry in entries:
+        other = first.setdefault(_folded(entry.target), entry)
+        if other is not entry and (
+            _real(other.target) == _real(entry.target) or _folds(_standing(entry.target))
+        ):
+            found.append(f"{entry.target} (of {other.source} and {entry.source})")
+    return found
+
+
+def _folded(path: str) -> str:
+    return unicodedata.normalize("NFC", _real(path)).casefold()
+
+
+def _real(path: str) -> str:
+    """A path without links in its folder, which is looked up once for all of its files."""
+    folder, name = os.path.split(os.path.abspath(path))
+    return os.path.join(_real_folder(folder), name)
+
+
+@cache
+def _real_folder(folder: str) -> str:
+    return os.path.realpath(folder)
+
+
+@cache
+def _folds(folder: str) -> bool:
+    """Whether names in a folder that differ only in letter case or in the form of accents are one."""
+    try:
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".rigtri-Case-") as file:
+            path = Path(file.name)
+            return path.with_name(path.name.swapcase()).exists()
+    except OSError:  # that it cannot be written into is told by another check
+        return False
+
+
+def _inputs_written(entries: Sequence[Entry]) -> list[str]:
+    targets = {_real(entry.target) for entry in entries}
+    # An input may be a link to what would be written.
+    return [
+        entry.source
+        for entry in entries
+        if _real(entry.source) in targets or os.path.realpath(entry.source) in targets
+    ]
+
+
+def _standing(target: str) -> str:
+    """The deepest folder above an output that is there, or what stands in its place."""
+    folder = os.path.dirname(os.path.abspath(target))
+    while not os.path.lexists(folder) and os.path.dirname(folder) != folder:
+        folder = os.path.dirname(folder)
+    return folder
+
+
+def _shut(entries: Sequence[Entry]) -> list[str]:
+    """Folders, there or above those to be made, that nothing can be written into."""
+    folders = {os.path.dirname(os.path.abspath(entry.target)) for entry in entries}
+    standing = {_standing(os.path.join(folder, "x")) for folder in folders}
+    return sorted({*_not_open(standing), *_files_for_folders(entries)})
+
+
+def _not_open(folders: set[str]) -> Iterator[str]:
+    for folder in folders:
+        try:
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            yield folder
+
+
+def _files_for_folders(entries: Sequence[Entry]) -> Iterator[str]:
+    """Outputs whose name a folder has."""
+    yield from (entry.target for entry in entries if os.path.isdir(entry.target))

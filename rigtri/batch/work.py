@@ -1,0 +1,207 @@
+"""One file, in the process that works on it."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from rigtri.batch.axes import Axes, axes_of
+from rigtri.batch.contents import Hashes, newer, seen_from
+from rigtri.batch.entries import Entry
+from rigtri.confined import tell
+from rigtri.errors import RigtriError, kind_of
+from rigtri.outputs import Written
+from rigtri.pipeline import Outcome
+from rigtri.report import Report
+
+STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
+FAILED = ("error", "crashed")
+# After what is missing comes what a file has instead.
+_HINT = re.compile(r"(?<=')\. .*")
+Ready = Callable[[Outcome, Written], None]
+
+
+class Task(Protocol):
+    """What is done to a file. It travels to other processes by pickle."""
+
+    @property
+    def layers(self) -> bool:
+        """Whether outputs are layers over their inputs."""
+
+    @property
+    def beside(self) -> str:
+        """The suffix of a file that goes with each output, "" for none."""
+
+    def key(self) -> str:
+        """All that decides what becomes of a file, but for the contents of `files`, as text."""
+
+    def files(self) -> Sequence[Path]:
+        """The files that are read besides the source."""
+
+    def run(
+        self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
+    ) -> Outcome:
+        """As `rigtri.pipeline.edit`, whose RigtriErrors it raises."""
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """One entry with what to do to it, as an engine takes it."""
+
+    entry: Entry
+    task: Task
+    overwrite: bool = False
+
+
+@dataclass(frozen=True)
+class Record:
+    """What became of one file.
+
+    kind, message, exit_code: of what failed, as `rigtri.errors.kind_of`, or crash, timeout, memory, bug.
+    deviation: as a share of the diagonal, None where it was not measured. seconds: of each stage.
+    read, made: hashes of all files that were read and written; read is empty where one of
+    them was written meanwhile, so that nobody knows what was read.
+    """
+
+    status: str
+    kind: str | None = None
+    message: str | None = None
+    exit_code: int = 0
+    deviation: float | None = None
+    warnings: tuple[dict[str, Any], ...] = ()
+    seconds: dict[str, float] = field(default_factory=dict)
+    read: dict[str, str] = field(default_factory=dict)
+    made: dict[str, str] = field(default_factory=dict)
+    axes: Axes | None = None
+
+    @property
+    def failed(self) -> bool:
+        return self.status in FAILED
+
+    def as_json(self, entry: Entry, run: str, shard: str | None) -> dict[str, Any]:
+        """One line of the log; schemas/batch.schema.json describes it."""
+        return {
+            "file": entry.source,
+            "output": entry.target,
+            "status": self.status,
+            "kind": self.kind,
+            "message": self.message,
+            "exit_code": self.exit_code,
+            "deviation": self.deviation,
+            "warnings": list(self.warnings),
+            "seconds": {name: round(value, 4) for name, value in self.seconds.items()},
+            "run": run,
+            "shard": shard,
+        }
+
+
+def reason(record: Record, entry: Entry) -> str | None:
+    """Why a file failed, without its own name, so that files that failed alike can be counted."""
+    if record.message is None:
+        return None
+    text = record.message
+    for name in (entry.source, entry.target):
+        text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
+    first = text.strip().splitlines()[-1] if record.kind == "bug" else text
+    if record.kind in ("name not found", "ambiguous name"):
+        first = "; ".join(_HINT.sub("", fault) for fault in first.split("; "))
+    return first.removeprefix("FILE: ")
+
+
+# Of this process: a texture that many files share is read once.
+_hashes = Hashes()
+
+
+def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool) -> Record:
+    """Do one file. What is about to appear is told before it does (`rigtri.confined.tell`).
+
+    folder: where the manifest is, from which it sees all files. scratch: a folder for temporary
+    files, which somebody else removes.
+    """
+    _outlive_signals()
+    tempfile.tempdir = scratch
+    entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
+    report, told = Report(), []
+
+    def ready(outcome: Outcome, written: Written) -> None:
+        told.append(_record(outcome, folder, moment, written))
+        tell(told[0])
+
+    try:
+        with _place(entry, dry_run) as target:
+            outcome = assignment.task.run(
+                Path(entry.source),
+                target,
+                overwrite=assignment.overwrite,
+                dry_run=dry_run,
+                report=report,
+                ready=ready,
+            )
+            record = told[0] if told else _record(outcome, folder, moment, None)
+            record = replace(record, seconds=dict(outcome.seconds))
+    except (RigtriError, OSError) as error:
+        record = _refused(error, report)
+    return replace(record, seconds=record.seconds | {"all": time.perf_counter() - began})
+
+
+@contextmanager
+def _place(entry: Entry, dry_run: bool) -> Iterator[Path]:
+    """The output's path, in a folder that is there; with dry_run in one that is thrown away."""
+    target = Path(entry.target)
+    if dry_run:
+        with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+            yield Path(folder, target.name)
+    else:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        yield target
+
+
+def _record(outcome: Outcome, folder: str, moment: int, written: Written | None) -> Record:
+    """What an edit did; with ``written`` also what it wrote, under the names that it will have."""
+    warnings = outcome.report.warnings
+    status = "warned" if warnings else "ok" if outcome.changed else "unchanged"
+    read = {} if newer(outcome.files, moment) else _hashes.of_all(outcome.files, folder)
+    made: dict[str, str] = {}
+    if written is not None:
+        made = _hashes.of_all(written.beside, folder)
+        made[seen_from(folder, os.fspath(written.final))] = _hashes.of(written.part)
+    verification = outcome.verification
+    return Record(
+        status,
+        deviation=None if verification is None else float(verification.deviation),
+        warnings=_told(outcome.report),
+        seconds=dict(outcome.seconds),
+        read=read,
+        made=made,
+        axes=None if outcome.rig is None else axes_of(outcome.rig),
+    )
+
+
+def _told(report: Report) -> tuple[dict[str, Any], ...]:
+    return tuple({"code": n.code, "text": n.text, "joint": n.joint} for n in report.warnings)
+
+
+def _refused(error: RigtriError | OSError, report: Report) -> Record:
+    if isinstance(error, RigtriError):
+        text = "; ".join(map(str, error.faults)) or str(error)
+        # Of a spec that does not fit: what it was that did not.
+        cause = error.__cause__ if isinstance(error.__cause__, RigtriError) else error
+        return Record("error", kind_of(type(cause)), text, error.exit_code, warnings=_told(report))
+    text = f"{error.filename or 'the output'}: {error.strerror or error}"
+    return Record("error", "file", text, 3, warnings=_told(report))
+
+
+def _outlive_signals() -> None:
+    """Let the one who hands files out decide when to end, also where a farm signals all processes."""
+    main = threading.current_thread() is threading.main_thread()
+    if os.name == "posix" and main and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)

@@ -1,0 +1,112 @@
+"""Tasks for tests of batches: one that turns joints, and some that go wrong for files of a certain name."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rigtri import edit, orient_joints
+from rigtri.errors import DeviationError, GeometryError
+from rigtri.formats import Options
+from rigtri.pipeline import Outcome
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Turn the joints of a file. Its name says what goes wrong.
+
+    die, hang, eat, refuse, fault, warn, slow: `go_wrong`; late, spoil: ``run``.
+    """
+
+    label: str = ""
+    reads: tuple[Path, ...] = ()
+    verify: bool = True
+    relink: bool = False
+    joint: str | None = None
+    layers: bool = False
+    beside: str = ""
+
+    def key(self) -> str:
+        return f"turn {self.label} {self.verify} {self.relink} {self.joint}"
+
+    def files(self) -> Sequence[Path]:
+        return self.reads
+
+    def run(
+        self,
+        source: Path,
+        target: Path,
+        *,
+        overwrite: bool,
+        dry_run: bool,
+        report: Report,
+        ready: Callable[..., None],
+    ) -> Outcome:
+        def step(rig: Rig, report: Report) -> Rig:
+            go_wrong(source.stem, report)
+            if self.joint is not None:
+                rig.find(self.joint)
+            return orient_joints(rig, report=report)
+
+        def at_last(*what: object) -> None:
+            ready(*what)
+            if source.stem.startswith("spoil"):
+                raise DeviationError("too late")
+            if source.stem.startswith("late"):
+                # As if it was killed between the rename and the answer.
+                os.replace(what[1].part, target)  # type: ignore[attr-defined]
+                os.kill(os.getpid(), signal.SIGKILL)
+
+        return edit(
+            source,
+            target,
+            step,
+            options=Options(relink=self.relink),
+            report=report,
+            overwrite=overwrite,
+            verify=self.verify,
+            dry_run=dry_run,
+            ready=at_last,
+        )
+
+
+def run_program(words: list[str]) -> None:
+    """The program, whose batches do `Turn` whatever their spec is."""
+    from rigtri.cli import batch
+    from rigtri.cli.main import program
+
+    batch._tasks = lambda values: (
+        lambda variables: Turn(  # type: ignore[assignment]
+            label=str(variables), verify=values["verify"], relink=values["resources"] == "relink"
+        )
+    )
+    program(words)
+
+
+def go_wrong(name: str, report: Report) -> None:
+    """What the name of a file asks for."""
+    if name.startswith("die"):
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if name.startswith("hang"):
+        time.sleep(600)
+    if name.startswith("eat"):
+        list(range(1 << 34))
+    if name.startswith("refuse"):
+        raise GeometryError("no way up")
+    if name.startswith("fault"):
+        raise KeyError("a mistake of ours")
+    if name.startswith("warn"):
+        report.warn("test", "look out", joint="hips")
+    if name.startswith("slow"):
+        time.sleep(0.05)
+
+
+if __name__ == "__main__":
+    run_program(sys.argv[1:])

@@ -1,0 +1,239 @@
+"""Which files a batch is about, where they go, and what is wrong with that before anything is done."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rigtri.batch import targets
+from rigtri.batch.entries import Entry, entries
+from rigtri.batch.shards import Shard, of_slurm, parse
+from rigtri.errors import FileError, UsageError
+
+
+@pytest.fixture
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Empty files in folders, which is where we are."""
+    for name in (
+        "in/a.glb",
+        "in/b.gltf",
+        "in/sub/a.glb",
+        "in/sub/deep/c.usda",
+        "in/.hidden.glb",
+        "in/[1].glb",
+    ):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def pairs(*words: str, **options: Path) -> dict[str, str]:
+    found = entries(words, **{"out_dir": Path("out"), **options})  # type: ignore[arg-type]
+    return {entry.source: Path(entry.target).as_posix() for entry in found.entries}
+
+
+def test_a_pattern_keeps_the_tree_below_its_fixed_part(tree: Path) -> None:
+    assert pairs("in/**/*.glb") == {
+        "in/a.glb": "out/a.glb",
+        "in/sub/a.glb": "out/sub/a.glb",
+        "in/[1].glb": "out/[1].glb",
+    }
+    assert pairs(f"{tree}/in/sub/**/*.usda") == {f"{tree}/in/sub/deep/c.usda": "out/deep/c.usda"}
+
+
+def test_paths_keep_the_tree_below_the_folder_that_they_share(tree: Path) -> None:
+    assert pairs("in/a.glb") == {"in/a.glb": "out/a.glb"}
+    assert pairs("in/a.glb", "in/sub/a.glb") == {"in/a.glb": "out/a.glb", "in/sub/a.glb": "out/sub/a.glb"}
+    # A shell that expands a pattern itself gets the same.
+    assert pairs("in/a.glb", "in/b.gltf") == pairs("in/[ab].gl*")
+
+
+def test_base_says_what_is_kept(tree: Path) -> None:
+    assert pairs("in/sub/*.glb", base=Path(".")) == {"in/sub/a.glb": "out/in/sub/a.glb"}
+    with pytest.raises(UsageError, match="does not lie below --base in/sub"):
+        pairs("in/a.glb", base=Path("in/sub"))
+
+
+def test_a_name_with_brackets_is_a_file_before_it_is_a_pattern(tree: Path) -> None:
+    assert pairs("in/[1].glb") == {"in/[1].glb": "out/[1].glb"}
+
+
+def test_what_is_named_twice_is_one_entry(tree: Path) -> None:
+    write_list("in/a.glb")
+    assert pairs("in/*.glb", "in/a.*", "@list") == pairs("in/*.glb")
+
+
+def write_list(*lines: str) -> None:
+    Path("list").write_text("\n".join(lines) + "\n\n", encoding="utf-8")
+
+
+def test_a_list_names_paths_and_patterns(tree: Path) -> None:
+    write_list("in/sub/deep/c.usda", "in/s*/*.glb")
+    assert pairs("@list") == {"in/sub/deep/c.usda": "out/c.usda", "in/sub/a.glb": "out/sub/a.glb"}
+
+
+def test_outputs_of_an_earlier_run_are_no_inputs_of_a_pattern(tree: Path) -> None:
+    out = Path("in/out")
+    (out / "x").mkdir(parents=True)
+    (out / "x" / "a.glb").touch()
+    found = entries(["in/**/*.glb"], out_dir=out)
+    assert {entry.source for entry in found.entries} == {"in/a.glb", "in/sub/a.glb", "in/[1].glb"}
+    assert found.left_out == 1
+    with pytest.raises(UsageError, match="where the outputs go"):
+        entries(["in/out/**/*.glb"], out_dir=out)
+
+
+def test_a_job_file_says_more_for_each_file(tree: Path) -> None:
+    job = Path("in/job.jsonl")
+    lines = [
+        {"input": "a.glb", "variables": {"side": "left", "count": 3, "on": True}},
+        {"input": "sub/a.glb", "output": "../else/b.glb"},
+    ]
+    job.write_text("\n".join(map(json.dumps, lines)), encoding="utf-8")
+    found = entries([], job=job, out_dir=Path("out")).entries
+    assert found[0] == Entry("in/a.glb", "out/a.glb", (("count", "3"), ("on", "true"), ("side", "left")))
+    assert Path(found[1].target) == Path("in/../else/b.glb")
+
+
+def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> None:
+    job = Path("job.jsonl")
+    lines = [
+        '{"input": "a.glb"}',
+        "{",
+        '{"file": "a.glb"}',
+        "[]",
+        '{"input": "a", "variables": {"x": []}}',
+        '{"input": 3}',
+    ]
+    job.write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(UsageError) as told:
+        entries([], job=job, out_dir=Path("out"))
+    text = str(told.value)
+    assert all(f"job.jsonl:{line}: " in text for line in (2, 3, 4, 5, 6))
+    assert "job.jsonl:1:" not in text
+    assert "'file' is no key" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "says"),
+    [
+        (["in/*.fbx"], UsageError, "matches no file"),
+        (["in"], UsageError, "is a folder"),
+        (["@missing"], FileError, "cannot be read"),
+        (["@empty"], UsageError, "names no files"),
+        ([], UsageError, "name the files"),
+    ],
+)
+def test_words_that_name_nothing_are_errors(
+    words: list[str], kind: type[Exception], says: str, tree: Path
+) -> None:
+    Path("empty").write_text("\n\n")
+    with pytest.raises(kind, match=says):
+        entries(words, out_dir=Path("out"))
+
+
+def test_without_a_folder_for_outputs_nothing_goes_anywhere(tree: Path) -> None:
+    with pytest.raises(UsageError, match="-O"):
+        entries(["in/a.glb"])
+
+
+def refused(*given: tuple[str, str]) -> str:
+    with pytest.raises((UsageError, FileError)) as told:
+        targets.check([Entry(source, target) for source, target in given])
+    return str(told.value)
+
+
+def test_what_cannot_go_together_is_told_before_anything_is_done(tree: Path) -> None:
+    Path("in/notes.txt").touch()
+    Path("out/x.glb").mkdir(parents=True)
+    Path("out/file").touch()
+    assert "no such file to read: in/z.glb" in refused(("in/z.glb", "out/z.glb"))
+    assert "no rig file" in refused(("in/notes.txt", "out/notes.txt"))
+    assert "format of the input: in/a.glb → out/a.gltf" in refused(("in/a.glb", "out/a.gltf"))
+    assert "more than one input" in refused(("in/a.glb", "out/a.glb"), ("in/sub/a.glb", "out/../out/a.glb"))
+    assert "would replace" in refused(("in/a.glb", "in/a.glb"))
+    assert "would replace" in refused(("in/a.glb", "in/sub/a.glb"), ("in/sub/a.glb", "out/b.glb"))
+    assert "nothing can be written there: out/x.glb" in refused(("in/a.glb", "out/x.glb"))
+    assert "nothing can be written there" in refused(("in/a.glb", "out/file/a.glb"))
+    targets.check([Entry("in/a.glb", "out/a.glb"), Entry("in/sub/a.glb", "out/sub/a.glb")])
+
+
+def test_links_do_not_hide_that_an_input_would_be_replaced(tree: Path) -> None:
+    os.symlink(tree / "in", tree / "link")
+    assert "would replace" in refused(("in/a.glb", "link/a.glb"))
+    assert "more than one input" in refused(("in/a.glb", "link/new.glb"), ("in/sub/a.glb", "in/new.glb"))
+
+
+def test_letter_case_makes_two_outputs_one_where_the_file_system_says_so(
+    tree: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = [Entry("in/a.glb", "out/Hero.glb"), Entry("in/sub/a.glb", "out/hero.glb")]
+    monkeypatch.setattr(targets, "_folds", lambda folder: False)
+    targets.check(given)
+    monkeypatch.setattr(targets, "_folds", lambda folder: True)
+    with pytest.raises(UsageError, match="more than one input"):
+        targets.check(given)
+    accents = [Entry("in/a.glb", "out/\u00e9.glb"), Entry("in/sub/a.glb", "out/e\u0301.glb")]
+    with pytest.raises(UsageError, match="more than one input"):
+        targets.check(accents)
+
+
+def test_this_file_system_is_asked_whether_it_folds_names(tmp_path: Path) -> None:
+    (tmp_path / "Name").touch()
+    assert targets._folds(str(tmp_path)) == (tmp_path / "nAME").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["Name"]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_may_not_be_written_into_is_told(tree: Path) -> None:
+    Path("shut").mkdir(mode=0o555)
+    assert "nothing can be written there" in refused(("in/a.glb", "shut/sub/a.glb"))
+
+
+@given(st.sets(st.text("abc/", min_size=1), max_size=30), st.integers(1, 7))
+def test_parts_are_a_partition_and_a_file_keeps_its_part(names: set[str], count: int) -> None:
+    every = [Entry(f"in/{name}", f"out/{name}") for name in names]
+    parts = [Shard(k + 1, count).of(every, "out") for k in range(count)]
+    assert sorted(entry.source for part in parts for entry in part) == sorted(e.source for e in every)
+    for k, part in enumerate(parts):
+        for entry in part:  # whichever others are there
+            assert Shard(k + 1, count).of([entry], "out") == (entry,)
+
+
+def test_parts_do_not_depend_on_where_the_folder_is(tmp_path: Path) -> None:
+    names = [f"{k}.glb" for k in range(50)]
+
+    def part(folder: Path) -> list[str]:
+        every = [Entry(name, str(folder / name)) for name in names]
+        return [entry.source for entry in Shard(2, 3).of(every, str(folder))]
+
+    assert part(tmp_path / "one") == part(tmp_path / "two" / "three")
+    assert 5 < len(part(tmp_path)) < 30
+
+
+@pytest.mark.parametrize("text", ["0/3", "4/3", "1", "1/0", "-1/3", "a/b", "1/3/5", ""])
+def test_what_is_no_part_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="give i/n"):
+        parse(text)
+
+
+def slurm(**values: int) -> Shard | None:
+    return of_slurm({f"SLURM_ARRAY_TASK_{name}": str(value) for name, value in values.items()})
+
+
+def test_tasks_of_a_slurm_array_are_parts() -> None:
+    assert of_slurm({}) is None
+    assert slurm(ID=0, COUNT=4, MIN=0, MAX=3, STEP=1) == Shard(1, 4)
+    assert slurm(ID=7, COUNT=3, MIN=3, MAX=7, STEP=2) == Shard(3, 3)
+    assert slurm(ID=2, COUNT=4) == Shard(3, 4)
+    with pytest.raises(UsageError, match="not evenly spaced"):
+        slurm(ID=7, COUNT=3, MIN=1, MAX=9, STEP=1)
+    with pytest.raises(UsageError, match="tells no part"):
+        of_slurm({"SLURM_ARRAY_TASK_ID": "1"})

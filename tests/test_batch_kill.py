@@ -1,0 +1,216 @@
+"""Killed at any moment and run again: nothing lost, nothing done twice, no half files."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from rigtri import edit, orient_joints
+
+PROGRAM = Path(__file__).with_name("batch_tasks.py")
+POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+COUNT = 16
+Start = Callable[..., "subprocess.Popen[str]"]
+
+
+@pytest.fixture
+def start(tmp_path: Path, samples: Path) -> Iterator[Start]:
+    """Starts a batch of slow characters, .glb and .gltf that share a buffer, in a process of its own."""
+    folder = tmp_path / "in"
+    folder.mkdir()
+    shutil.copy(samples / "biped.bin", folder)
+    for k in range(COUNT // 2):
+        shutil.copy(samples / "biped.glb", folder / f"slow{k:02}.glb")
+        shutil.copy(samples / "biped.gltf", folder / f"slow{k:02}.gltf")
+
+    begun: list[subprocess.Popen[str]] = []
+
+    def begin(*words: str) -> subprocess.Popen[str]:
+        given = ["--spec", "rig.yaml", "-O", "out", "-j", "2", *words, "in/*.glb", "in/*.gltf"]
+        process = subprocess.Popen(
+            [sys.executable, str(PROGRAM), "batch", *given],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        begun.append(process)
+        return process
+
+    yield begin
+    for process in begun:
+        process.kill()
+        process.wait()
+        for stream in (process.stdout, process.stderr):
+            assert stream is not None
+            stream.close()
+
+
+def expected(folder: Path) -> dict[str, bytes]:
+    """What a batch that nobody disturbs would leave."""
+    alone = folder / "alone"
+    alone.mkdir()
+    for source in [*folder.glob("in/*.glb"), *folder.glob("in/*.gltf")]:
+        edit(source, alone / source.name, lambda rig, report: orient_joints(rig, report=report))
+    return {path.name: path.read_bytes() for path in alone.iterdir()}
+
+
+def outputs(folder: Path) -> list[Path]:
+    found = (folder / "out").glob("*") if (folder / "out").is_dir() else ()
+    return [p for p in found if not p.name.startswith((".", "rigtri-batch")) and p.suffix != ".bin"]
+
+
+def left_behind(folder: Path) -> list[str]:
+    return [path.name for path in (folder / "out").iterdir() if path.name.startswith(".")]
+
+
+@POSIX
+@pytest.mark.parametrize("seed", range(2))
+def test_kills_at_any_moment_lose_nothing_and_do_nothing_twice(
+    seed: int, tmp_path: Path, start: Start
+) -> None:
+    chance, want = random.Random(seed), expected(tmp_path)
+    first: dict[str, tuple[int, int]] = {}
+    known: dict[str, float] = {}
+    kills = 0
+    for attempt in range(25):
+        process = start("--json", "--log", "log.jsonl")
+        try:
+            # Some hit the beginning, some the work; the last let even a slow machine end.
+            process.communicate(timeout=chance.uniform(0.3, 2.0 + attempt))
+            ended = True
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            ended, kills = False, kills + 1
+        for path in outputs(tmp_path):
+            assert path.read_bytes() == want[path.name], "half a file"
+            state = path.stat()
+            assert first.setdefault(path.name, (state.st_ino, state.st_mtime_ns)) == (
+                state.st_ino,
+                state.st_mtime_ns,
+            ), "done twice"
+        if (tmp_path / "out/rigtri-batch.sqlite").exists():
+            base = sqlite3.connect(tmp_path / "out/rigtri-batch.sqlite")
+            try:
+                at = dict(base.execute("SELECT output, at FROM files WHERE status='ok'").fetchall())
+            except sqlite3.OperationalError:  # killed before it had a table
+                at = {}
+            base.close()
+            assert known.items() <= at.items(), "lost, or done twice"
+            known = at
+        if ended:
+            break
+    assert ended
+    assert process.returncode == 0
+    assert kills >= 1
+    assert (
+        set(known) == {path.name for path in outputs(tmp_path)} == {n for n in want if not n.endswith(".bin")}
+    )
+    assert left_behind(tmp_path) == []
+    assert {p.name: p.read_bytes() for p in (tmp_path / "out").glob("*.bin")} == {
+        name: content for name, content in want.items() if name.endswith(".bin")
+    }
+
+
+@POSIX
+def test_a_worker_that_is_killed_costs_its_file_alone(tmp_path: Path, start: Start) -> None:
+    process = start("--json")
+    assert process.stdout is not None
+    first = process.stdout.readline()
+    victims = workers(process.pid)
+    assert victims
+    os.kill(victims[-1], signal.SIGKILL)
+    rest, _ = process.communicate(timeout=60)
+    lines = [json.loads(line) for line in (first + rest).splitlines()]
+    assert len(lines) == COUNT
+    failed = [line for line in lines if line["status"] != "ok"]
+    assert len(failed) <= 1
+    assert process.returncode == (7 if failed else 0)
+    for line in failed:
+        assert (line["status"], line["kind"]) == ("crashed", "crash")
+        assert "SIGKILL" in line["message"]
+    again = start("--json")
+    assert again.wait(timeout=60) == 0
+    assert len(outputs(tmp_path)) == COUNT
+    assert left_behind(tmp_path) == []
+
+
+def workers(process: int) -> list[int]:
+    """The processes that work for a batch: below it and below the server that forks them."""
+    found: list[int] = []
+    for path in Path("/proc").glob("[0-9]*/task/[0-9]*/children"):
+        if int(path.parts[2]) in (process, *found):
+            try:
+                found += [int(word) for word in path.read_text().split()]
+            except OSError:
+                continue
+    below: list[int] = []
+    for child in found:
+        try:
+            below += [int(w) for w in Path(f"/proc/{child}/task/{child}/children").read_text().split()]
+        except OSError:
+            continue
+    return below
+
+
+@POSIX
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupt_ends_what_is_begun_and_keeps_what_is_done(
+    number: signal.Signals, code: int, tmp_path: Path, start: Start
+) -> None:
+    process = start("--json")
+    assert process.stdout is not None
+    first = process.stdout.readline()
+    process.send_signal(number)
+    rest, told = process.communicate(timeout=60)
+    lines = [json.loads(line) for line in (first + rest).splitlines()]
+    assert process.returncode == code
+    assert {line["status"] for line in lines} == {"ok"}
+    assert 0 < len(lines) < COUNT
+    assert f"{COUNT - len(lines)} not begun" in told
+    assert len(outputs(tmp_path)) == len(lines)
+    assert left_behind(tmp_path) == []
+    rest, _ = start("--json").communicate(timeout=60)
+    again = [json.loads(line)["status"] for line in rest.splitlines()]
+    assert (again.count("skipped"), again.count("ok")) == (len(lines), COUNT - len(lines))
+
+
+@POSIX
+def test_a_second_interrupt_gives_up_what_is_begun(tmp_path: Path, start: Start, samples: Path) -> None:
+    for k in range(2):
+        shutil.copy(samples / "biped.glb", tmp_path / "in" / f"hang{k}.glb")
+    process = start("--json", "--fail-fast")
+    time.sleep(3)
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.5)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    out, told = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert out == ""
+    assert f"{COUNT + 2} not begun" in told
+    assert left_behind(tmp_path) == [] if (tmp_path / "out").exists() else True
+
+
+@POSIX
+def test_a_reader_that_has_gone_ends_a_batch(tmp_path: Path, start: Start) -> None:
+    process = start("--json")
+    assert process.stdout is not None
+    process.stdout.readline()
+    process.stdout.close()
+    assert process.wait(timeout=60) != 0
+    assert process.stderr is not None
+    assert "Traceback" not in process.stderr.read()
+    assert left_behind(tmp_path) == []

@@ -1,0 +1,181 @@
+"""What a manifest says about a batch."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from rigs import random_rig
+from second_opinions import validator
+
+from rigtri.batch.axes import Axes, angles, axes_of
+from rigtri.batch.entries import Entry
+from rigtri.batch.manifest import Manifest
+from rigtri.batch.summary import summarise
+from rigtri.batch.work import Record
+from rigtri.quaternions import from_axis_angle
+from rigtri.reframe import reframe
+
+JOINTS = json.dumps([[-1, "hips"], [0, "spine"]])
+
+
+def turned(*degrees: float) -> Axes:
+    """A skeleton of two joints, each turned about z."""
+    turns = from_axis_angle(np.array([[0.0, 0.0, 1.0]] * 2), np.radians(degrees))
+    return Axes(JOINTS, np.rint(turns * 32767).astype("<i2").tobytes())
+
+
+def wrote(folder: Path, records: dict[str, Record], shard: str | None = None) -> Path:
+    """A manifest of one run that ended so."""
+    path = folder / (
+        "rigtri-batch.sqlite" if shard is None else f"rigtri-batch-{shard[0]}-of-{shard[-1]}.sqlite"
+    )
+    with Manifest(path, shard=shard) as manifest:
+        for name, record in records.items():
+            entry = Entry(str(folder / "in" / name), str(folder / "out" / name))
+            manifest.ready(entry, "key", record)
+            manifest.done(entry, "key", record)
+        manifest.end({"ok": len(records)})
+    return path
+
+
+def ok(deviation: float, seconds: float, **more: Any) -> Record:
+    return Record("ok", deviation=deviation, seconds={"read": 0.1, "all": seconds}, **more)
+
+
+def missing(joint: str) -> Record:
+    text = (
+        f"No joint is named '{joint}'. Did you mean '{joint}s'? List what is there with: rigtri inspect FILE"
+    )
+    return Record("error", "name not found", text, 4, seconds={"all": 0.25})
+
+
+def report(app: click.Group, *words: str | Path) -> Result:
+    result = CliRunner().invoke(app, ["batch-report", *map(str, words)])
+    assert result.exit_code == 0, result.stderr
+    return result
+
+
+def test_counts_the_worst_and_the_slowest_come_from_all_parts(app: click.Group, tmp_path: Path) -> None:
+    one = {"a.glb": ok(1e-7, 0.5), "b.glb": ok(3e-7, 0.25), "c.glb": ok(0.0, 2.0)}
+    two = {
+        "d.glb": ok(2e-7, 1.0),
+        "e.glb": missing("hips"),
+        "f.glb": missing("hips"),
+        "g.glb": missing("head"),
+    }
+    wrote(tmp_path, one, "1/2")
+    wrote(tmp_path, two, "2/2")
+    found = json.loads(report(app, tmp_path, "--json", "--most", "2").stdout)
+    validator("batch-report").validate(found)
+    assert found["files"] == 7
+    assert found["statuses"] == {"ok": 4, "warned": 0, "unchanged": 0, "error": 3, "crashed": 0}
+    assert [row["file"] for row in found["worst"]] == ["in/b.glb", "in/d.glb"]
+    assert [row["file"] for row in found["slowest"]] == ["in/c.glb", "in/d.glb"]
+    assert found["seconds"] == 0.5 + 0.25 + 2.0 + 1.0 + 3 * 0.25
+    assert [(row["reason"], row["files"]) for row in found["errors"]] == [
+        ("No joint is named 'hips'", 2),
+        ("No joint is named 'head'", 1),
+    ]
+    assert [row["shard"] for row in found["runs"]] == ["1/2", "2/2"]
+
+
+def test_words_say_the_same(app: click.Group, tmp_path: Path) -> None:
+    notice = {"code": "straight", "text": "arm_L is straight", "joint": "arm_L"}
+    records = {
+        "a.glb": ok(1e-7, 0.5, axes=turned(0, 0)),
+        "b.glb": ok(1e-7, 0.5, axes=turned(0, 0)),
+        "c.glb": Record("warned", warnings=(notice,), seconds={"all": 1.0}, axes=turned(0, 90)),
+        "d.glb": Record("crashed", "crash", "d.glb: it crashed (SIGSEGV)", 3),
+    }
+    told = report(app, wrote(tmp_path, records)).stdout
+    assert "4 files: 2 ok, 1 warned, 1 crashed; 2.0 s of work" in told
+    assert "1.00e-07  in/a.glb" in told
+    assert "1  crash  it crashed (SIGSEGV)  in/d.glb" in told
+    assert "1  straight  arm_L is straight" in told
+    assert "one skeleton of 2 joints, different axes (3 files)" in told
+    assert "2  the axes of most  in/a.glb" in told
+    assert "1  spine 90.0° off   in/c.glb" in told
+
+
+def test_a_file_that_was_mended_counts_as_it_is_now(tmp_path: Path) -> None:
+    wrote(tmp_path, {"a.glb": missing("hips")})
+    path = wrote(tmp_path, {"a.glb": ok(1e-7, 0.5)})
+    found = summarise([path])
+    assert (found["files"], found["statuses"]["ok"], found["errors"]) == (1, 1, [])
+    assert len(found["runs"]) == 2
+
+
+def test_axes_that_differ_by_rounding_are_the_same(tmp_path: Path) -> None:
+    near = {f"{k}.glb": ok(0.0, 0.1, axes=turned(0, 0.01 * k)) for k in range(5)}
+    assert summarise([wrote(tmp_path, near)])["axes"] == []
+    wrote(tmp_path, {"far.glb": ok(0.0, 0.1, axes=turned(5, 185))})
+    (skeleton,) = summarise([tmp_path])["axes"]
+    assert [(g["files"], g["joint"], g["others"]) for g in skeleton["groups"]] == [
+        (5, None, 0),
+        (1, "spine", 1),
+    ]
+    assert skeleton["groups"][1]["degrees"] == pytest.approx(175, abs=0.05)
+    assert summarise([tmp_path], within=180)["axes"] == []
+
+
+def test_other_joints_are_another_skeleton(tmp_path: Path) -> None:
+    other = Axes(json.dumps([[-1, "hips"], [0, "spine.001"]]), turned(0, 90).turns)
+    records = {"a.glb": ok(0.0, 0.1, axes=turned(0, 0)), "b.glb": ok(0.0, 0.1, axes=other)}
+    assert summarise([wrote(tmp_path, records)])["axes"] == []
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_axes_are_those_of_the_joints(seed: int) -> None:
+    """A joint that is turned by an angle is told to be turned by that angle, and no other is."""
+    rig = random_rig(seed)
+    joint = int(np.flatnonzero(rig.is_joint)[-1])
+    turn = np.zeros((len(rig), 4))
+    turn[:, 3] = 1.0
+    turn[joint] = from_axis_angle(np.array([1.0, 2.0, 3.0]), np.radians(30.0))
+    before, after = axes_of(rig), axes_of(reframe(rig, turn))
+    assert before is not None
+    assert after is not None
+    assert before.skeleton == after.skeleton
+    apart = angles(before.turns, after.turns)
+    place = np.flatnonzero(rig.is_joint).tolist().index(joint)
+    assert apart[place] == pytest.approx(30.0, abs=0.02)
+    assert np.delete(apart, place).max(initial=0.0) < 0.02
+
+
+def test_the_angle_between_axes_can_be_checked_by_hand() -> None:
+    apart = angles(turned(0, 0).turns, turned(90, 300).turns)
+    np.testing.assert_allclose(apart, [90, 60], atol=0.02)
+
+
+def test_a_manifest_can_be_read_while_a_run_writes_it(tmp_path: Path) -> None:
+    path = tmp_path / "rigtri-batch.sqlite"
+    with Manifest(path) as manifest:
+        manifest.ready(Entry("a.glb", str(tmp_path / "a.glb")), "key", ok(0.0, 0.1))
+        found = summarise([path])
+    assert found["unfinished"] == 1
+    assert found["runs"][0]["ended"] is None
+
+
+def test_what_is_no_manifest_is_refused(app: click.Group, tmp_path: Path) -> None:
+    def refused(path: Path) -> tuple[int, str]:
+        result = CliRunner().invoke(app, ["batch-report", str(path)])
+        return result.exit_code, result.stderr
+
+    assert refused(tmp_path / "no.sqlite")[0] == 3
+    assert "There is no manifest of a batch in" in refused(tmp_path)[1]
+    (tmp_path / "x.sqlite").write_text("no database at all, whatever its name is" * 30)
+    assert refused(tmp_path / "x.sqlite")[0] == 3
+    path = wrote(tmp_path, {})
+    base = sqlite3.connect(path)
+    base.execute("PRAGMA user_version=7")
+    base.close()
+    code, told = refused(path)
+    assert code == 2
+    assert "version 7" in told

@@ -1,0 +1,170 @@
+"""Batches of real specs: what `rigtri build` does, for many files."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from click.testing import CliRunner, Result
+from second_opinions import validator
+
+from rigtri.spec.building import build
+
+SPEC = """
+variables: {side: _L}
+sidecar: true
+steps:
+  - do: orient-joints
+    aim: y
+    up: z
+  - do: add-polevector
+    limb: ["upper_arm${side}", "forearm${side}", "hand${side}"]
+"""
+
+
+@pytest.fixture
+def here(tmp_path: Path, samples: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("in").mkdir()
+    for name in ("a.glb", "b.glb"):
+        shutil.copy(samples / "biped.glb", Path("in", name))
+    for name, new in (("biped.usda", "c.usda"), ("biped.gltf", "d.gltf"), ("biped.bin", "biped.bin")):
+        shutil.copy(samples / name, Path("in", new))
+    Path("rig.yaml").write_text(SPEC)
+    return tmp_path
+
+
+def batch(app: click.Group, *words: str) -> Result:
+    given = ("--spec", "rig.yaml", "-O", "out", "-j", "2")
+    return CliRunner().invoke(app, ["batch", "in/*.gl*", "in/*.usda", *given, *words])
+
+
+def statuses(result: Result) -> dict[str, str]:
+    return {Path(line["file"]).name: line["status"] for line in map(json.loads, result.stdout.splitlines())}
+
+
+def test_a_batch_builds_what_build_builds(app: click.Group, here: Path) -> None:
+    result = batch(app)
+    assert result.exit_code == 0, result.stderr
+    Path("alone").mkdir()
+    for source in [*Path("in").glob("*.gl*"), *Path("in").glob("*.usda")]:
+        build(source, Path("alone", source.name), "rig.yaml")
+    for path in Path("alone").iterdir():
+        assert Path("out", path.name).read_bytes() == path.read_bytes()
+    validator("rig").validate(json.loads(Path("out/a.rig.json").read_text()))
+    assert not list(Path("out").glob(".*"))
+
+
+def test_a_spec_decides_by_what_it_does_and_not_by_how_it_is_spelled(app: click.Group, here: Path) -> None:
+    batch(app)
+    Path("rig.yaml").write_text("# a comment\n" + SPEC)
+    assert set(statuses(batch(app, "--json")).values()) == {"skipped"}
+    Path("out/b.rig.json").unlink()
+    again = statuses(batch(app, "--json"))
+    assert [name for name, status in again.items() if status != "skipped"] == ["b.glb"]
+    Path("rig.yaml").write_text(SPEC.replace("aim: y", "aim: x"))
+    assert set(statuses(batch(app, "--json")).values()) == {"ok"}
+    assert set(statuses(batch(app, "--json", "--set", "side=_R")).values()) == {"ok"}
+
+
+def test_what_a_like_file_is_made_of_counts(app: click.Group, here: Path, samples: Path) -> None:
+    for name in ("biped.gltf", "biped.bin"):
+        shutil.copy(samples / name, ".")
+    Path("rig.yaml").write_text("steps: [{do: orient-joints, like: biped.gltf}]")
+    batch(app)
+    assert set(statuses(batch(app, "--json")).values()) == {"skipped"}
+    Path("biped.bin").write_bytes(Path("biped.bin").read_bytes() + bytes(4))
+    assert "skipped" not in statuses(batch(app, "--json")).values()
+
+
+def test_a_spec_for_another_character_is_told_before_anything_is_written(
+    app: click.Group, here: Path
+) -> None:
+    Path("rig.yaml").write_text("steps: [{do: orient-joints, joints: [tentacle_1, tentacle_2]}]")
+    result = batch(app, "--json")
+    assert result.exit_code == 4
+    assert "No joint is named 'tentacle_1' (4 of 4)" in result.stderr
+    assert [path.name for path in Path("out").iterdir()] == ["rigtri-batch.sqlite"]
+
+
+def test_faults_of_a_spec_come_before_all_work(app: click.Group, here: Path) -> None:
+    Path("rig.yaml").write_text("steps: [{do: orient-joint}, {do: strip, colour: red}]")
+    result = batch(app, "--json")
+    assert result.exit_code == 2
+    assert len(json.loads(result.stdout)["error"]["faults"]) == 2
+    assert not Path("out").exists()
+
+
+def test_two_outputs_do_not_share_a_sidecar(app: click.Group, here: Path) -> None:
+    shutil.copy("in/c.usda", "in/a.usda")
+    result = batch(app)
+    assert result.exit_code == 2
+    assert "more than one output for one file beside it: out/a.rig.json" in result.stderr
+
+
+def test_a_job_gives_a_file_its_own_variables(app: click.Group, here: Path) -> None:
+    lines = [{"input": "in/a.glb", "variables": {"side": "_R"}}, {"input": "in/b.glb"}]
+    Path("job.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    given = ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"]
+    assert CliRunner().invoke(app, given).exit_code == 0
+    poles = {name: Path("out", name).with_suffix(".rig.json").read_text() for name in ("a.glb", "b.glb")}
+    assert "forearm_R" in poles["a.glb"]
+    assert "forearm_L" in poles["b.glb"]
+
+
+def test_a_variable_that_a_spec_has_not_is_told_with_the_file(app: click.Group, here: Path) -> None:
+    lines = [{"input": "in/a.glb"}, {"input": "in/b.glb", "variables": {"colour": "red"}}]
+    Path("job.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    given = ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"]
+    result = CliRunner().invoke(app, given)
+    assert result.exit_code == 2
+    assert "in/b.glb: " in result.stderr
+    assert "colour" in result.stderr
+    assert not list(Path("out").glob("*.glb"))
+
+
+def test_an_override_of_a_package_is_a_layer(app: click.Group, here: Path, samples: Path) -> None:
+    shutil.copy(samples / "biped.usdz", "in")
+    Path("rig.yaml").write_text("override: stage\nsteps: [{do: orient-joints, aim: y, up: z}]")
+    given = ["batch", "in/*.usdz", "--spec", "rig.yaml", "-O", "out"]
+    result = CliRunner().invoke(app, given)
+    assert result.exit_code == 0, result.stderr
+    assert Path("out/biped.usda").exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+@pytest.mark.parametrize("without", ["", "rich"])
+def test_a_terminal_sees_how_far_it_is_and_a_file_does_not(without: str, here: Path) -> None:
+    code = (
+        f"import sys; sys.modules.update({{name: None for name in {without.split()!r}}})\n"
+        "from rigtri.cli.main import program\n"
+        "program()"
+    )
+    given = ["batch", "in/*.glb", "--spec", "rig.yaml", "-O"]
+    mine, theirs = pty.openpty()
+    with subprocess.Popen([sys.executable, "-c", code, *given, "one"], stderr=theirs) as process:
+        os.close(theirs)
+        told = b""
+        while chunk := _read(mine):
+            told += chunk
+    os.close(mine)
+    assert process.returncode == 0
+    assert b"2/2" in told
+    assert b"2 files: 2 ok" in told
+    run: Any = subprocess.run([sys.executable, "-c", code, *given, "two"], capture_output=True, check=True)
+    assert run.stderr.decode() == "2 files: 2 ok\n"
+
+
+def _read(terminal: int) -> bytes:
+    try:
+        return os.read(terminal, 1 << 12)
+    except OSError:  # nobody writes to it any more
+        return b""
