@@ -95,6 +95,9 @@ def summary(report: Report) -> str:
     clips = [entry for entry in report.added if entry["type"] == "clip"]
     resting = {name for entry in report.added if entry["type"] == "rest" for name in entry["nodes"]}
     at_rest = f"{counted(len(resting), 'node')} at rest" if resting else ""
+    told = sum(len(entry["nodes"]) for entry in report.added if entry["type"] == "described")
+    if told:
+        at_rest += f"{'; ' if at_rest else ''}{counted(told, 'node')} put where the file of --rig has them"
     if not clips:
         bare = any(notice.code == "no-clips" for notice in report.warnings)
         nothing = "the file has no clips" if bare else "no clip has keys of controls or constraints"

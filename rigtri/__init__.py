@@ -24,6 +24,7 @@ _WHERE = {
     "add_controls": "rigtri.ops.controls",
     "constrain": "rigtri.ops.constrain",
     "mirror": "rigtri.ops.mirror",
+    "as_described": "rigtri.ops.described",
     "bake": "rigtri.ops.bake",
     "take_clips": "rigtri.ops.take_clips",
     "take_pose": "rigtri.ops.posing",
@@ -48,6 +49,7 @@ __all__ = [
     "add_posereader",
     "add_rivet",
     "add_twist",
+    "as_described",
     "bake",
     "build",
     "check",
@@ -78,6 +80,7 @@ if TYPE_CHECKING:
     from rigtri.ops.bake import bake
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls
+    from rigtri.ops.described import as_described
     from rigtri.ops.limb import make_limb
     from rigtri.ops.mirror import mirror
     from rigtri.ops.orient import orient_joints

@@ -281,6 +281,7 @@ def test_thinned_keys_keep_what_was_linear_few() -> None:
         (Options(fps="a"), UsageError),  # type: ignore[arg-type]
         (Options(clips="walk"), UsageError),  # type: ignore[arg-type]
         (Options(soft=1.0), UsageError),
+        (Options(stretch="no"), UsageError),  # type: ignore[arg-type]
         (Options(to="bones"), UsageError),  # type: ignore[arg-type]
     ],
 )

@@ -92,6 +92,8 @@ class Options:
             raise UsageError("--tolerance is a share of the rig's size, 0 or more")
         if self.soft is not None and not 0 <= self.soft < 1:
             raise UsageError("--soft is a share of the limb, from 0 to below 1")
+        if self.stretch is not None and not isinstance(self.stretch, bool):
+            raise UsageError(f"stretch={self.stretch!r}: True, False or None (as stored)")
         return self
 
 

@@ -19,7 +19,7 @@ from rigtri.formats.usd.xform import OPS, SAME_TURN, stand
 from rigtri.matrices import inverse, multiply
 from rigtri.pose import worlds
 from rigtri.records import Skin, Track
-from rigtri.rig import Rig
+from rigtri.rig import ADDED, Rig
 
 # What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
 SOURCE = "rigtri:source"
@@ -28,6 +28,12 @@ SOURCE = "rigtri:source"
 def is_ours(rig: Rig, node: int) -> bool:
     """Whether a prim was made by rigtri: it carries a note, and its place is ours to set."""
     return "type" in rig.notes.get(node, {})
+
+
+def takes_place(before: Rig, rig: Rig, node: int) -> bool:
+    """Whether the place of a prim is ours to set: it has a note, or has been told the one it lost."""
+    told = rig.notes.get(node, {}).get("type") in ADDED
+    return is_ours(before, node) or (told and bool((before.local[node] != rig.local[node]).any()))
 
 
 def edits(source: Source, rig: Rig, keyed: Collection[int] = ()) -> list[Edit]:
@@ -98,7 +104,7 @@ def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             found += [_remove(path, name) for name in old if name not in new]
             found += _attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
             found += _relations(path, note, _prims(rig, note, {}))
-        if not is_ours(before, node):
+        if not takes_place(before, rig, node):
             continue
         if node in rig.shapes:
             found += drawing(Sdf.Path(path).AppendChild(NAME), rig.shapes[node])

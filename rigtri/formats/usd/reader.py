@@ -24,7 +24,7 @@ from rigtri.pose import worlds
 from rigtri.quaternions import from_axes, to_axes
 from rigtri.records import Clip, Interpolation, Skin, Track
 from rigtri.report import Notice
-from rigtri.rig import Rig, illegible
+from rigtri.rig import ADDED, Rig, illegible
 
 # The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
 GROUP = "rigtri"
@@ -71,6 +71,7 @@ class _Reader:
         self.payload: list[int] = []
         self.own: list[int] = []  # prims of ours, which keep their place as TRS
         self.notes: dict[int, dict[str, Any]] = {}
+        self.restless: list[str] = []  # prims of ours that are no controls, with samples and no default
         self.fixed: dict[int, str] = {}
         self.animated: dict[int, Any] = {}  # prims that their ops move over time
         self.node_of: dict[str, int] = {}
@@ -160,17 +161,29 @@ class _Reader:
             group = kind == "Scope" and prim.HasAttribute("rigtri:type")
             if prim.IsA(UsdGeom.Xformable) or group:
                 above[path] = self._add_prim(prim, parent, group)
+        if self.restless:
+            more = f" and {len(self.restless) - 1} more" if len(self.restless) > 1 else ""
+            text = (
+                f"Where '{self.restless[0]}'{more} stands at rest is not in the file (time samples without a "
+                "default value), and limbs are told by it; rigtri bake --rig names a file that has it"
+            )
+            self.warnings.append(Notice("rest-lost", text))
         return others
 
     def _add_prim(self, prim: Any, parent: int, group: bool) -> int:
         node, path = len(self.names), str(prim.GetPath())
+        note = notes.read_prim(prim)
+        made = not illegible(note) and note["type"] in ADDED
         if group:
             local = np.eye(4)
         else:
             xformable = UsdGeom.Xformable(prim)
             if xformable.GetTimeSamples():
                 self.animated[node] = prim
-            moment = _moment(xformable) if node in self.animated else DEFAULT
+                if made and note["type"] != "control" and _moment(xformable) != DEFAULT:
+                    self.restless.append(str(prim.GetName()))
+            # What an op of ours says at rest is its default; without, it is the identity.
+            moment = _moment(xformable) if node in self.animated and not made else DEFAULT
             local = np.array(xformable.GetLocalTransformation(moment), dtype=np.float64)
             if not np.isfinite(local).all():
                 text = f"The ops of <{path}> give no finite matrix; it is measured as if it had none."
@@ -183,7 +196,6 @@ class _Reader:
             self.payload[node] = node
         if prim.IsA(UsdGeom.PointBased):
             self.warnings += [Notice("type-ignored", text) for text in ignored(prim)]
-        note = notes.read_prim(prim)
         if note and not self._unread(path, note):
             self.notes[node] = note
             self.own.append(node)

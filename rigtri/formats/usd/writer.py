@@ -93,7 +93,7 @@ def _keyed_prims(before: Rig, rig: Rig, moved: np.ndarray) -> set[int]:
                 turned or np.array_equal(was.values, track.values)
             ):
                 continue
-        if not locators.is_ours(before, node):
+        if not locators.takes_place(before, rig, node):
             found.add(node)
     return found
 
@@ -105,7 +105,7 @@ def _prim_edits(
     prims = [
         node
         for node in np.flatnonzero(moved).tolist()
-        if kind(before.keys[node]) == "prim" and not locators.is_ours(before, node)
+        if kind(before.keys[node]) == "prim" and not locators.takes_place(before, rig, node)
     ]
     if not prims:
         return []

@@ -1,0 +1,229 @@
+"""bake --rig: what is a control of what, and where controls stand at rest, from another file."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import SAMPLES
+from pxr import Usd
+from test_bake import run
+from test_usd_played import without_notes
+
+import rigtri
+from rigtri import pose
+from rigtri.formats import read
+from rigtri.ops.described import as_described
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+
+def rigged(folder: Path, name: str) -> tuple[Path, Path]:
+    """A rigged sample, and the same with its motion on its controls."""
+    rig, up = folder / f"rig-{name}", folder / f"up-{name}"
+    assert run("add-controls", SAMPLES / name, "-o", rig, "--whole-character").exit_code == 0
+    assert run("bake", rig, "-o", up, "--to", "controls").exit_code == 0
+    return rig, up
+
+
+def shown(source: Path, out: Path, defaults: bool = True) -> Path:
+    """The file as a DCC stores it: without notes, with what the first frame shows for its rest."""
+    if source.suffix == ".gltf":
+        document = json.loads(source.read_bytes())
+        rig = read(source).rig
+        for node in document["nodes"]:
+            node.pop("extras", None)
+        for track in rig.clip("walk").tracks:
+            if track.node in rig.notes:
+                document["nodes"][int(rig.labels[track.node][1:])][track.path] = track.values[0].tolist()
+        out.write_text(json.dumps(document))
+        return out
+    stage = Usd.Stage.Open(str(without_notes(source, out)))
+    for attribute in ops(stage):
+        first = attribute.Get(attribute.GetTimeSamples()[0])
+        attribute.ClearDefault()
+        if defaults:
+            attribute.Set(first)
+    stage.Save()
+    return out
+
+
+def ops(stage: Any) -> list[Any]:
+    """All ops of transforms that have time samples."""
+    every = [attribute for prim in stage.TraverseAll() for attribute in prim.GetAuthoredAttributes()]
+    return [op for op in every if op.GetName().startswith("xformOp:") and op.GetNumTimeSamples()]
+
+
+def joint_rest(rig: Rig) -> Any:
+    return rig.local[rig.is_joint]
+
+
+def joint_worlds(rig: Rig) -> Any:
+    clip = rig.clip("walk")
+    times = np.linspace(0.0, pose.key_times(clip)[-1], 20)
+    return pose.worlds(rig, pose.locals_at(rig, clip, times))[:, rig.is_joint]
+
+
+@pytest.mark.parametrize(
+    ("name", "defaults"), [("biped.gltf", True), ("biped.usda", True), ("biped.usda", False)]
+)
+def test_what_a_frame_shows_is_no_rest_where_the_rig_is_named(
+    name: str, defaults: bool, tmp_path: Path
+) -> None:
+    rig, up = rigged(tmp_path, name)
+    edited = shown(up, tmp_path / f"edited-{name}", defaults)
+    right, out, again = (tmp_path / f"{k}-{name}" for k in ("right", "out", "again"))
+    assert run("bake", up, "-o", right).exit_code == 0
+    result = run("bake", edited, "-o", out, "--rig", rig)
+    assert result.exit_code == 0, result.output
+    assert "put where the file of --rig has them" in result.output
+    one, other = read(right).rig, read(out).rig
+    assert np.abs(joint_rest(one) - joint_rest(other)).max() == 0.0
+    assert np.abs(joint_worlds(one) - joint_worlds(other)).max() < 1e-6
+    assert run("bake", out, "-o", again).exit_code == 0
+    assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["biped.gltf", "biped.usda"])
+def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
+    rig, up = rigged(tmp_path, name)
+    out, home = tmp_path / f"out-{name}", tmp_path / f"home-{name}"
+    edited = shown(up, tmp_path / f"edited-{name}")
+    assert run("bake", edited, "-o", out, "--rig", rig, "--to", "controls").exit_code == 0
+    assert run("bake", out, "-o", home).exit_code == 0
+    assert np.abs(joint_worlds(read(rig).rig) - joint_worlds(read(home).rig)).max() < 1e-5
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_file_that_has_its_notes_takes_those_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
+    rig, up = rigged(tmp_path, name)
+    plain, out, itself = (tmp_path / f"{k}-{name}" for k in ("plain", "out", "itself"))
+    assert run("bake", up, "-o", plain).exit_code == 0
+    for described, target in ((rig, out), (up, itself)):
+        result = run("bake", up, "-o", target, "--rig", described)
+        assert result.exit_code == 0, result.output
+        assert "warning" not in result.output
+        assert target.read_bytes() == plain.read_bytes()
+
+
+def moved_note(rig: Rig) -> tuple[Rig, int]:
+    """The rig with another softness for its first limb."""
+    node = next(n for n, note in rig.notes.items() if note.get("kind") == "ik" and note["type"] == "control")
+    return replace(rig, notes={**rig.notes, node: {**rig.notes[node], "soft": 0.25}}), node
+
+
+def biped() -> Rig:
+    source = read(SAMPLES / "biped.glb").rig
+    return rigtri.add_controls(source, options=add_options())
+
+
+def add_options() -> Any:
+    from rigtri.ops.controls import Options as ControlOptions
+
+    return ControlOptions(whole_character=True)
+
+
+def test_notes_of_the_rig_that_is_named_win_and_that_is_told() -> None:
+    rig, report = biped(), Report()
+    other, node = moved_note(rig)
+    assert rigtri.as_described(rig, other, report=report).notes[node]["soft"] == 0.25
+    (notice,) = report.warnings
+    assert notice.code == "described-anew"
+    assert rig.names[node] in notice.text
+
+
+def test_joints_keep_their_rest_and_their_controls_get_that_of_the_other() -> None:
+    rig = biped()
+    control = next(n for n, note in rig.notes.items() if note["type"] == "control")
+    joint = int(np.flatnonzero(rig.is_joint)[0])
+    translation = rig.translation.copy()
+    translation[[control, joint]] += 0.5
+    found = as_described(replace(rig, notes={}, translation=translation), rig)
+    assert (found.translation[control] == rig.translation[control]).all()
+    assert (found.translation[joint] == translation[joint]).all()
+
+
+def test_joints_bound_otherwise_are_told_and_their_controls_keep_their_rest() -> None:
+    rig, report = biped(), Report()
+    skin = rig.skins[0]
+    inverse_bind = skin.inverse_bind.copy()
+    inverse_bind[3, :3, :3] = inverse_bind[3, :3, :3][:, [1, 2, 0]]
+    turned = replace(rig, notes={}, skins=(replace(skin, inverse_bind=inverse_bind), *rig.skins[1:]))
+    offset = next(n for n, note in rig.notes.items() if note["type"] == "offset")
+    translation = rig.translation.copy()
+    translation[offset] += 0.5
+    found = as_described(replace(turned, translation=translation), rig, report=report)
+    (notice,) = report.warnings
+    assert (notice.code, notice.geometry) == ("other-bind-poses", True)
+    assert "take-clips" in notice.text
+    assert rig.names[skin.joints[3]] in notice.text
+    assert (found.translation == translation).all()
+
+
+def test_what_hangs_on_another_node_keeps_its_rest_and_that_is_told() -> None:
+    rig, report = biped(), Report()
+    offset = max(n for n, note in rig.notes.items() if note["type"] == "offset" and note["kind"] == "fk")
+    parents, translation = rig.parents.copy(), rig.translation.copy()
+    parents[offset] = 0
+    translation[offset] += 0.5
+    found = as_described(replace(rig, notes={}, parents=parents, translation=translation), rig, report=report)
+    assert {notice.code for notice in report.warnings} == {"rest-kept"}
+    assert rig.names[offset] in report.warnings[0].text
+    assert (found.translation[offset] == translation[offset]).all()
+
+
+def test_joints_that_a_path_means_elsewhere_are_told_with_the_reason() -> None:
+    rig = biped()
+    notes = {
+        node: {**note, "joint": rig.path(rig.find(note["joint"]))} if "joint" in note else note
+        for node, note in rig.notes.items()
+    }
+    two = rig.with_nodes(["hips"], [-1], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    elsewhere = replace(rig, notes={}, names=("other", *rig.names[1:]))
+    with pytest.raises(rigtri.RigtriError, match="2 nodes of that file are called 'hips'"):
+        as_described(elsewhere, replace(two, notes=notes))
+
+
+def test_names_that_several_nodes_have_are_told() -> None:
+    rig = biped()
+    own = sorted(rig.notes)
+    names = [rig.names[node] for node in own]
+    turns = np.tile([0.0, 0.0, 0.0, 1.0], (len(own), 1))
+    twice = replace(rig, notes={}).with_nodes(names, [0] * len(own), np.ones((len(own), 3)), turns)
+    # What stands at the same path is the same: so nothing may.
+    names = ["up" if node == own[0] else name for node, name in enumerate(twice.names)]
+    twice = replace(twice, names=tuple(names))
+    with pytest.raises(rigtri.RigtriError, match="Several nodes of one name"):
+        as_described(twice, rig)
+
+
+def test_an_op_of_a_control_without_a_default_says_that_it_is_zero_at_rest(tmp_path: Path) -> None:
+    _, up = rigged(tmp_path, "biped.usda")
+    stage = Usd.Stage.Open(str(up))
+    for op in ops(stage):
+        if op.GetPrim().GetName().endswith("_ctl"):
+            op.ClearDefault()
+    bare, out, right = (tmp_path / f"{k}.usda" for k in ("bare", "out", "right"))
+    stage.Export(str(bare))
+    assert run("bake", up, "-o", right).exit_code == 0
+    result = run("bake", bare, "-o", out)
+    assert result.exit_code == 0, result.output
+    assert "nodes at rest" not in result.output
+    one, other = read(right).rig, read(out).rig
+    assert (joint_rest(one) == joint_rest(other)).all()
+    assert np.abs(joint_worlds(one) - joint_worlds(other)).max() < 1e-6
+
+
+def test_an_offset_without_a_default_is_told(tmp_path: Path) -> None:
+    _, up = rigged(tmp_path, "biped.usda")
+    stage = Usd.Stage.Open(str(up))
+    pole = next(prim for prim in stage.TraverseAll() if prim.GetName().endswith("_pole"))
+    pole.GetAttribute("xformOp:translate").ClearDefault()
+    stage.Export(str(tmp_path / "bare.usda"))
+    (notice,) = [n for n in read(tmp_path / "bare.usda").warnings if n.code == "rest-lost"]
+    assert pole.GetName() in notice.text
+    assert "--rig" in notice.text
