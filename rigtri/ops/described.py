@@ -132,22 +132,36 @@ def _bound_otherwise(rig: Rig, described: Rig, of: Mapping[int, int]) -> list[st
 def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
     """The rig with its nodes ``of`` (those of the other by theirs) at rest where they are there.
 
-    Joints keep their own rest, and so does, with a warning, what hangs on something else there.
+    Joints keep their own rest, and so does what no clip moves but controls, so that keys below it mean what
+    they did; and, with a warning, what hangs on something else there.
     """
+    moving = {track.node for clip in rig.clips for track in clip.tracks}
+    ours, theirs_at = dict[int, Floats](), {node: _zero(described, node) for node in of}
     translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
     matrix, names, elsewhere = rig.matrix.copy(), [], []
     size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
-    for theirs, node in of.items():
+    for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
+        is_control = rig.notes[node].get("type") == "control"
+        above = ours.get(int(rig.parents[node]), np.eye(4))
+        ours[node] = above if is_control else multiply(rig.local[node], above)
+        if not (is_control or node in moving):
+            continue
         if rig.is_joint[node] or rig.notes[node].get("type") == "group":
             continue
-        apart = np.abs(rig.local[node] - described.local[theirs])
+        place, parent = described.local[theirs], theirs_at.get(int(described.parents[theirs]), np.eye(4))
+        moved = not is_control and np.abs(above - parent).max() > _SAME_PLACE * size
+        if moved:
+            place = multiply(theirs_at[theirs], inverse(above))
+        apart = np.abs(rig.local[node] - place)
         same = bool(apart[:3].max() <= _SAME_PLACE and apart[3].max() <= _SAME_PLACE * size)
         if not _same_above(rig, described, node, theirs):
             elsewhere += [] if same else [rig.title(node)]
             continue
         names += [] if same else [rig.title(node)]
-        if rig.has_matrix[node] or described.has_matrix[theirs]:
-            matrix[node] = described.local[theirs]
+        if not is_control:
+            ours[node] = multiply(place, above)
+        if moved or rig.has_matrix[node] or described.has_matrix[theirs]:
+            matrix[node] = place
             translation[node], rotation[node], scale[node] = decompose(matrix[node])
         else:
             translation[node] = described.translation[theirs]
@@ -160,6 +174,16 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
         more = "For a file that a DCC has exported: rigtri take-clips RIG --from IN"
         report.warn("rest-kept", f"{text}. {more}", geometry=True)
     return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+
+
+def _zero(rig: Rig, node: int) -> Floats:
+    """Where a node stands while all controls are zero, seen from what is not rigtri's, (4, 4)."""
+    place = np.eye(4)
+    while node >= 0 and rig.notes.get(node, {}).get("type") in ADDED:
+        if rig.notes[node].get("type") != "control":
+            place = multiply(place, rig.local[node])
+        node = int(rig.parents[node])
+    return place
 
 
 def _same_above(rig: Rig, described: Rig, node: int, theirs: int) -> bool:
