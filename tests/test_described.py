@@ -18,6 +18,7 @@ import rigtri
 from rigtri import pose
 from rigtri.formats import read
 from rigtri.ops.described import as_described
+from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 
@@ -170,7 +171,10 @@ def test_what_hangs_on_another_node_keeps_its_rest_and_that_is_told() -> None:
     parents, translation = rig.parents.copy(), rig.translation.copy()
     parents[offset] = 0
     translation[offset] += 0.5
-    found = as_described(replace(rig, notes={}, parents=parents, translation=translation), rig, report=report)
+    still = replace(rig, notes={}, parents=parents, translation=translation)
+    assert (as_described(still, rig).translation == translation).all()  # no clip moves it
+    track = Track(offset, "translation", "STEP", np.zeros(1), translation[[offset]])
+    found = as_described(replace(still, clips=(Clip("new", (track,)),)), rig, report=report)
     assert {notice.code for notice in report.warnings} == {"rest-kept"}
     assert rig.names[offset] in report.warnings[0].text
     assert (found.translation[offset] == translation[offset]).all()
