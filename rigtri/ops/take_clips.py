@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -19,10 +19,11 @@ from rigtri.ops.taking.counterparts import Counterparts
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
 from rigtri.ops.taking.notices import moves, some, strangers, tell
+from rigtri.ops.taking.ranges import Ranges, ranges
 from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots
 from rigtri.ops.taking.tolerances import Tolerances
 from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
-from rigtri.records import Clip, Track
+from rigtri.records import Booleans, Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.keys import shares
@@ -95,6 +96,8 @@ class _Taking:
         self.sampled: list[str] = []
         self.kept: list[str] = []
         self.splines: list[tuple[str, float]] = []
+        self.ranges: Ranges | None = None
+        self.spans: dict[tuple[int, str], tuple[float, float]] = {}  # of EDITED's tracks, in the rig's time
 
     def done(self) -> Rig:
         """The rig with the clip."""
@@ -106,6 +109,8 @@ class _Taking:
             )
             return self.rig
         moved = self.transfer.nodes()
+        if home is not None:
+            self.ranges = ranges(self.rig, self.taken, self.clock, partial(self._pairs, moved), self._agree)
         for node in moved:
             self._take(node)
         left = set(self.both.of).difference(moved)
@@ -116,6 +121,7 @@ class _Taking:
             self._rest_of_joints()
             rig = self._with_new_clip()
         else:
+            self._one_range()
             rig = placed(self.rig, home, self.changed) if self.changed else self.rig
         self._tell()
         if rig is not self.rig:
@@ -126,6 +132,33 @@ class _Taking:
         home, (start, end) = self.taken.home, span(self.taken.clip)
         ours = span(home.clip) if home is not None else (0.0, 0.0)
         return start == end and ours[0] < ours[1]
+
+    # --- time
+
+    def _pairs(self, moved: Sequence[int]) -> list[tuple[Track, Track]]:
+        """What both files have keys of, at EDITED's times."""
+        theirs = [track for node in moved for track in self.transfer.of(node).tracks]
+        olds = ((self._old(now.node, now.path), now) for now in theirs)
+        return [(old, now) for old, now in olds if old is not None]
+
+    def _agree(self, pair: tuple[Track, Track]) -> bool:
+        was, bound = pair[0], self.tolerances.of(pair[1])
+        now = self.clock.told(pair[1])
+        return not differing(was, now, bound).any() or same_knots(was, now, bound) is not None
+
+    def _one_range(self) -> None:
+        """Give what stays of RIG's tracks the range of the clip, where EDITED's has another."""
+        if self.ranges is None:
+            return
+        if self.ranges.whole:
+            left = dict(self._tracks)
+            for track in self.changed:
+                left.pop((track.node, track.path), None)
+            for place, track in left.items():
+                if (now := self.ranges.fitted(track, self.spans.get(place))) is not track:
+                    self.changed.append(now)
+        if self.changed and self.ranges.told:
+            self.report.warn("other-range", self.ranges.notice(self.taken.name))
 
     # --- nodes
 
@@ -163,6 +196,7 @@ class _Taking:
     def _fresh(self, theirs: Track) -> Track | None:
         """What a track at EDITED's times becomes here; None where the rig says it already."""
         bound, now = self.tolerances.of(theirs), self.clock.told(theirs)
+        self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
         old = self._old(now.node, now.path)
         was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
         if was.values.shape[-1] != now.values.shape[-1]:
@@ -172,10 +206,12 @@ class _Taking:
         if not changed.any():
             self.same += 1
             return None
-        if (far := same_knots(was, now, bound)) is not None:
+        if (far := same_knots(was, now, bound)) is not None and not _beyond(was, now)[changed].any():
             self.splines.append((self.rig.names[now.node], far))
             self.same += 1
             return None
+        if self.ranges is not None and self.ranges.whole:
+            return thinned(now, self._thin(now))
         return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
 
     @cached_property
@@ -284,3 +320,8 @@ class _Taking:
 
     def _movers(self) -> Sequence[int]:
         return sorted({t.node for t in self.taken.clip.tracks if moves(t)})
+
+
+def _beyond(was: Track, now: Track) -> Booleans:
+    """The keys of a track, (k,), before the other's first one or after its last."""
+    return np.asarray((now.times < was.times[0] - MISSED) | (now.times > was.times[-1] + MISSED))

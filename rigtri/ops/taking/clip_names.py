@@ -260,6 +260,8 @@ class Clock:
     def __init__(self, rig: Rig, edited: Rig, taken: Taken) -> None:
         self.factor = rig.per_second / edited.per_second
         self.shift = 0.0
+        # Where the clip may be moved to when its start and its length are others: to RIG's start first.
+        self.choices: tuple[float, ...] = ()
         self._known = {clip_times.tobytes(): clip_times for clip_times in _times_of(taken.home)}
         self._told: dict[int, tuple[Floats, Floats]] = {}
         frame = frame_of(taken.clip)
@@ -267,8 +269,16 @@ class Clock:
             (start, end), (ours, last) = span(taken.clip), span(taken.home.clip)
             late = start * self.factor - ours
             length, own = (end - start) * self.factor, last - ours
-            if abs(late) > 1.5 * frame * self.factor and abs(length - own) <= frame * self.factor:
-                self.shift = -late
+            if abs(late) > 1.5 * frame * self.factor:
+                if abs(length - own) <= frame * self.factor:
+                    self.shift = -late
+                else:
+                    self.choices = (-late, 0.0, last - end * self.factor)
+
+    def settle(self, shift: float) -> None:
+        """Move EDITED's times by so much of the rig's unit."""
+        self.shift = shift
+        self._told.clear()
 
     def times(self, theirs: Floats) -> Floats:
         """Times of the edited file as those of the rig, (k,)."""
