@@ -14,12 +14,12 @@ import numpy as np
 from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
-from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, span
+from rigtri.ops.taking.clip_names import ClipNames, Taken, span
 from rigtri.ops.taking.counterparts import Counterparts
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
-from rigtri.ops.taking.notices import moves, some, strangers, tell
-from rigtri.ops.taking.ranges import Ranges, ranges
+from rigtri.ops.taking.notices import moves, some, strangers, tell, tell_tracks
+from rigtri.ops.taking.ranges import Clock, Ranges, ranges
 from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots
 from rigtri.ops.taking.tolerances import Tolerances
 from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
@@ -75,8 +75,9 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
         raise GeometryError(
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
+    every = names.taken(options.clips)
     tell(both, report)
-    for taken in names.taken(options.clips):
+    for taken in every:
         rig = _Taking(rig, both, taken, options.tolerance, report).done()
     return rig
 
@@ -276,29 +277,12 @@ class _Taking:
     def _with_new_clip(self) -> Rig:
         if not self.changed:
             return self.rig
-        clip = Clip(self.taken.name, tuple(self.changed))
+        clip = Clip(self.taken.name, tuple(self.changed), self.taken.key)
         return replace(self.rig, clips=(*self.rig.clips, clip))
 
     def _tell(self) -> None:
         name, report = self.taken.name, self.report
-        if self.sampled:
-            report.warn(
-                "sampled",
-                f"In '{name}' the motion of {some(self.sampled)} had to be worked out at EDITED's keys: "
-                "what is above them, or their axes, move or shear; between keys it may differ",
-            )
-        if self.kept:
-            report.warn(
-                "kept-keys",
-                f"EDITED has no keys for {some(self.kept)} in '{name}'; RIG's were kept",
-            )
-        if self.splines:
-            far = max(size for _, size in self.splines)
-            report.warn(
-                "splines-kept",
-                f"In '{name}' EDITED says at the spline keys of {some(n for n, _ in self.splines)} "
-                f"what RIG says, and has other curves between (up to {far:.2g}); RIG's splines were kept",
-            )
+        tell_tracks(report, name, self.sampled, self.kept, self.splines)
         lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
         if lost:
             report.warn("no-such-node", f"RIG has no {some(lost)}; their motion in '{name}' was left out")

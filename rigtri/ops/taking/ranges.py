@@ -9,18 +9,69 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.insertion import split
-from rigtri.ops.taking.clip_names import Clock, Taken, frame_of, span
+from rigtri.ops.taking.clip_names import Taken, frame_of, span
 from rigtri.ops.taking.notices import moves
 from rigtri.ops.taking.sameness import MISSED
 from rigtri.pose import sample
 from rigtri.records import Track
 from rigtri.rig import Rig
+from rigtri.timelines import Timeline
 from rigtri.trigonometry import Floats
 
-# Ends that are nearer to each other are one: a DCC begins and ends a clip up to a frame beside its own frames.
+# Frames: ends that are nearer are one. A DCC begins and ends a clip up to a frame beside its own frames.
 _NEAR = 1.5
 # No DCC has fewer frames a second: what is farther apart has keys by hand, which tell no frame.
 _FEWEST = 12.0
+
+
+class Clock:
+    """Times of the edited file as times of the rig: in its unit, and from its start where lengths are one."""
+
+    def __init__(self, rig: Rig, edited: Rig, taken: Taken) -> None:
+        self.factor = rig.per_second / edited.per_second
+        self.shift = 0.0
+        # Where the clip may be moved to when its start and its length are others: to RIG's start first.
+        self.choices: tuple[float, ...] = ()
+        self._known = {clip_times.tobytes(): clip_times for clip_times in _times_of(taken.home)}
+        self._told: dict[int, tuple[Floats, Floats]] = {}
+        frame = frame_of(taken.clip)
+        if taken.home is not None and frame:
+            (start, end), (ours, last) = span(taken.clip), span(taken.home.clip)
+            late = start * self.factor - ours
+            length, own = (end - start) * self.factor, last - ours
+            if abs(late) > 1.5 * frame * self.factor:
+                if abs(length - own) <= frame * self.factor:
+                    self.shift = -late
+                else:
+                    self.choices = (-late, 0.0, last - end * self.factor)
+
+    def settle(self, shift: float) -> None:
+        """Move EDITED's times by so much of the rig's unit."""
+        self.shift = shift
+        self._told.clear()
+
+    def times(self, theirs: Floats) -> Floats:
+        """Times of the edited file as those of the rig, (k,)."""
+        if self.factor == 1.0 and not self.shift:
+            return theirs
+        return (theirs * self.factor + self.shift).astype(np.float32).astype(np.float64)
+
+    def told(self, track: Track) -> Track:
+        """A track at the rig's times; arrays that are one stay one."""
+        if id(track.times) not in self._told:
+            times = self.times(track.times)
+            times = self._known.get(times.tobytes(), times)
+            self._told[id(track.times)] = track.times, times
+        times, values = self._told[id(track.times)][1], track.values
+        if track.interpolation == "CUBICSPLINE" and self.factor != 1.0:
+            values = values * np.array([1.0 / self.factor, 1.0, 1.0 / self.factor])[:, np.newaxis]
+        return replace(track, times=times, values=values)
+
+
+def _times_of(home: Timeline | None) -> list[Floats]:
+    tracks = home.clip.tracks if home is not None else ()
+    return list({id(t.times): t.times for t in tracks}.values())
+
 
 # A track of RIG and the one of EDITED that drives the same, at EDITED's times.
 Pair = tuple[Track, Track]
@@ -61,7 +112,7 @@ class Ranges:
 def ranges(
     rig: Rig, taken: Taken, clock: Clock, pairs: Callable[[], Sequence[Pair]], same: Callable[[Pair], bool]
 ) -> Ranges | None:
-    """Settle where EDITED's clip lies, and whether RIG's is to have its range; None where both have one range.
+    """Settle where EDITED's clip lies, and if RIG's is to have its range; None where both have one range.
 
     pairs: what drives the same in both. same: whether a track says what RIG says, by the clock as it is set.
     Raises GeometryError where EDITED has a part of the motion, and nothing says of which time.
@@ -84,8 +135,9 @@ def ranges(
         inside = ours[0] - near <= theirs[0] and theirs[1] <= ours[1] + near
         if not max(found) and not most and not inside:
             raise GeometryError(
-                f"EDITED moves little of what moves in '{taken.name}', from {theirs[0]:.6g} to {theirs[1]:.6g}, "
-                f"where RIG has {ours[0]:.6g} to {ours[1]:.6g}, and no track of both says which time is which. "
+                f"EDITED moves little of what moves in '{taken.name}', from {theirs[0]:.6g} to "
+                f"{theirs[1]:.6g}, where RIG has {ours[0]:.6g} to {ours[1]:.6g}, and no track of both says "
+                "which time is which. "
                 "Export the whole clip, or let it start where RIG's does"
             )
         clock.settle(clock.choices[int(np.argmax(found))] if max(found) or most else 0.0)
