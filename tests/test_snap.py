@@ -216,6 +216,16 @@ def test_at_rest_channels_are_set_at_rest() -> None:
     np.testing.assert_allclose(done.translation[hand], 0.0)
 
 
+@pytest.mark.parametrize(("at", "told"), [("walk@1", 0), ("walk@99", 1)])
+def test_a_moment_outside_its_clip_is_told_once_as_pose_tells_it(at: str, told: int) -> None:
+    rig = posed_by_ik()
+    said, posed = Report(), Report()
+    snap(rig, options=Options("fk", (at,)), report=said)
+    pose_of(rig, PoseOptions(at), posed)
+    assert [n.text for n in said.warnings if n.code == "pose-outside"] == [n.text for n in posed.warnings]
+    assert len(posed.warnings) == told
+
+
 def test_what_cannot_be_snapped_is_told() -> None:
     rig = rigged()
     with pytest.raises(GeometryError, match="no IK end"):

@@ -7,22 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
-from rigtri.ops.taking.clip_names import ClipNames, Clock, Taken, span
+from rigtri.ops.taking.clip_names import ClipNames, Taken, span
 from rigtri.ops.taking.counterparts import Counterparts
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
-from rigtri.ops.taking.notices import moves, some, strangers, tell
+from rigtri.ops.taking.notices import moves, some, strangers, tell, tell_tracks
+from rigtri.ops.taking.ranges import Clock, Ranges, ranges
 from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots
 from rigtri.ops.taking.tolerances import Tolerances
 from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
-from rigtri.records import Clip, Track
+from rigtri.records import Booleans, Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.keys import shares
@@ -57,8 +58,13 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
 
     What was taken of each clip goes to ``report.added``.
     Raises GeometryError (no common names, no clips), NameNotFoundError (a clip), AmbiguousNameError,
-    UsageError (several clips for a format that has one).
+    UsageError (several clips for a format that has one), TypeError (``edited`` is no rig).
     """
+    if not isinstance(edited, Rig):
+        raise TypeError(
+            f"edited is to be a Rig, the one with the motion, not {type(edited).__name__}; "
+            "read(path).rig is that of a file"
+        )
     report = report if report is not None else Report()
     options = (options or Options()).checked()
     both = Counterparts(rig, edited)
@@ -69,8 +75,9 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
         raise GeometryError(
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
+    every = names.taken(options.clips)
     tell(both, report)
-    for taken in names.taken(options.clips):
+    for taken in every:
         rig = _Taking(rig, both, taken, options.tolerance, report).done()
     return rig
 
@@ -90,6 +97,8 @@ class _Taking:
         self.sampled: list[str] = []
         self.kept: list[str] = []
         self.splines: list[tuple[str, float]] = []
+        self.ranges: Ranges | None = None
+        self.spans: dict[tuple[int, str], tuple[float, float]] = {}  # of EDITED's tracks, in the rig's time
 
     def done(self) -> Rig:
         """The rig with the clip."""
@@ -101,6 +110,8 @@ class _Taking:
             )
             return self.rig
         moved = self.transfer.nodes()
+        if home is not None:
+            self.ranges = ranges(self.rig, self.taken, self.clock, partial(self._pairs, moved), self._agree)
         for node in moved:
             self._take(node)
         left = set(self.both.of).difference(moved)
@@ -111,6 +122,7 @@ class _Taking:
             self._rest_of_joints()
             rig = self._with_new_clip()
         else:
+            self._one_range()
             rig = placed(self.rig, home, self.changed) if self.changed else self.rig
         self._tell()
         if rig is not self.rig:
@@ -121,6 +133,33 @@ class _Taking:
         home, (start, end) = self.taken.home, span(self.taken.clip)
         ours = span(home.clip) if home is not None else (0.0, 0.0)
         return start == end and ours[0] < ours[1]
+
+    # --- time
+
+    def _pairs(self, moved: Sequence[int]) -> list[tuple[Track, Track]]:
+        """What both files have keys of, at EDITED's times."""
+        theirs = [track for node in moved for track in self.transfer.of(node).tracks]
+        olds = ((self._old(now.node, now.path), now) for now in theirs)
+        return [(old, now) for old, now in olds if old is not None]
+
+    def _agree(self, pair: tuple[Track, Track]) -> bool:
+        was, bound = pair[0], self.tolerances.of(pair[1])
+        now = self.clock.told(pair[1])
+        return not differing(was, now, bound).any() or same_knots(was, now, bound) is not None
+
+    def _one_range(self) -> None:
+        """Give what stays of RIG's tracks the range of the clip, where EDITED's has another."""
+        if self.ranges is None:
+            return
+        if self.ranges.whole:
+            left = dict(self._tracks)
+            for track in self.changed:
+                left.pop((track.node, track.path), None)
+            for place, track in left.items():
+                if (now := self.ranges.fitted(track, self.spans.get(place))) is not track:
+                    self.changed.append(now)
+        if self.changed and self.ranges.told:
+            self.report.warn("other-range", self.ranges.notice(self.taken.name))
 
     # --- nodes
 
@@ -158,6 +197,7 @@ class _Taking:
     def _fresh(self, theirs: Track) -> Track | None:
         """What a track at EDITED's times becomes here; None where the rig says it already."""
         bound, now = self.tolerances.of(theirs), self.clock.told(theirs)
+        self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
         old = self._old(now.node, now.path)
         was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
         if was.values.shape[-1] != now.values.shape[-1]:
@@ -167,10 +207,12 @@ class _Taking:
         if not changed.any():
             self.same += 1
             return None
-        if (far := same_knots(was, now, bound)) is not None:
+        if (far := same_knots(was, now, bound)) is not None and not _beyond(was, now)[changed].any():
             self.splines.append((self.rig.names[now.node], far))
             self.same += 1
             return None
+        if self.ranges is not None and self.ranges.whole:
+            return thinned(now, self._thin(now))
         return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
 
     @cached_property
@@ -235,29 +277,12 @@ class _Taking:
     def _with_new_clip(self) -> Rig:
         if not self.changed:
             return self.rig
-        clip = Clip(self.taken.name, tuple(self.changed))
+        clip = Clip(self.taken.name, tuple(self.changed), self.taken.key)
         return replace(self.rig, clips=(*self.rig.clips, clip))
 
     def _tell(self) -> None:
         name, report = self.taken.name, self.report
-        if self.sampled:
-            report.warn(
-                "sampled",
-                f"In '{name}' the motion of {some(self.sampled)} had to be worked out at EDITED's keys: "
-                "what is above them, or their axes, move or shear; between keys it may differ",
-            )
-        if self.kept:
-            report.warn(
-                "kept-keys",
-                f"EDITED has no keys for {some(self.kept)} in '{name}'; RIG's were kept",
-            )
-        if self.splines:
-            far = max(size for _, size in self.splines)
-            report.warn(
-                "splines-kept",
-                f"In '{name}' EDITED says at the spline keys of {some(n for n, _ in self.splines)} "
-                f"what RIG says, and has other curves between (up to {far:.2g}); RIG's splines were kept",
-            )
+        tell_tracks(report, name, self.sampled, self.kept, self.splines)
         lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
         if lost:
             report.warn("no-such-node", f"RIG has no {some(lost)}; their motion in '{name}' was left out")
@@ -279,3 +304,8 @@ class _Taking:
 
     def _movers(self) -> Sequence[int]:
         return sorted({t.node for t in self.taken.clip.tracks if moves(t)})
+
+
+def _beyond(was: Track, now: Track) -> Booleans:
+    """The keys of a track, (k,), before the other's first one or after its last."""
+    return np.asarray((now.times < was.times[0] - MISSED) | (now.times > was.times[-1] + MISSED))

@@ -25,6 +25,7 @@ from rigtri.formats.usd import (
     layers,
     meshes,
     needed,
+    new_keys,
     package,
     repeated,
     splice,
@@ -105,7 +106,9 @@ class UsdDocument:
             source, rig, first = joints.extended(self._source, rig, self._options)
             source, rig, split = splits.widened(source, rig, self._options, notices)
             first += split
+            asked = rig
             source, rig, keyed = joint_keys.driven(source, rig, self._options)
+            source, rig = new_keys.taken_up(source, rig, asked)
             first += keyed
             rig, last = joints.shortened(source, rig)
             rig, idle = joint_tracks.undriven(source, rig)

@@ -50,7 +50,8 @@ def driven(source: Source, rig: Rig, options: Options) -> tuple[Source, Rig, lis
 
     FileError where an animation cannot be edited.
     """
-    if all(new is old for new, old in zip(rig.clips, source.rig.clips, strict=False)):
+    same = all(new is old for new, old in zip(rig.clips, source.rig.clips, strict=False))
+    if same and len(rig.clips) == len(source.rig.clips):
         return source, rig, []
     places = _places(source)
     plans = [_Plan(source, rig, places, path) for path in _touched(source, rig, places)]

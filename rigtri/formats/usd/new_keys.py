@@ -15,6 +15,7 @@ import numpy as np
 from pxr import Sdf, Usd, Vt
 
 from rigtri.errors import FileError
+from rigtri.formats.usd import prim_clip
 from rigtri.formats.usd.animations import Animation
 from rigtri.formats.usd.meshes import default_weights
 from rigtri.formats.usd.reader import Source
@@ -25,11 +26,33 @@ from rigtri.formats.usd.values import Edit, set_value
 from rigtri.pose import sample
 from rigtri.records import Booleans, Clip, Interpolation, Track
 from rigtri.rig import Rig
-from rigtri.timelines import SAME_VALUE, without_steps
+from rigtri.timelines import PLAYED, SAME_VALUE, without_steps
 from rigtri.trigonometry import Floats
 
 # The track of a mesh's morph weights before and after an edit; None for none.
 Weights = tuple[Track | None, Track | None]
+
+
+def taken_up(source: Source, rig: Rig, asked: Rig) -> tuple[Source, Rig]:
+    """The source and the rig with a clip for the keys of prims and shapes that came in a clip of no place.
+
+    rig: with the clips of the source, and the joints' keys in them; asked: as it was before those had any.
+    A stage has one time, so what it plays at once has no place of its own in the file.
+    """
+    whole = [clip for clip in asked.clips if clip.key == PLAYED]
+    if not whole:
+        return source, rig
+    places = {node for skin in rig.skins if skin.key is not None for node in skin.joints.tolist()}
+    tracks = tuple(t for clip in whole for t in clip.tracks if t.path == "weights" or t.node not in places)
+    clips = tuple(clip for clip in rig.clips if clip.key != PLAYED)
+    if all(clip.key != prim_clip.KEY for clip in clips):
+        empty = Clip(prim_clip.NAME, (), prim_clip.KEY)
+        clips = (*clips, empty)
+        source = replace(source, rig=replace(source.rig, clips=(*source.rig.clips, empty)))
+    clips = tuple(
+        replace(clip, tracks=(*clip.tracks, *tracks)) if clip.key == prim_clip.KEY else clip for clip in clips
+    )
+    return source, replace(rig, clips=clips)
 
 
 def divided(

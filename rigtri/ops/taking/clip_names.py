@@ -8,8 +8,8 @@ that is none of these is a new one.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
@@ -21,8 +21,7 @@ from rigtri.ops.taking.pairing import as_usd
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.timelines import Timeline, timelines
-from rigtri.trigonometry import Floats
+from rigtri.timelines import PLAYED, Timeline, timelines
 
 _COPY = re.compile(r"\.\d{3}$")
 _ACTION = "Action"
@@ -31,12 +30,16 @@ _ARMATURE = "Armature"
 
 @dataclass(frozen=True, eq=False)
 class Taken:
-    """Clips of the edited file that are one clip of the rig. home: None where the rig has none."""
+    """Clips of the edited file that are one clip of the rig.
+
+    home: None where the rig has none; key: of a new one.
+    """
 
     name: str
     home: Timeline | None
     clip: Clip
     parts: tuple[str, ...]
+    key: Hashable = None
 
 
 def span(clip: Clip) -> tuple[float, float]:
@@ -120,7 +123,14 @@ class ClipNames:
                 if part.name in self.unclear:
                     self.report.warn("split-clip", self.unclear[part.name])
             unsaid = self.said.get(parts[0].name) != parts[0].name
-            if name not in self.known and unsaid and not any(p.name in self.unclear for p in parts):
+            # What has no motion at all gets its one clip, whatever that is called.
+            motionless = self._one_timeline and not self.ours
+            if (
+                name not in self.known
+                and unsaid
+                and not motionless
+                and not any(p.name in self.unclear for p in parts)
+            ):
                 close = get_close_matches(name, list(self.known), n=3) or left[:3]
                 hint = f" Did you mean {', '.join(map(repr, close))}?" if close else ""
                 self.report.warn(
@@ -145,17 +155,25 @@ class ClipNames:
         self._tell(together)
         return [self._merged(name, parts) for name, parts in together.items()]
 
+    @property
+    def key(self) -> Hashable:
+        """The key of a new clip: that of what plays at once where the file can have but one."""
+        return PLAYED if self._one_timeline else None
+
     def _names(self, timeline: Timeline) -> tuple[str, ...]:
         """What a clip of the edited file is called: there, and in the rig, where names mean something."""
         known = self._home_of(timeline)
         return (known,) if self._one_timeline else (timeline.name, known)
 
-    def _alone(self, together: Mapping[str, list[Timeline]]) -> dict[str, list[Timeline]]:
+    def _alone(self, together: dict[str, list[Timeline]]) -> dict[str, list[Timeline]]:
         """What becomes the one clip of a USD file: all parts of one name.
 
         Of several clips the one that has its name; UsageError where none has.
         """
-        ours = self.ours[0].name if self.ours else self.rig.clips[0].name
+        if not self.rig.clips and len(together) == 1:
+            return together
+        known = self.ours or self.rig.clips
+        ours = known[0].name if known else ""
         if ours in together or len(together) == 1:
             name = ours if ours in together else next(iter(together))
             if left := [f"'{other}'" for other in together if other != name]:
@@ -168,7 +186,8 @@ class ClipNames:
     @property
     def _one_timeline(self) -> bool:
         """Whether all that the rig plays is one, whatever it is called, as in USD."""
-        return any(isinstance(clip.key, tuple) for clip in self.rig.clips)
+        clips = self.rig.clips
+        return any(isinstance(clip.key, tuple) for clip in clips) if clips else self.rig.raw
 
     def _home_of(self, timeline: Timeline) -> str:
         """The clip of the rig that a clip of the edited file belongs to, or its own name."""
@@ -242,7 +261,7 @@ class ClipNames:
                         f"({', '.join(p.name for p in parts)}); those of the first were taken",
                     )
         clip = Clip(name, tuple(tracks.values()))
-        return Taken(name, homes[0] if homes else None, clip, tuple(part.name for part in parts))
+        return Taken(name, homes[0] if homes else None, clip, tuple(part.name for part in parts), self.key)
 
 
 def _as_usd(name: str) -> str:
@@ -252,42 +271,3 @@ def _as_usd(name: str) -> str:
 
 def _matches(pattern: str, names: Sequence[str]) -> bool:
     return pattern in names or any(fnmatchcase(name, pattern) for name in names)
-
-
-class Clock:
-    """Times of the edited file as times of the rig: in its unit, and from its start where lengths are one."""
-
-    def __init__(self, rig: Rig, edited: Rig, taken: Taken) -> None:
-        self.factor = rig.per_second / edited.per_second
-        self.shift = 0.0
-        self._known = {clip_times.tobytes(): clip_times for clip_times in _times_of(taken.home)}
-        self._told: dict[int, tuple[Floats, Floats]] = {}
-        frame = frame_of(taken.clip)
-        if taken.home is not None and frame:
-            (start, end), (ours, last) = span(taken.clip), span(taken.home.clip)
-            late = start * self.factor - ours
-            length, own = (end - start) * self.factor, last - ours
-            if abs(late) > 1.5 * frame * self.factor and abs(length - own) <= frame * self.factor:
-                self.shift = -late
-
-    def times(self, theirs: Floats) -> Floats:
-        """Times of the edited file as those of the rig, (k,)."""
-        if self.factor == 1.0 and not self.shift:
-            return theirs
-        return (theirs * self.factor + self.shift).astype(np.float32).astype(np.float64)
-
-    def told(self, track: Track) -> Track:
-        """A track at the rig's times; arrays that are one stay one."""
-        if id(track.times) not in self._told:
-            times = self.times(track.times)
-            times = self._known.get(times.tobytes(), times)
-            self._told[id(track.times)] = track.times, times
-        times, values = self._told[id(track.times)][1], track.values
-        if track.interpolation == "CUBICSPLINE" and self.factor != 1.0:
-            values = values * np.array([1.0 / self.factor, 1.0, 1.0 / self.factor])[:, np.newaxis]
-        return replace(track, times=times, values=values)
-
-
-def _times_of(home: Timeline | None) -> list[Floats]:
-    tracks = home.clip.tracks if home is not None else ()
-    return list({id(t.times): t.times for t in tracks}.values())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -60,6 +60,37 @@ def tell(both: Counterparts, report: Report) -> None:
             "other-proportions",
             f"The bind poses of the two files differ by {both.proportions:.2g} of the size beside turn, size "
             "and place; joints move as in EDITED, about RIG's own bind pose",
+        )
+
+
+def tell_tracks(
+    report: Report,
+    clip: str,
+    sampled: Sequence[str],
+    kept: Sequence[str],
+    splines: Sequence[tuple[str, float]],
+) -> None:
+    """Tell of the tracks of a clip, by the names of their nodes, that could not be taken key by key.
+
+    sampled: worked out anew; kept: those that only RIG has; splines: kept, and how far EDITED's are off.
+    """
+    if sampled:
+        report.warn(
+            "sampled",
+            f"In '{clip}' the motion of {some(sampled)} had to be worked out at EDITED's keys: "
+            "what is above them, or their axes, move or shear; between keys it may differ",
+        )
+    if kept:
+        report.warn(
+            "kept-keys",
+            f"EDITED has no keys for {some(kept)} in '{clip}'; RIG's were kept",
+        )
+    if splines:
+        far = max(size for _, size in splines)
+        report.warn(
+            "splines-kept",
+            f"In '{clip}' EDITED says at the spline keys of {some(n for n, _ in splines)} "
+            f"what RIG says, and has other curves between (up to {far:.2g}); RIG's splines were kept",
         )
 
 

@@ -1,0 +1,156 @@
+"""take-clips: a clip that starts elsewhere and is longer or shorter comes home in one range of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_take_clips import SAMPLES, apart, notices, rig_of, turned_key, with_tracks
+
+from rigtri.errors import GeometryError
+from rigtri.ops.take_clips import take_clips
+from rigtri.ops.taking.ranges import cut, held
+from rigtri.pose import sample
+from rigtri.records import Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.trigonometry import Floats
+
+# Of the rig's size; key times become float32.
+NEAR = 1e-5
+
+
+def retimed(rig: Rig, told: Callable[[Floats], Floats]) -> Rig:
+    return with_tracks(rig, "walk", lambda track: replace(track, times=told(track.times)))
+
+
+def longer(rig: Rig, joint: str, time: float) -> Rig:
+    """One more key of a joint's turns, which are those of its first key again."""
+    node = rig.find(joint)
+
+    def changed(track: Track) -> Track:
+        if (track.node, track.path) != (node, "rotation"):
+            return track
+        values = np.concatenate([track.values, track.values[:1]])
+        return replace(track, times=np.append(track.times, time), values=values)
+
+    return with_tracks(rig, "walk", changed)
+
+
+def ends(rig: Rig) -> set[tuple[float, float]]:
+    """The ranges of the tracks of the clip that have several keys."""
+    return {(float(t.times[0]), float(t.times[-1])) for t in rig.clip("walk").tracks if len(t.times) > 1}
+
+
+def walks(rig: Rig, start: float, end: float) -> float:
+    """The last time of the clip, and a check that none of its tracks leaves a range."""
+    assert all(start - 1e-6 <= a and b <= end + 1e-6 for a, b in ends(rig))
+    return max(b for _, b in ends(rig))
+
+
+@pytest.mark.parametrize(("name", "late"), [("biped.glb", 5.0), ("biped.usda", 1001.0)])
+def test_unchanged_tracks_tell_where_a_longer_clip_that_starts_elsewhere_lies(name: str, late: float) -> None:
+    plain = rig_of(SAMPLES / name)
+    last = float(max(b for _, b in ends(plain)))
+    rig = retimed(plain, lambda times: times + late)
+    report = Report()
+    edited = longer(plain, "shin_L", 1.2 * last)
+    home = take_clips(rig, edited, report=report)
+    changed = [t for t in home.clip("walk").tracks if not any(t is was for was in rig.clip("walk").tracks)]
+    assert [(plain.names[t.node], t.path) for t in changed] == [("shin_L", "rotation")]
+    assert changed[0].times[[0, -1]] == pytest.approx([late, late + 1.2 * last])
+    assert notices(report) == ["other-range"]
+    assert f"0 to {1.2 * last:g} in EDITED and from {late:g} to" in report.warnings[0].text
+    assert apart(home, retimed(edited, lambda times: times + late), "walk") < NEAR
+    assert take_clips(home, edited) is home
+
+
+def test_a_key_put_before_a_clip_that_starts_elsewhere_does_not_move_it() -> None:
+    """The unchanged tracks tell more than the starts do."""
+    plain = rig_of()
+    node = plain.find("shin_L")
+
+    def earlier(track: Track) -> Track:
+        track = replace(track, times=track.times + 0.25)
+        if (track.node, track.path) != (node, "rotation"):
+            return track
+        times, values = np.append(0.0, track.times), np.concatenate([track.values[-1:], track.values])
+        return replace(track, times=times, values=values)
+
+    rig = retimed(plain, lambda times: times + 5.0)
+    home = take_clips(rig, with_tracks(plain, "walk", earlier))
+    changed = [t for t in home.clip("walk").tracks if not any(t is was for was in rig.clip("walk").tracks)]
+    assert [t.node for t in changed] == [node]
+    assert changed[0].times[[0, 1, -1]] == pytest.approx([4.75, 5.0, 6.0])
+
+
+@pytest.mark.parametrize("stretch", [1.5, 0.6])
+def test_a_retimed_clip_that_starts_elsewhere_is_taken_as_a_whole_from_the_start_of_ours(
+    stretch: float,
+) -> None:
+    rig = rig_of()
+    edited = retimed(rig, lambda times: stretch * times + 5.0)
+    report = Report()
+    home = take_clips(rig, edited, report=report)
+    assert walks(home, 0.0, stretch) == pytest.approx(stretch)
+    assert {(round(a, 6), round(b, 6)) for a, b in ends(home)} == {(0.0, stretch)}
+    assert apart(home, retimed(rig, lambda times: stretch * times), "walk") < NEAR
+    assert notices(report) == ["other-range"]
+    assert take_clips(home, edited) is home
+
+
+def test_of_a_shorter_clip_the_keys_inside_stay_bit_for_bit_and_all_tracks_end_with_it() -> None:
+    rig = rig_of()
+    edited = with_tracks(rig, "walk", lambda track: cut(track, 0.0, 0.55))
+    report = Report()
+    home = take_clips(rig, edited, report=report)
+    assert walks(home, 0.0, 0.55) == 0.55
+    assert notices(report) == ["other-range"]
+    for was, now in zip(rig.clip("walk").tracks, home.clip("walk").tracks, strict=True):
+        inside = was.times[was.times < 0.55]
+        np.testing.assert_array_equal(now.values[: len(inside)], was.values[: len(inside)])
+    assert apart(home, edited, "walk") < NEAR
+    # And what EDITED has no keys of ends with the others.
+    node = rig.find("shin_L")
+    fewer = with_tracks(edited, "walk", lambda track: None if track.node == node else track)
+    assert walks(take_clips(rig, fewer), 0.0, 0.55) == 0.55
+
+
+def test_a_few_tracks_that_fit_nowhere_are_an_error_that_says_both_ranges() -> None:
+    rig = rig_of()
+    node = rig.find("shin_L")
+
+    def only(track: Track) -> Track | None:
+        return replace(track, times=7.0 + 1.7 * track.times) if track.node == node else None
+
+    edited = with_tracks(turned_key(rig, "shin_L"), "walk", only)
+    with pytest.raises(GeometryError, match=r"'walk', from 7 to 8\.7, where RIG has 0 to 1"):
+        take_clips(rig, edited)
+
+
+def test_few_tracks_that_are_shorter_cut_nothing_else() -> None:
+    """Programs write an action for each object, and one may be short."""
+    rig = rig_of()
+    node = rig.find("shin_L")
+    edited = with_tracks(rig, "walk", lambda track: cut(track, 0.0, 0.5) if track.node == node else None)
+    home = take_clips(turned_key(rig, "shin_L"), edited)
+    assert {b for _, b in ends(home)} >= {1.0}
+
+
+@pytest.mark.parametrize("way", ["LINEAR", "STEP", "CUBICSPLINE"])
+def test_a_track_that_was_cut_goes_the_same_way_inside_and_one_that_was_held_everywhere(way: str) -> None:
+    shape = (4, 3, 3) if way == "CUBICSPLINE" else (4, 3)
+    values = np.random.default_rng(7).normal(size=shape)
+    track = Track(0, "translation", way, np.array([0.0, 1.0, 1.5, 3.0]), values)  # type: ignore[arg-type]
+    times = np.linspace(0.25, 1.9, 34)
+    short = cut(track, 0.25, 1.9)
+    assert short.times.tolist() == [0.25, 1.0, 1.5, 1.9]
+    np.testing.assert_allclose(sample(short, times), sample(track, times), atol=1e-14)
+    long = held(track, -1.0, 4.0)
+    assert long.times.tolist() == [-1.0, 0.0, 1.0, 1.5, 3.0, 4.0]
+    times = np.linspace(-2.0, 5.0, 71)
+    np.testing.assert_allclose(sample(long, times), sample(track, times), atol=1e-14)
+    assert cut(track, 0.0, 3.0) is track
+    assert cut(track, 4.0, 5.0).times.tolist() == [4.0]
