@@ -19,6 +19,7 @@ from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding
 from rigtri.ops.posing import at_rest
+from rigtri.ops.shared_keys import as_read
 from rigtri.ops.stretched import refuse_endless
 from rigtri.ops.trouble import clip_troubles, troubles
 from rigtri.ops.twist_keys import keyed
@@ -56,6 +57,8 @@ _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 BETWEEN = 1e-3
 # Notes of nodes whose keys follow joints, and are made anew after them.
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
+# Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
+_ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -168,10 +171,25 @@ class _Baker:
         for timeline in chosen:
             self._to_joints(timeline)
         self._rest(self.rig)
-        for twist in twists(self.rig):
-            self.rig, _ = keyed(self.rig, twist)
-        clips = frozenset(member for timeline in chosen for member in timeline.members)
-        self.rig = followed(self.rig, clips, self.report)
+        self._follow(frozenset(member for timeline in chosen for member in timeline.members))
+
+    def _follow(self, clips: frozenset[int]) -> None:
+        """All that follows joints, from the joints' keys as a reader will find them.
+
+        Where joints share their key times those of followers come to them, too, so it is done again until
+        there are no more times.
+        """
+        told, mine = len(self.report.added), twists(self.rig)
+        seen = as_read(self.rig, without=[twist.node for twist in mine])
+        for _ in range(_ROUNDS):
+            del self.report.added[told:]
+            rig = seen.rig
+            for twist in mine:
+                rig, _ = keyed(rig, twist)
+            self.rig = seen.undone(followed(rig, clips, self.report), self.rig)
+            last, seen = seen, as_read(self.rig)
+            if last.same_times(seen):
+                break
 
     def _chosen(self) -> list[Timeline]:
         """The timelines of the clips that were asked for."""
