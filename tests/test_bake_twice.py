@@ -25,6 +25,7 @@ from rigtri.quaternions import conjugate, from_axes, from_axis_angle, multiply, 
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.solve.keys import thinned
 from rigtri.trigonometry import Floats
 from rigtri.twist import twists
 
@@ -112,3 +113,71 @@ def test_joints_that_share_an_array_are_read_at_each_others_times() -> None:
     assert seen.undone(seen.rig, plain).clips[0] is clip
     alone = read(SAMPLES / "biped.glb").rig
     assert as_read(alone).rig is alone
+
+
+# --- keys whose choice rounding turns
+
+
+def flung(rig: Rig, seed: int) -> Rig:
+    """IK ends of stretching limbs go far away, so what rounds above them shows."""
+    rng = np.random.default_rng(seed)
+    rig = add_controls(rig, options=WHOLE)
+    times = np.array([0.0, 0.4, 1.0]) * rig.per_second
+    ends = [control(rig, joint, "ik") for joint in ("foot_L", "foot_R", "hand_L")]
+    places = [rng.normal(size=(3, 3)) * [[1.0], [30.0], [3.0]] for _ in ends]
+    fresh = (Track(e, "translation", "LINEAR", times, v) for e, v in zip(ends, places, strict=True))
+    first, *others = rig.clips
+    return replace(rig, clips=(replace(first, tracks=(*first.tracks, *fresh)), *others))
+
+
+def rounded_above(rig: Rig, seed: int) -> Rig:
+    """The hips' keys are off by as much as float32 leaves open."""
+    rng, hips = np.random.default_rng(seed), rig.find("hips")
+
+    def off(track: Track) -> Track:
+        noise = rng.uniform(-6e-8, 6e-8, track.values.shape)
+        return replace(track, values=track.values + noise) if track.node == hips else track
+
+    return replace(rig, clips=tuple(replace(c, tracks=tuple(map(off, c.tracks))) for c in rig.clips))
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_rounding_above_a_limb_turns_no_choice_of_keys(seed: int) -> None:
+    coarse = Options(stretch=True, tolerance=1e-3)
+    once = as_read(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig
+    ready = rounded_above(once, seed)
+    twice = bake(ready, options=coarse)
+    for was, now in zip(ready.clips, twice.clips, strict=True):
+        assert all(a is b for a, b in zip(was.tracks, now.tracks, strict=True))
+    # A smaller tolerance is another question.
+    finer = bake(ready, options=replace(coarse, tolerance=1e-4))
+    assert any(now is not was for now, was in zip(finer.clips, ready.clips, strict=True))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_larger_tolerance_still_leaves_out_more(name: str) -> None:
+    ready = flung(read(SAMPLES / name).rig, 1)
+    fine = bake(ready, options=Options(stretch=True))
+    coarse = bake(fine, options=Options(stretch=True, tolerance=1e-2))
+    ends = {rig.find("hand_L") for rig in (fine, coarse)}
+    counts = [
+        [len(t.times) for c in rig.clips[:1] for t in c.tracks if t.node in ends and t.path == "translation"]
+        for rig in (fine, coarse)
+    ]
+    assert counts[1] < counts[0]
+
+
+def test_thinned_values_are_some_of_the_values_and_lines_between_them() -> None:
+    times = np.arange(5.0)
+    values = np.array([[0.0], [1.0], [2.1], [3.0], [4.0]])
+    line = times[:, np.newaxis].copy()
+    assert thinned(times, values, values, 0.0, 1e-6)
+    assert thinned(times, values, line, 0.2, 1e-6)
+    assert not thinned(times, values, line, 0.05, 1e-6)  # the third value is farther off
+    bent = np.where(times == 2.0, 2.05, times)[:, np.newaxis]
+    assert not thinned(times, values, bent, 0.2, 1e-6)  # neither a value nor on the line
+    assert not thinned(times, values, values + 0.01, 0.2, 1e-6)  # an edit, however small
+    turns = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in values[:, 0] / 10])
+    arc = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in times / 10])
+    assert thinned(times, turns, -arc, 0.02, 1e-6)
+    assert not thinned(times, turns, arc, 0.005, 1e-6)

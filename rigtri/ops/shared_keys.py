@@ -6,7 +6,7 @@ every other joint, too, rounded to float32. What is made to follow joints is mad
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Collection, Hashable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -58,17 +58,31 @@ def as_read(rig: Rig, without: Iterable[int] = ()) -> Shared:
 
     Where clips stand alone, as in glTF, it is the rig itself.
     """
-    homes, left = _homes(rig), frozenset(without)
-    mine: dict[Array, list[Track]] = {}
-    for clip in rig.clips:
-        for track in clip.tracks if _shares(clip) else ():
-            if track.node in homes and track.node not in left and track.path != "weights":
-                mine.setdefault((homes[track.node], track.path), []).append(track)
+    mine = _arrays(rig, frozenset(without))
     times = {array: _together(tracks) for array, tracks in mine.items()}
     wide = {id(t): _wide(t, times[array]) for array, tracks in mine.items() for t in tracks}
     clips = tuple(_with(clip, wide) for clip in rig.clips)
     was = {id(wide[id(t)]): (t, wide[id(t)]) for each in mine.values() for t in each if wide[id(t)] is not t}
     return Shared(replace(rig, clips=clips) if was else rig, times, was)
+
+
+def times_of(rig: Rig) -> dict[tuple[int, Path], Floats]:
+    """The times, (k,), at which a reader finds keys of each joint that shares its times with others."""
+    found: dict[tuple[int, Path], Floats] = {}
+    for tracks in _arrays(rig).values():
+        times = _together(tracks)
+        found.update(((track.node, track.path), times) for track in tracks)
+    return found
+
+
+def _arrays(rig: Rig, without: Collection[int] = ()) -> dict[Array, list[Track]]:
+    """The tracks of each array."""
+    homes, mine = _homes(rig), dict[Array, list[Track]]()
+    for clip in rig.clips:
+        for track in clip.tracks if _shares(clip) else ():
+            if track.node in homes and track.node not in without and track.path != "weights":
+                mine.setdefault((homes[track.node], track.path), []).append(track)
+    return mine
 
 
 def _shares(clip: Clip) -> bool:
@@ -78,7 +92,7 @@ def _shares(clip: Clip) -> bool:
 
 def _homes(rig: Rig) -> dict[int, Hashable]:
     """Which animation holds the keys of each joint: its skin's, or one that is to be made for it."""
-    played = {track.node: clip.key for clip in rig.clips for track in clip.tracks if _holds_joints(clip)}
+    played = {t.node: clip.key for clip in rig.clips if _holds_joints(clip) for t in clip.tracks}
     found: dict[int, Hashable] = {}
     for number, skin in enumerate(rig.skins):
         joints = skin.joints.tolist()
