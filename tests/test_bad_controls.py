@@ -285,3 +285,34 @@ def test_an_ik_end_below_a_finger_of_the_other_hand_goes_where_ik_takes_that_han
     seen = [multiply(p.world(end), inverse(p.world(finger))) for p in posed]
     assert np.abs(posed[1].world(finger) - posed[0].world(finger)).max() > 0.02
     np.testing.assert_allclose(seen[1], seen[0], atol=1e-6)
+
+
+def growing(rig: Rig) -> Rig:
+    """One clip in which the lower arm and the hand move away along their bones, to 1.4 times the length."""
+    nodes = [rig.find(joint) for joint in ARM[1:]]
+    times = np.array([0.0, 1.0])
+    tracks = [
+        Track(n, "translation", "LINEAR", times, np.array([[1.0], [1.4]]) * rig.translation[n]) for n in nodes
+    ]
+    first, *others = (replace(clip, tracks=()) for clip in rig.clips)
+    return replace(rig, clips=(replace(first, tracks=tuple(tracks)), *others))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_end_that_fk_below_the_solver_brings_to_its_target_is_no_trouble(name: str) -> None:
+    up = bake(growing(rigged(name)), options=BakeOptions(to="controls"))
+    report = Report()
+    home = bake(up, options=BakeOptions(), report=report)
+    assert "ik-unreachable" not in {notice.code for notice in report.warnings}
+    # Somebody pulls at that hand: now it stays away from where it is asked to be.
+    end = control(up, "hand_L", "ik")
+    first, *others = up.clips
+    tracks = tuple(
+        replace(t, values=t.values + 5.0) if (t.node, t.path) == (end, "translation") else t
+        for t in first.tracks
+    )
+    bake(replace(up, clips=(replace(first, tracks=tracks), *others)), options=BakeOptions(), report=report)
+    assert "ik-unreachable" in {notice.code for notice in report.warnings}
+    bone = next(t for t in home.clips[0].tracks if (t.node, t.path) == (home.find("hand_L"), "translation"))
+    lengths = np.linalg.norm(bone.values, axis=1)
+    np.testing.assert_allclose(lengths[-1], 1.4 * lengths[0], rtol=1e-4)

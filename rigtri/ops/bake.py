@@ -19,6 +19,8 @@ from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding
 from rigtri.ops.posing import at_rest
+from rigtri.ops.shared_keys import as_read, times_of
+from rigtri.ops.standing_keys import stands
 from rigtri.ops.stretched import refuse_endless
 from rigtri.ops.trouble import clip_troubles, troubles
 from rigtri.ops.twist_keys import keyed
@@ -56,6 +58,8 @@ _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 BETWEEN = 1e-3
 # Notes of nodes whose keys follow joints, and are made anew after them.
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
+# Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
+_ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -170,10 +174,25 @@ class _Baker:
         for timeline in chosen:
             self._to_joints(timeline)
         self._rest(self.rig)
-        for twist in twists(self.rig):
-            self.rig, _ = keyed(self.rig, twist)
-        clips = frozenset(member for timeline in chosen for member in timeline.members)
-        self.rig = followed(self.rig, clips, self.report)
+        self._follow(frozenset(member for timeline in chosen for member in timeline.members))
+
+    def _follow(self, clips: frozenset[int]) -> None:
+        """All that follows joints, from the joints' keys as a reader will find them.
+
+        Where joints share their key times those of followers come to them, too, so it is done again until
+        there are no more times.
+        """
+        told, mine = len(self.report.added), twists(self.rig)
+        seen = as_read(self.rig, without=[twist.node for twist in mine])
+        for _ in range(_ROUNDS):
+            del self.report.added[told:]
+            rig = seen.rig
+            for twist in mine:
+                rig, _ = keyed(rig, twist)
+            self.rig = seen.undone(followed(rig, clips, self.report), self.rig)
+            last, seen = seen, as_read(self.rig)
+            if last.same_times(seen):
+                break
 
     def _chosen(self) -> list[Timeline]:
         """The timelines of the clips that were asked for."""
@@ -207,6 +226,12 @@ class _Baker:
     def bounds(self) -> tuple[Floats, Floats]:
         """How far thinned keys of each node may be off, (n,): moves in its parent's units, and radians."""
         return shares(self.rig, self.options.tolerance * self.size, self.size)
+
+    def _bound(self, node: int, path: Path) -> float:
+        """How far thinned keys of a node may be off: moves in its parent's units, and radians."""
+        moves, turns = self.bounds
+        found = {"translation": moves[node], "rotation": turns[node]}.get(path, self.options.tolerance / 2)
+        return float(found)
 
     def _solver(self, driven: frozenset[int] | None) -> Solver:
         if driven not in self.solvers:
@@ -291,7 +316,20 @@ class _Baker:
             if track.path in {path for path, _ in solver.writes[node]}
         ]
         self.report.hear(clip_troubles(solver, timeline, times, parts))
-        self.rig = placed(self.rig, timeline, tracks)
+        room = times_of(placed(self.rig, timeline, tracks))
+        fresh = [
+            track
+            for track in tracks
+            if not stands(
+                timeline.track(track.node, track.path),
+                track,
+                times,
+                dict(zip(_PATHS, parts[track.node], strict=True))[track.path],
+                bound=self._bound(track.node, track.path),
+                room=room.get((track.node, track.path), track.times),
+            )
+        ]
+        self.rig = placed(self.rig, timeline, fresh)
         self._record(timeline, solver, samples, tracks, nodes)
 
     def _tracks(
@@ -308,19 +346,16 @@ class _Baker:
 
         held: the times up to which values may be held.
         """
-        moves, turns = self.bounds
         rest = rest or Posed(self.rig).part(node)
         found = []
         for path, values, still in zip(_PATHS, parts, rest, strict=True):
-            bound = {"translation": moves[node], "rotation": turns[node]}.get(
-                path, self.options.tolerance / 2
-            )
+            bound = self._bound(node, path)
             values = single(_one_way_round(values) if path == "rotation" else values)
             if path != "rotation" and timeline.track(node, path) is None:
                 noise = NOTHING * (1.0 if path == "scale" else self.size)
-                if np.abs(values - still).max() <= min(noise, max(float(bound), 1e-30)):
+                if np.abs(values - still).max() <= min(noise, max(bound, 1e-30)):
                     continue
-            found.append(_track(node, path, times, held, values, float(bound)))
+            found.append(_track(node, path, times, held, values, bound))
         return found
 
     def _rest(self, start: Rig) -> None:

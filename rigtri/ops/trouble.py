@@ -46,7 +46,7 @@ def clip_troubles(
     """The notices of a timeline, of each node's troubles the first. solved: what ``solver`` makes of it at
     ``times``, node → (1 or f, ·) each."""
     rig, looked_at = solver.rig, set[int]()
-    for node in (node for step in solver.steps for node in (*step.reads, *step.needs)):
+    for node in (n for step in solver.steps for n in (*step.sets, *step.reads, *step.needs)):
         while node >= 0 and node not in looked_at:
             looked_at.add(node)
             node = int(rig.parents[node])
@@ -93,8 +93,12 @@ def _limb(ik: Ik, posed: Posed, at: Moment) -> Iterator[Notice]:
     distance = length(target - transform_points(ik.start, posed.world(ik.above)))
     # The targets that matching gives a soft limb are beyond it, and meant.
     far = distance - longest * (1.0 + (BEYOND - 1.0) * limb.soft + REACHED)
-    far = np.where(limb.stretch, -np.inf, far)
     near = shortest - REACHED * longest - distance
+    # The FK controls below the solver may have brought the end there all the same, as matching lets them
+    # where bones change their length.
+    away = length(target - posed.world(limb.chain[2])[:, 3, :3]) > REACHED * longest
+    far = np.where(away & (not limb.stretch), far, -np.inf)
+    near = np.where(away, near, -np.inf)
     end = rig.title(limb.chain[2])
     for off, how in ((far, "too far away"), (near, "too near")):
         if off.max() > 0:

@@ -82,6 +82,21 @@ def needed(times: Floats, values: Floats, bound: float) -> Integers:
     return np.flatnonzero(kept)
 
 
+def thinned(times: Floats, values: Floats, there: Floats, bound: float, same: float) -> bool:
+    """Whether ``there``, (f, c), is what thinning may make of values, though perhaps by other keys: some of
+    the values themselves, lines between these, and nowhere farther off than ``bound``.
+
+    same: how far what rounding alone parts may be off. All else is as for `needed`.
+    """
+    off = _apart(there, values)
+    keys, last = np.flatnonzero(off <= same), len(times) - 1
+    if len(keys) < 2 or keys[0] > 0 or keys[-1] < last or not bool((off <= bound + same).all()):
+        return False
+    right = np.clip(np.searchsorted(keys, np.arange(len(times)), side="right"), 1, len(keys) - 1)
+    line = _line(times, values, keys[right - 1], keys[right], np.arange(len(times)))
+    return bool((_apart(line, there) <= same).all())
+
+
 def _gaps(kept: Booleans) -> Integers:
     """Neighbouring kept keys with others between them, (g, 2); those others are given up."""
     keys = np.flatnonzero(kept)
@@ -91,11 +106,16 @@ def _gaps(kept: Booleans) -> Integers:
 
 def _off(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
     """How far values are from the line between two others, (m,)."""
+    return _apart(_line(times, values, left, right, at), np.take(values.T, at, axis=1).T)
+
+
+def _line(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
+    """What lines, or great arcs, between two values each say at the times ``at``, (m, c)."""
     share = (times[at] - times[left]) / (times[right] - times[left])
-    start, end, there = (np.take(values.T, rows, axis=1).T for rows in (left, right, at))
+    start, end = (np.take(values.T, rows, axis=1).T for rows in (left, right))
     if values.shape[1] == 4:
-        return _apart(slerp(start, end, share), there)
-    return _apart(start + (end - start) * share[:, np.newaxis], there)
+        return slerp(start, end, share)
+    return np.asarray(start + (end - start) * share[:, np.newaxis])
 
 
 def _apart(a: Floats, b: Floats) -> Floats:

@@ -1,0 +1,183 @@
+"""bake: a second run changes no byte, also where what follows joints shares its key times with them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import SAMPLES
+from test_bake import WHOLE, control
+
+from rigtri import pose
+from rigtri.formats import read
+from rigtri.matrices import nearest_rotation
+from rigtri.ops.bake import Options, bake
+from rigtri.ops.controls import add_controls
+from rigtri.ops.posereader import Goal, add_posereader
+from rigtri.ops.posereader import Options as ReaderOptions
+from rigtri.ops.shared_keys import as_read
+from rigtri.ops.twist import Options as TwistOptions
+from rigtri.ops.twist import add_twist
+from rigtri.pipeline import edit
+from rigtri.quaternions import conjugate, from_axes, from_axis_angle, multiply, turn_angle
+from rigtri.records import Clip, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.solve.keys import thinned
+from rigtri.trigonometry import Floats
+from rigtri.twist import twists
+
+
+def single(values: Floats) -> Floats:
+    return np.asarray(values).astype(np.float32).astype(np.float64)
+
+
+def built(rig: Rig, report: Report) -> Rig:
+    """Controls with the clips' motion, twist joints in all limbs, and a reader of a lower arm."""
+    rig = add_twist(rig, options=TwistOptions(auto=True), report=report)
+    rig = add_controls(rig, options=WHOLE, report=report)
+    reader = ReaderOptions("forearm_L", targets=(Goal("up", direction=(0, 1, 0)),), name="reader")
+    rig = add_posereader(rig, options=reader, report=report)
+    return bake(rig, options=Options(to="controls"), report=report)
+
+
+def edited(rig: Rig) -> Rig:
+    """The FK controls of a hand and its lower arm turn, with keys at other times than the joints had."""
+    mine = {control(rig, joint, "fk"): a for joint, a in (("hand_L", 1.1), ("forearm_L", 0.7))}
+    times = single(np.array([0.0, 0.37, 0.61, 1.0]) * rig.per_second)
+    fresh = []
+    for node, angle in mine.items():
+        axis = [1.0, 0.3, 0.2]
+        turns = np.stack([from_axis_angle(axis, angle * share) for share in (0.0, 1.0, -0.4, 0.2)])
+        turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+        fresh.append(Track(node, "rotation", "LINEAR", times, single(turns)))
+    clips = [
+        replace(clip, tracks=tuple(t for t in clip.tracks if (t.node, t.path) not in by(fresh)))
+        for clip in rig.clips
+    ]
+    home = next(k for k, clip in enumerate(rig.clips) if any(t.node in mine for t in clip.tracks))
+    clips[home] = replace(clips[home], tracks=(*clips[home].tracks, *fresh))
+    return replace(rig, clips=tuple(clips))
+
+
+def by(tracks: list[Track]) -> set[tuple[int, str]]:
+    return {(t.node, t.path) for t in tracks}
+
+
+def off_law(rig: Rig) -> float:
+    """How far twist joints are from what their notes say, at all of their keys, in radians."""
+    worst = []
+    for clip in rig.clips:
+        for twist in twists(rig):
+            track = next((t for t in clip.tracks if (t.node, t.path) == (twist.node, "rotation")), None)
+            if track is not None:
+                local = pose.locals_at(rig, clip, track.times)
+                shown = from_axes(nearest_rotation(local[:, twist.node]))
+                worst.append(turn_angle(multiply(conjugate(twist.rotations(local)), shown)).max())
+    return float(max(worst))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_what_follows_joints_is_made_of_the_keys_that_are_read(name: str, tmp_path: Path) -> None:
+    ready, once, twice = (tmp_path / f"{k}{Path(name).suffix}" for k in range(3))
+    edit(SAMPLES / name, ready, lambda rig, report: edited(built(rig, report)), verify=False)
+    edit(ready, once, lambda rig, report: bake(rig, options=Options(), report=report))
+    was, now = read(ready).rig, read(once).rig
+    turned = [
+        pose.locals_at(rig, rig.clips[0], [0.37 * rig.per_second])[0, rig.find("hand_L")]
+        for rig in (was, now)
+    ]
+    assert np.abs(turned[0] - turned[1]).max() > 0.1
+    assert off_law(now) < 2e-6
+    edit(once, twice, lambda rig, report: bake(rig, options=Options(), report=report))
+    assert once.read_bytes() == twice.read_bytes()
+
+
+def test_joints_that_share_an_array_are_read_at_each_others_times() -> None:
+    rig = read(SAMPLES / "biped.usda").rig
+    home = next(k for k, c in enumerate(rig.clips) if isinstance(c.key, tuple) and c.key[0] == "samples")
+    turns = np.array([[0.0, 0.0, 0.0, 1.0], [0.6, 0.0, 0.0, 0.8]])
+    one = Track(rig.find("head"), "rotation", "LINEAR", np.array([0.0, 4.0]), turns)
+    other = Track(rig.find("hand_L"), "rotation", "STEP", np.array([0.0, 1.0]), turns)
+    clip = Clip(rig.clips[home].name, (one, other), rig.clips[home].key)
+    seen = as_read(replace(rig, clips=(clip,)))
+    before = float(np.nextafter(np.float32(1.0), np.float32(0.0)))
+    for track in seen.rig.clips[0].tracks:
+        assert track.times.tolist() == [0.0, before, 1.0, 4.0]
+    head, hand = (track.values for track in seen.rig.clips[0].tracks)
+    np.testing.assert_allclose(pose.sample(one, [1.0])[0], head[2], atol=1e-7)
+    np.testing.assert_allclose(hand, turns[[0, 0, 1, 1]], atol=1e-7)
+    plain = replace(rig, clips=(clip,))
+    assert seen.undone(seen.rig, plain).clips[0] is clip
+    alone = read(SAMPLES / "biped.glb").rig
+    assert as_read(alone).rig is alone
+
+
+# --- keys whose choice rounding turns
+
+
+def flung(rig: Rig, seed: int) -> Rig:
+    """IK ends of stretching limbs go far away, so what rounds above them shows."""
+    rng = np.random.default_rng(seed)
+    rig = add_controls(rig, options=WHOLE)
+    times = np.array([0.0, 0.4, 1.0]) * rig.per_second
+    ends = [control(rig, joint, "ik") for joint in ("foot_L", "foot_R", "hand_L")]
+    places = [rng.normal(size=(3, 3)) * [[1.0], [30.0], [3.0]] for _ in ends]
+    fresh = (Track(e, "translation", "LINEAR", times, v) for e, v in zip(ends, places, strict=True))
+    first, *others = rig.clips
+    return replace(rig, clips=(replace(first, tracks=(*first.tracks, *fresh)), *others))
+
+
+def rounded_above(rig: Rig, seed: int) -> Rig:
+    """The hips' keys are off by as much as float32 leaves open."""
+    rng, hips = np.random.default_rng(seed), rig.find("hips")
+
+    def off(track: Track) -> Track:
+        noise = rng.uniform(-6e-8, 6e-8, track.values.shape)
+        return replace(track, values=track.values + noise) if track.node == hips else track
+
+    return replace(rig, clips=tuple(replace(c, tracks=tuple(map(off, c.tracks))) for c in rig.clips))
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_rounding_above_a_limb_turns_no_choice_of_keys(seed: int) -> None:
+    coarse = Options(stretch=True, tolerance=1e-3)
+    once = as_read(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig
+    ready = rounded_above(once, seed)
+    twice = bake(ready, options=coarse)
+    for was, now in zip(ready.clips, twice.clips, strict=True):
+        assert all(a is b for a, b in zip(was.tracks, now.tracks, strict=True))
+    # A smaller tolerance is another question.
+    finer = bake(ready, options=replace(coarse, tolerance=1e-4))
+    assert any(now is not was for now, was in zip(finer.clips, ready.clips, strict=True))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_larger_tolerance_still_leaves_out_more(name: str) -> None:
+    ready = flung(read(SAMPLES / name).rig, 1)
+    fine = bake(ready, options=Options(stretch=True))
+    coarse = bake(fine, options=Options(stretch=True, tolerance=1e-2))
+    ends = {rig.find("hand_L") for rig in (fine, coarse)}
+    counts = [
+        [len(t.times) for c in rig.clips[:1] for t in c.tracks if t.node in ends and t.path == "translation"]
+        for rig in (fine, coarse)
+    ]
+    assert counts[1] < counts[0]
+
+
+def test_thinned_values_are_some_of_the_values_and_lines_between_them() -> None:
+    times = np.arange(5.0)
+    values = np.array([[0.0], [1.0], [2.1], [3.0], [4.0]])
+    line = times[:, np.newaxis].copy()
+    assert thinned(times, values, values, 0.0, 1e-6)
+    assert thinned(times, values, line, 0.2, 1e-6)
+    assert not thinned(times, values, line, 0.05, 1e-6)  # the third value is farther off
+    bent = np.where(times == 2.0, 2.05, times)[:, np.newaxis]
+    assert not thinned(times, values, bent, 0.2, 1e-6)  # neither a value nor on the line
+    assert not thinned(times, values, values + 0.01, 0.2, 1e-6)  # an edit, however small
+    turns = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in values[:, 0] / 10])
+    arc = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in times / 10])
+    assert thinned(times, turns, -arc, 0.02, 1e-6)
+    assert not thinned(times, turns, arc, 0.005, 1e-6)
