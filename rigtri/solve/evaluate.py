@@ -57,9 +57,10 @@ class Root:
     def run(self, posed: Posed) -> None:
         joint, control = self.own.joint, self.own.control
         world = self.reference.world
-        carried = multiply(multiply(world[joint], inverse(world[control])), posed.world(control))
+        start = multiply(world[joint], inverse(world[control]))
         above = int(self.reference.rig.parents[joint])
-        posed.set(joint, factored(multiply(carried, inverse(posed.world(above)))))
+        found = factored(multiply(multiply(start, posed.world(control)), inverse(posed.world(above))))
+        posed.set(joint, posed.mended(found, start, control, above))
 
 
 @dataclass(frozen=True, eq=False)
