@@ -415,6 +415,11 @@ def test_one_name_in_place_of_a_list_is_refused() -> None:
         take_clips(rig_of(), rig_of(), options=Options(clips="walk"))  # type: ignore[arg-type]
 
 
+def test_no_rig_to_take_from_is_an_error_that_says_what_is_missing() -> None:
+    with pytest.raises(TypeError, match="edited is to be a Rig.*not NoneType"):
+        take_clips(rig_of(), None)  # type: ignore[arg-type]
+
+
 def test_what_has_no_motion_or_no_common_name_is_an_error() -> None:
     rig = rig_of()
     with pytest.raises(GeometryError, match="no clips"):

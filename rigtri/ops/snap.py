@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import Parts
 from rigtri.insertion import with_keys
-from rigtri.ops.posing import at_rest
+from rigtri.ops.posing import at_rest, tell_outside
 from rigtri.quaternions import conjugate, multiply, turn_angle
 from rigtri.records import Clip, Interpolation, Path, Track
 from rigtri.report import Report
@@ -70,6 +70,8 @@ def snap(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
     moments: dict[tuple[int, ...], list[tuple[str, float]]] = {}
     for text in options.at:
         timeline, time = moment(rig, text)
+        if timeline is not None:
+            time = tell_outside(timeline, time, report)
         moments.setdefault(timeline.members if timeline else (), []).append((text, time))
     for together in moments.values():
         at = single(np.unique([time for _, time in together]))

@@ -57,8 +57,13 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
 
     What was taken of each clip goes to ``report.added``.
     Raises GeometryError (no common names, no clips), NameNotFoundError (a clip), AmbiguousNameError,
-    UsageError (several clips for a format that has one).
+    UsageError (several clips for a format that has one), TypeError (``edited`` is no rig).
     """
+    if not isinstance(edited, Rig):
+        raise TypeError(
+            f"edited is to be a Rig, the one with the motion, not {type(edited).__name__}; "
+            "read(path).rig is that of a file"
+        )
     report = report if report is not None else Report()
     options = (options or Options()).checked()
     both = Counterparts(rig, edited)
