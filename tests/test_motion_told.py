@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,8 @@ from rigtri import pose
 from rigtri.errors import GeometryError
 from rigtri.formats import read
 from rigtri.ops.bake import Options, bake
+from rigtri.ops.constrain import Options as ConstrainOptions
+from rigtri.ops.constrain import constrain
 from rigtri.ops.controls import add_controls
 from rigtri.ops.posing import Options as PoseOptions
 from rigtri.ops.posing import take_pose
@@ -102,6 +105,51 @@ def test_take_clips_tells_how_far_what_it_took_moves(name: str, tmp_path: Path) 
     assert home is not None
     assert home.motion is not None
     assert home.motion.deviation * home.diagonal == pytest.approx(0.5, rel=1e-3)
+
+
+def bare(path: Path) -> Path:
+    """Nodes without a mesh: one that turns by 90° in a second, another that follows its turn, and a third."""
+    values = np.array([0, 1, 0, 0, 0, 1, 0, 0, np.sqrt(0.5), np.sqrt(0.5)], dtype="<f4").tobytes()
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [
+            {"name": "leads"},
+            {"name": "follows", "translation": [3.0, 0.0, 0.0]},
+            {"name": "far", "translation": [3.0, 4.0, 0.0]},
+        ],
+        "buffers": [{"byteLength": 40, "uri": f"data:;base64,{base64.b64encode(values).decode()}"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 8}, {"buffer": 0, "byteOffset": 8, "byteLength": 32}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC4"},
+        ],
+        "animations": [
+            {
+                "name": "turn",
+                "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}}],
+                "samplers": [{"input": 0, "output": 1}],
+            }
+        ],
+    }
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_turns_of_nodes_without_a_mesh_are_told(tmp_path: Path) -> None:
+    """Nothing moves from its place: the axes turn by 90°, seen a twentieth of the size (5) away."""
+    source, rigged, out = bare(tmp_path / "in.gltf"), tmp_path / "rigged.gltf", tmp_path / "out.gltf"
+    orient = ConstrainOptions("orient", "follows", (("leads", 1.0),))
+    added = edit(source, rigged, lambda rig, report: constrain(rig, options=orient, report=report))
+    assert added.verification is not None
+    assert added.verification.deviation == 0
+    told = baked(rigged, out).verification
+    assert told is not None
+    assert told.motion is not None
+    assert told.motion.deviation == pytest.approx(0.05 * np.sqrt(2.0), rel=1e-5)
+    assert str(told.motion.worst) == "turn of follows, turn at 1"
+    assert "all that IN shows" not in told.summary()
 
 
 def test_between_its_keys_too_motion_is_measured(tmp_path: Path) -> None:
