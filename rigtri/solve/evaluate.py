@@ -288,6 +288,13 @@ class Solver:
         return sorted({node for step in self.steps for node in step.sets})
 
 
+def refuse_circles(rig: Rig) -> None:
+    """CircleError where controls and constraints wait for each other, whatever controls are at work."""
+    fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
+    for driven in (None, fk):
+        _ = Solver(rig, driven).steps
+
+
 def _turn(rule: Rule) -> int:
     """Translations first, then rotations, scale last."""
     return 0 if any(c[0] == "t" for c in rule.sets) else 1 if any(c[0] == "r" for c in rule.sets) else 2
