@@ -76,7 +76,7 @@ def left_behind(folder: Path) -> list[str]:
 
 
 @POSIX
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_kills_at_any_moment_lose_nothing_and_do_nothing_twice(
     seed: int, tmp_path: Path, start: Start
 ) -> None:

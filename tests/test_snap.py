@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -254,12 +255,19 @@ def test_what_cannot_be_snapped_is_told() -> None:
         snap(rig, options=Options("ik", ()))
 
 
-def files_to_snap() -> list[Path]:
-    real = ("pixar_skinnedArm.usda", "usdwg_RiggedFigure.usdz", "raylib_robot.glb")
-    return [SAMPLES / "biped.glb", SAMPLES / "biped.usda", *(p for p in asset_files() if p.name in real)]
+def files_to_snap() -> list[Any]:
+    """Two samples and a short real file; the others are long."""
+    short, real = "pixar_skinnedArm.usda", ("usdwg_RiggedFigure.usdz", "raylib_robot.glb")
+    found = [pytest.param(path, id=path.name) for path in asset_files() if path.name == short]
+    found += [
+        pytest.param(path, id=path.name, marks=pytest.mark.slow)
+        for path in asset_files()
+        if path.name in real
+    ]
+    return [*(pytest.param(SAMPLES / name, id=name) for name in ("biped.glb", "biped.usda")), *found]
 
 
-@pytest.mark.parametrize("path", files_to_snap(), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_to_snap())
 def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tmp_path: Path) -> None:
     suffix = ".usdc" if path.suffix == ".usda" else path.suffix
     made, up, fk, ik, again = (tmp_path / f"{k}{suffix}" for k in range(5))
