@@ -35,6 +35,7 @@ from rigtri.watched import (
     Points,
     Rows,
     Watched,
+    bare_frames,
     frames,
     mesh_title,
     origins,
@@ -312,21 +313,22 @@ def self_check(
 def motion_between(before: Source, after: Source) -> Motion:
     """How far joints, meshes and nodes of one file are from where they are in another, with keys alike.
 
-    The corners of what each joint moves, as in `self_check`; what is the same to the bit is not evaluated.
-    Not the lenses of cameras, nor what rigtri itself has added.
+    The corners of what each joint moves, as in `self_check`, and the axes of nodes that show nothing; what is
+    the same to the bit is not evaluated. Not the lenses of cameras, nor what rigtri itself has added.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=True)
     matching = match(mine, theirs, by_key=True)
     meshes = _fitting(before, before.outlines)
+    diagonal = size_of(mine, meshes)
     moving = moving_nodes(mine, theirs, matching)
     watched: list[Watched] = [
         *skin_corners(mine, theirs, matching, meshes, moving),
         *rigid_corners(mine, matching, meshes, moving),
+        *bare_frames(mine, matching, meshes, moving, diagonal),
         origins(mine, matching, moving),
     ]
     tally = _Tally([w for w in watched if len(w.titles)])
     _run(*side_by_side(mine, theirs, matching), tally, normalised=True)
-    diagonal = size_of(mine, meshes)
     clips = {name: value / diagonal for name, value in tally.clips.items()}
     return Motion(tally.largest / diagonal, tally.worst, clips)
 

@@ -368,6 +368,59 @@ def own_frames(before: Rig, m: Matching, moving: Booleans, diagonal: float) -> I
         yield Rows((np.array(nodes), m.node[nodes]), (points, points), titles, [""] * len(nodes))
 
 
+def bare_frames(
+    before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
+) -> Iterator[Rows]:
+    """The ends of the axes of nodes that show no mesh and have none below them, nor are rigtri's own.
+
+    They tell turns; as far away as what hangs on each node, a twentieth of the diagonal at least.
+    """
+    unseen = ~_drawn(before, meshes) & moving & (m.node >= 0)
+    unseen[list(before.own)] = False
+    nodes = np.flatnonzero(unseen).tolist()
+    if nodes:
+        reach = _reaches(before, 0.05 * diagonal)[nodes]
+        axes = length(pose.worlds(before)[nodes, :3, :3])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = reach[:, np.newaxis] / axes
+        ends = np.where(np.isfinite(far), far, 0.0)[:, np.newaxis] * np.eye(3)
+        points = np.concatenate([ends, np.ones((len(nodes), 3, 1))], axis=2)
+        titles = [f"turn of {before.title(node)}" for node in nodes]
+        yield Rows((np.array(nodes), m.node[nodes]), (points, points), titles, [""] * len(nodes))
+
+
+def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
+    """Which nodes move points of meshes, (n,), or have a node below them that does."""
+    found = np.zeros(len(rig), dtype=bool)
+    read = {mesh.skin for mesh in meshes}
+    for number, skin in enumerate(rig.skins):
+        if number not in read:  # all of its joints are watched
+            found[skin.joints] = True
+    for mesh in meshes:
+        if mesh.skin is None or not mesh.joints.shape[1]:
+            found[mesh.node] = True
+        else:
+            joints = rig.skins[mesh.skin].joints
+            found[joints if mesh.box is not None else joints[np.unique(mesh.joints[mesh.weights != 0])]] = (
+                True
+            )
+    for node in range(len(rig) - 1, -1, -1):
+        if found[node] and rig.parents[node] >= 0:
+            found[rig.parents[node]] = True
+    return found
+
+
+def _reaches(rig: Rig, least: float) -> Floats:
+    """How far what hangs on each node reaches at rest, (n,), in file units."""
+    places, found = pose.worlds(rig)[:, 3, :3], np.full(len(rig), least)
+    for node in range(len(rig) - 1, -1, -1):
+        parent = int(rig.parents[node])
+        if parent >= 0:
+            bone = float(np.nan_to_num(length(places[node] - places[parent])))
+            found[parent] = max(found[parent], found[node] + bone)
+    return found
+
+
 def _whole(rig: Rig, nodes: Sequence[int], diagonal: float) -> Floats:
     """The corners of frames a diagonal long, (r, 8, 4); of what has no size at rest, its place."""
     axes = length(pose.worlds(rig)[nodes, :3, :3])

@@ -136,6 +136,42 @@ def test_a_scale_of_zero_of_a_control_is_that_of_its_joint(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("size", [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0]])
+@pytest.mark.parametrize("below", [False, True])
+def test_a_scale_of_zero_of_the_root_control_leaves_the_turn_of_its_joint(
+    name: str, size: list[float], below: bool
+) -> None:
+    rig = rigged(name)
+    root = control(rig, "hips", "root")
+    joint = rig.find("hips")
+    turn = (root, "rotation", [0.0, 0.6, 0.0, 0.8])
+    more = [(control(rig, "hips", "fk"), "rotation", [0.0, 0.0, 0.28, 0.96])] if below else []
+    at, report = Options(f"{rig.clips[0].name if name.endswith('usda') else 'new'}@0.5"), Report()
+    whole = pose_of(asked(rig, turn, *more), at).part(joint)  # type: ignore[arg-type]
+    asks = asked(rig, turn, *more, (root, "scale", size))  # type: ignore[arg-type]
+    flat = pose_of(asks, at, report).part(joint)
+    assert [notice.code for notice in report.warnings] == ["control-scale"]
+    for done in (bake(asks, options=BakeOptions(to=to)) for to in ("joints", "controls")):  # type: ignore[arg-type]
+        assert all(np.isfinite(t.values).all() for clip in done.clips for t in clip.tracks)
+    # Nodes hold no shear: of the flat frame the nearest rotation is taken, as of one that is nearly flat.
+    nearly = pose_of(asked(rig, turn, *more, (root, "scale", np.fmax(size, 2e-3))), at).part(joint)  # type: ignore[arg-type]
+    like = nearly if any(size) else whole
+    np.testing.assert_allclose(np.abs(flat.rotation), np.abs(like.rotation), atol=5e-3)
+    np.testing.assert_allclose(flat.scale, nearly.scale if any(size) else 0.0 * whole.scale, atol=5e-3)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_scale_of_zero_of_the_root_control_in_a_clip_of_one_key_bakes_to_numbers(name: str) -> None:
+    rig = rigged(name)
+    root = control(rig, "hips", "root")
+    one = Track(root, "scale", "STEP", np.array([0.25]), np.zeros((1, 3)))
+    first, *others = (replace(clip, tracks=()) for clip in rig.clips)
+    done = bake(replace(rig, clips=(replace(first, tracks=(one,)), *others)), options=BakeOptions())
+    assert all(np.isfinite(t.values).all() for clip in done.clips for t in clip.tracks)
+    assert not done.clips[0].tracks[-1].values.any()
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_bake_says_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: str, tmp_path: Path) -> None:
     asks, out = (tmp_path / f"{k}{Path(name).suffix}" for k in range(2))
 

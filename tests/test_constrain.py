@@ -27,6 +27,8 @@ from rigtri.following import factored, pole, rotate_of
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
 from rigtri.matrices import compose, inverse, multiply, turn_after, turn_before
+from rigtri.ops.bake import Options as BakeOptions
+from rigtri.ops.bake import bake
 from rigtri.ops.constrain import Options, constrain
 from rigtri.ops.controls import Options as ControlOptions
 from rigtri.ops.controls import add_controls
@@ -368,6 +370,21 @@ def test_circles_are_refused_and_named(samples: Path) -> None:
         with pytest.raises(UsageError, match=f"'hand_L_ik_ctl' → '{driver}' → .*'hand_L_ik_ctl'"):
             constrain(rig, options=Options("parent", "hand_L_ik_ctl", ((driver, 1.0),)))
     constrain(rig, options=Options("parent", "hand_L_ik_ctl", (("head_ctl", 1.0),)))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("child", ["hand_L_ik_ctl", "forearm_L_pole"])
+def test_circles_through_the_controls_of_a_limb_are_refused_as_bake_would(
+    samples: Path, name: str, child: str
+) -> None:
+    """The finger's control hangs on the hand's, which stands on the hand while IK moves that."""
+    rig = add_controls(read(samples / name).rig, options=ControlOptions(whole_character=True))
+    words = f"'{child}' cannot follow 'fingers_L_ctl'.*: .*'{child}' → 'fingers_L_ctl'"
+    with pytest.raises(UsageError, match=words):
+        constrain(rig, options=Options("parent", child, (("fingers_L_ctl", 1.0),)))
+    # The other hand's do not wait for this one; and bake agrees.
+    done = constrain(rig, options=Options("parent", child, (("fingers_R_ctl", 1.0),)))
+    bake(done, options=BakeOptions())
 
 
 @pytest.mark.parametrize(

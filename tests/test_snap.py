@@ -27,7 +27,7 @@ from rigtri.quaternions import from_axis_angle
 from rigtri.records import Track
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.timelines import timelines
+from rigtri.timelines import timelines, times_within
 
 # The bound: of the character's size.
 BOUND = 1e-5
@@ -224,6 +224,27 @@ def test_a_moment_outside_its_clip_is_told_once_as_pose_tells_it(at: str, told: 
     pose_of(rig, PoseOptions(at), posed)
     assert [n.text for n in said.warnings if n.code == "pose-outside"] == [n.text for n in posed.warnings]
     assert len(posed.warnings) == told
+
+
+@pytest.mark.parametrize("rig", [posed_by_ik(), posed_by_fk(), rigged("biped.usda")])
+@pytest.mark.parametrize("to", ["ik", "fk"])
+@pytest.mark.parametrize("time", [-5.0, 77.0])
+def test_a_moment_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
+    rig: Rig, to: str, time: float
+) -> None:
+    name = timelines(rig)[-1].name
+    keys = times_within(timelines(rig)[-1], None)
+    inside = min(max(time, keys[0]), keys[-1])
+    done, like = (
+        snap(rig, options=Options(to, (f"{name}@{at:.17g}",)))  # type: ignore[arg-type]
+        for at in (time, inside)
+    )
+    now = times_within(timelines(done)[-1], None)
+    np.testing.assert_array_equal(now[[0, -1]], keys[[0, -1]])
+    for clip, other in zip(done.clips, like.clips, strict=True):
+        for track, same in zip(clip.tracks, other.tracks, strict=True):
+            np.testing.assert_array_equal(track.times, same.times)
+            np.testing.assert_array_equal(track.values, same.values)
 
 
 def test_what_cannot_be_snapped_is_told() -> None:

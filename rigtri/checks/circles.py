@@ -8,7 +8,7 @@ from rigtri.checks.findings import Findings
 from rigtri.errors import RigtriError
 from rigtri.formats import Options, read
 from rigtri.rig import Rig
-from rigtri.solve.evaluate import Solver
+from rigtri.solve.evaluate import refuse_circles
 from rigtri.solve.order import CircleError
 
 # Notes of nodes that are waited for, or wait.
@@ -22,9 +22,7 @@ def check_circles(path: Path, rule: str, findings: Findings, *, allow_external: 
     """
     try:
         rig = read(path, Options(allow_external_paths=allow_external, empty=True)).rig
-        fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
-        for driven in (None, fk):
-            _ = Solver(rig, driven).steps
+        refuse_circles(rig)
     except CircleError as circle:
         noted = [node for node in circle.nodes if node in rig.notes]
         node = next((n for n in noted if rig.notes[n].get("type") in WAITING), [*noted, *circle.nodes][0])

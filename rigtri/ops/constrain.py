@@ -39,6 +39,8 @@ from rigtri.rules import (
     note_of,
     rules_of,
 )
+from rigtri.solve.evaluate import refuse_circles
+from rigtri.solve.order import CircleError
 from rigtri.vectors import cross, length, normalise
 
 _DEGREE = np.pi / 180.0
@@ -164,7 +166,9 @@ def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Ri
     with np.errstate(all="ignore"):
         rule = measured(rig, rule, keep=keep)
     _tell(rig, rule, report)
-    return _stored(rig, rule, place, vrm, report)
+    stored = _stored(rig, rule, place, vrm, report)
+    _refuse_unsolvable(rig, stored, rule)
+    return stored
 
 
 def _asked(rig: Rig, options: Options) -> Rule:
@@ -253,6 +257,22 @@ def _refuse_circles(rig: Rig, rule: Rule, place: int | None) -> None:
             f"'{rig.title(way[-1])}' cannot follow '{rig.title(way[0])}', which itself waits for it: {names} "
             "(each waits for the next, as its child, by a constraint, a control or IK)"
         )
+
+
+def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
+    """UsageError where a rule leaves no order in which `bake` could work; not for what had none before."""
+    try:
+        refuse_circles(after)
+    except CircleError as error:
+        try:
+            refuse_circles(before)
+        except CircleError:
+            return
+        drivers = ", ".join(f"'{before.title(node)}'" for node in rule.sources)
+        raise UsageError(
+            f"'{before.title(rule.child)}' cannot follow {drivers}: controls and constraints would go "
+            f"round in a circle; {error.way}"
+        ) from error
 
 
 def _tell(rig: Rig, rule: Rule, report: Report) -> None:

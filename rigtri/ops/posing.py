@@ -54,13 +54,14 @@ def pose_of(rig: Rig, options: Options, report: Report | None = None) -> Posed:
     return posed
 
 
-def tell_outside(timeline: Timeline, time: float, report: Report) -> None:
-    """Tell of a moment that the clip does not have."""
+def tell_outside(timeline: Timeline, time: float, report: Report) -> float:
+    """Tell of a moment that the clip does not have; the one whose pose it holds."""
     keys = times_within(timeline, None)
     if not keys[0] <= time <= keys[-1]:
         span = f"from {keys[0]:g} to {keys[-1]:g}" if len(keys) > 1 else f"at {keys[0]:g} alone"
         text = f"Clip '{timeline.name}' has keys {span}; at {time:g} it holds the nearest pose"
         report.warn("pose-outside", text)
+    return float(np.clip(time, keys[0], keys[-1]))
 
 
 def table(rig: Rig, options: Options, report: Report | None = None) -> dict[str, Any]:

@@ -71,7 +71,7 @@ def snap(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
     for text in options.at:
         timeline, time = moment(rig, text)
         if timeline is not None:
-            tell_outside(timeline, time, report)
+            time = tell_outside(timeline, time, report)
         moments.setdefault(timeline.members if timeline else (), []).append((text, time))
     for together in moments.values():
         at = single(np.unique([time for _, time in together]))

@@ -65,10 +65,11 @@ def _moment(clip: str, times: Floats) -> Moment:
 
 
 def _scaled(step: Step) -> Iterator[int]:
-    """The control whose scale a step uses."""
+    """The controls whose scale a step uses: its own, and the root's that its own hangs below."""
     base = step.base if isinstance(step, Follow) else step
     if isinstance(base, Fk | Root):
         yield base.own.control
+        yield from (root.control for root in base.reference.roots if root.control == base.own.above)
 
 
 def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:

@@ -57,9 +57,10 @@ class Root:
     def run(self, posed: Posed) -> None:
         joint, control = self.own.joint, self.own.control
         world = self.reference.world
-        carried = multiply(multiply(world[joint], inverse(world[control])), posed.world(control))
+        start = multiply(world[joint], inverse(world[control]))
         above = int(self.reference.rig.parents[joint])
-        posed.set(joint, factored(multiply(carried, inverse(posed.world(above)))))
+        found = factored(multiply(multiply(start, posed.world(control)), inverse(posed.world(above))))
+        posed.set(joint, posed.mended(found, start, control, above))
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,6 +286,13 @@ class Solver:
     def sets(self) -> list[int]:
         """The nodes that are moved, parents first."""
         return sorted({node for step in self.steps for node in step.sets})
+
+
+def refuse_circles(rig: Rig) -> None:
+    """CircleError where controls and constraints wait for each other, whatever controls are at work."""
+    fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
+    for driven in (None, fk):
+        _ = Solver(rig, driven).steps
 
 
 def _turn(rule: Rule) -> int:

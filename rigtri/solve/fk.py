@@ -103,7 +103,10 @@ class Fk:
         start = inverse(world[carrier]) if carrier >= 0 else np.eye(4)
         seen = multiply(posed.world(carrier), inverse(posed.world(parent)))
         still = _still(seen)
-        there = factored(multiply(multiply(world[self.joint], start), still))
+        start = multiply(world[self.joint], start)
+        there = posed.mended(factored(multiply(start, still)), start, carrier, parent)
+        if not np.isfinite(still).all():  # a parent that is flat hides the joint, wherever it is
+            still = np.where(np.isfinite(still), still, np.eye(4))
         return there, multiply(self._moves, still)
 
     def run(self, posed: Posed) -> None:

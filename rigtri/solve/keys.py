@@ -11,6 +11,13 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
+# Keys of turns are no farther apart than this where there is one between them to be kept, in radians: below
+# a quarter turn, with room. Nobody can tell the way of a half turn; players that go straight from one to the
+# next quaternion are within 0.7° of the arc at 80°, and 8° off near a half turn.
+WIDEST_TURN = 80.0 * np.pi / 180.0
+# Of that: so much more is rounding, so that a second run finds the same keys.
+_ROUNDING = 1e-4
+
 
 def shares(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
     """How far keys of each node may be off, (n,), so that nothing moves by more than ``far`` in the world.
@@ -48,8 +55,8 @@ def needed(times: Floats, values: Floats, bound: float) -> Integers:
     """The keys, (k,), between which straight lines come as near as ``bound`` to all values.
 
     times: (f,), rising. values: (f, c); with four columns they are turns, xyzw, the bound is in
-    radians and the lines are great arcs; else it is in the values' unit. The first key is always
-    there; it is the only one where nothing moves.
+    radians and the lines are great arcs, no wider than `WIDEST_TURN` where there is a key between; else it
+    is in the values' unit. The first key is always there; it is the only one where nothing moves.
     """
     last = len(times) - 1
     if last < 1 or bool((_apart(values, values[:1]) <= bound).all()):
@@ -79,7 +86,25 @@ def needed(times: Floats, values: Floats, bound: float) -> Integers:
         )
         gaps = halves[halves[:, 1] - halves[:, 0] > 1]
         gaps = gaps[np.argsort(gaps[:, 0], kind="stable")]
-    return np.flatnonzero(kept)
+    found = np.flatnonzero(kept)
+    return _narrow(times, values, found) if values.shape[1] == 4 else found
+
+
+def _narrow(times: Floats, turns: Floats, keys: Integers) -> Integers:
+    """Keys, (k,), and those between them that leave no arc too wide, as far as there are any.
+
+    turns: (f, 4), on great arcs between the keys.
+    """
+    most = WIDEST_TURN * (1.0 + _ROUNDING)
+    wide = _apart(turns[keys[:-1]], turns[keys[1:]])
+    more: list[int] = []
+    for k in np.flatnonzero((wide > most) & (np.diff(keys) > 1)).tolist():
+        at, end = int(keys[k]), int(keys[k + 1])
+        step = (times[end] - times[at]) * most / wide[k]
+        while times[end] - times[at] > step and at + 1 < end:
+            at = max(at + 1, int(np.searchsorted(times, times[at] + step, side="right")) - 1)
+            more.append(at)
+    return np.union1d(keys, np.array(more, dtype=keys.dtype))
 
 
 def thinned(times: Floats, values: Floats, there: Floats, bound: float, same: float) -> bool:

@@ -6,13 +6,17 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from rigtri.following import Parts, factored
-from rigtri.matrices import compose, multiply, orthonormal_axes
+from rigtri.following import Parts, factored, turn_of
+from rigtri.matrices import compose, determinant, inverse, multiply, orthonormal_axes
 from rigtri.pose import sample
 from rigtri.quaternions import from_axes, unit
-from rigtri.records import Clip
+from rigtri.records import Booleans, Clip
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
+
+# What stands for a scale of zero, as a share of the largest beside it, where the turn of a flat frame is
+# asked for: near enough to the limit, and what the iteration of the nearest rotation can take.
+FLAT = 1e-3
 
 
 class Posed:
@@ -68,9 +72,48 @@ class Posed:
             self._worlds[each] = local if above < 0 else multiply(local, self._worlds[above])
         return self._worlds[node]
 
+    def unflattened(self, node: int, least: float) -> Floats:
+        """The world matrices of a node as if no scale on its way were zero, (1 or f, 4, 4).
+
+        A zero is this share of the largest scale beside it; where all three are zero, they are one.
+        """
+        world = np.eye(4)[np.newaxis]
+        while node >= 0:
+            local = self.local(node)
+            if (determinant(local) == 0).any():
+                part = self.part(node)
+                most = np.abs(part.scale).max(axis=1, keepdims=True)
+                instead = np.where(most == 0, 1.0, least * most)
+                local = compose(*part._replace(scale=np.where(part.scale == 0, instead, part.scale)))
+            world = multiply(world, local)
+            node = int(self.rig.parents[node])
+        return world
+
+    def mended(self, found: Parts, start: Floats, carrier: int, above: int) -> Parts:
+        """Local parts below ``above`` of what stands at ``start``, (4, 4), seen from its carrier.
+
+        found: what the matrices say, (1 or f, ·). Of a flat one, the turn is told without the scales of zero;
+        and all of it where ``above`` is flat, which hides what is below it anyway.
+        """
+        if all(np.isfinite(each).all() for each in found):
+            return found
+        turned = multiply(multiply(start, self.unflattened(carrier, FLAT)), inverse(self.world(above)))
+        whole = inverse(self.unflattened(above, 1.0))
+        hidden = factored(multiply(multiply(start, self.unflattened(carrier, 1.0)), whole))
+        near = found._replace(rotation=turn_of(turned))
+        sure = _finite(near.translation) & _finite(near.rotation) & _finite(near.scale)
+        fine = _finite(found.rotation) & sure
+        parts = zip(found, near, hidden, strict=True)
+        return Parts(*(np.where(fine, a, np.where(sure, b, c)) for a, b, c in parts))
+
     def turn(self, node: int) -> Floats:
         """How a node is turned in the world, (1 or f, 4), without scale."""
         return from_axes(orthonormal_axes(self.world(node)))
+
+
+def _finite(rows: Floats) -> Booleans:
+    """Which rows are numbers, (f, 1)."""
+    return np.asarray(np.isfinite(rows).all(axis=-1, keepdims=True))
 
 
 def sampled(rig: Rig, clip: Clip, times: Floats, *, only: Collection[int] | None = None) -> dict[int, Parts]:

@@ -1,0 +1,70 @@
+"""Keys that are needed: lines between them tell all others, and no player has to guess the way of a turn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_bake import control, rigged
+
+from rigtri.ops.bake import Options, bake
+from rigtri.quaternions import conjugate, from_axis_angle, multiply, turn_angle
+from rigtri.records import Clip, Track
+from rigtri.solve.keys import WIDEST_TURN, needed
+from rigtri.trigonometry import Floats
+
+
+def turning(degrees: float, count: int) -> Floats:
+    """Quaternions of a steady turn about a slanted axis, (count, 4)."""
+    axis = np.array([0.6, 0.8, 0.0])
+    return np.array([from_axis_angle(axis, a) for a in np.linspace(0.0, np.radians(degrees), count)])
+
+
+def widest(turns: Floats) -> float:
+    return float(turn_angle(multiply(conjugate(turns[:-1]), turns[1:])).max())
+
+
+@pytest.mark.parametrize("degrees", [40.0, 79.0, 81.0, 90.0, 170.0, 360.0, 1000.0])
+@pytest.mark.parametrize("count", [13, 100, 1001])
+def test_turns_between_keys_are_narrower_than_a_quarter_turn(degrees: float, count: int) -> None:
+    assert np.radians(90.0) > WIDEST_TURN
+    times, turns = np.linspace(0.0, 3.0, count), turning(degrees, count)
+    keys = needed(times, turns, 1e-6)
+    assert widest(turns[keys]) <= max(WIDEST_TURN * 1.001, np.radians(degrees) / (count - 1) * 1.001)
+    assert {0, count - 1} <= set(keys.tolist())
+    # No more than that asks for: any two gaps together would be too wide.
+    if np.radians(degrees) / (count - 1) < WIDEST_TURN:
+        pairs = turn_angle(multiply(conjugate(turns[keys][:-2]), turns[keys][2:]))
+        assert (pairs > WIDEST_TURN * 0.999).all()
+
+
+@pytest.mark.parametrize("count", [2, 3, 5, 9])
+def test_keys_that_are_wide_apart_in_the_source_all_stay(count: int) -> None:
+    """Quarter turns: a player that finds the way between each would not between every second one."""
+    turns = turning(90.0 * (count - 1), count)
+    keys = needed(np.arange(count, dtype=np.float64), turns, 1e-6)
+    np.testing.assert_array_equal(keys, np.arange(count))
+
+
+@pytest.mark.parametrize("count", [10, 19, 37, 500])
+def test_thinned_turns_are_not_thinned_again(count: int) -> None:
+    """Also where keys are exactly as far apart as may be, but for rounding."""
+    times = np.linspace(0.0, 2.0, count)
+    turns = turning(720.0, count).astype(np.float32).astype(np.float64)
+    keys = needed(times, turns, 1e-6)
+    np.testing.assert_array_equal(needed(times[keys], turns[keys], 1e-6), np.arange(len(keys)))
+
+
+def test_controls_of_a_spinning_character_turn_less_than_a_quarter_between_keys() -> None:
+    rig = rigged()
+    hips = rig.find("hips")
+    times = np.linspace(0.0, 2.0, 33)
+    turns = multiply(rig.rotation[hips], turning(720.0, 33))
+    spin = Track(hips, "rotation", "LINEAR", times, turns)
+    done = bake(replace(rig, clips=(Clip("spin", (spin,)),)), options=Options(to="controls"))
+    track = next(
+        t for t in done.clips[0].tracks if (t.node, t.path) == (control(done, "hips", "fk"), "rotation")
+    )
+    assert widest(track.values) <= WIDEST_TURN * 1.001
+    assert len(track.times) < 33
