@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from places import SAMPLES
-from pxr import Usd
+from pxr import Sdf, Usd
 from test_take_clips import BIPED, notices, places, rig_of
 
 from rigtri.errors import UsageError
@@ -27,7 +27,10 @@ CONTROLS = Controls(whole_character=True)
 
 def bare(path: Path) -> Path:
     """The biped without its SkelAnimation."""
-    stage = Usd.Stage.Open(str(SAMPLES / "biped.usda"))
+    # A copy: layers that are open are shared with whoever opens the file next.
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.TransferContent(Sdf.Layer.FindOrOpen(str(SAMPLES / "biped.usda")))
+    stage = Usd.Stage.Open(layer)
     found = [prim for prim in stage.TraverseAll() if prim.GetTypeName() == "SkelAnimation"]
     for prim in [p for p in stage.TraverseAll() if p.HasRelationship("skel:animationSource")]:
         prim.RemoveProperty("skel:animationSource")
