@@ -325,9 +325,10 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
 
 
 def moving() -> list[Any]:
-    """Files with joints, which a .vrma has not; one with 76 clips takes half a minute."""
+    """Files with joints, which a .vrma has not; those with many clips or joints are slow."""
     suffixes = (".glb", ".gltf", ".vrm", *USD)
-    long = {"kaykit_Barbarian.glb": [pytest.mark.slow]}
+    slow = [pytest.mark.slow]
+    long = dict.fromkeys(("kaykit_Barbarian.glb", "raylib_robot.glb", "mayausd_HIK_Export.usda"), slow)
     files = [*sample_files(*suffixes), *asset_files(*suffixes)]
     return [pytest.param(path, id=path.name, marks=long.get(path.name, [])) for path in files]
 

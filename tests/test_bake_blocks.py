@@ -56,6 +56,7 @@ def test_blocks_change_no_bit_of_what_controls_get(block: int) -> None:
     assert kept_of(solver, parts, block, 100) == whole
 
 
+@pytest.mark.slow
 def test_memory_beyond_what_goes_in_and_comes_out_does_not_grow_with_the_frames() -> None:
     def beyond(frames: int) -> int:
         solver, parts = moving(frames)

@@ -120,7 +120,7 @@ def keyed_apart(a: Rig, b: Rig, clip: str) -> float:
     return max(apart(a, b, f"{clip}@{time}") for time in times)
 
 
-@pytest.mark.parametrize("to", ["fk", "ik"])
+@pytest.mark.parametrize("to", [pytest.param("fk", marks=pytest.mark.slow), "ik"])
 def test_what_takes_over_shows_the_whole_clip(to: str) -> None:
     rig, clip = (posed_by_ik(), "walk") if to == "fk" else (posed_by_fk(), "new")
     done = snap(rig, options=Options(to, (f"{clip}@0.3",), (ARM,)))  # type: ignore[arg-type]
@@ -264,7 +264,8 @@ def files_to_snap() -> list[Any]:
         for path in asset_files()
         if path.name in real
     ]
-    return [*(pytest.param(SAMPLES / name, id=name) for name in ("biped.glb", "biped.usda")), *found]
+    samples = [pytest.param(SAMPLES / "biped.glb", id="biped.glb")]
+    return [*samples, pytest.param(SAMPLES / "biped.usda", id="biped.usda", marks=pytest.mark.slow), *found]
 
 
 @pytest.mark.parametrize("path", files_to_snap())

@@ -455,7 +455,13 @@ def test_the_schema_refuses_what_a_spec_may_not_say(line: str) -> None:
         jsonschema.validate({"steps": [told]}, schema())
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path",
+    [
+        *(pytest.param(path, id=path.name) for path in sample_files()),
+        *(pytest.param(path, id=path.name, marks=pytest.mark.slow) for path in asset_files()),
+    ],
+)
 def test_a_starter_is_a_spec_for_its_character(path: Path, tmp_path: Path) -> None:
     try:
         text = starter(read(path).rig, path.name)
