@@ -18,10 +18,10 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
-from rigtri.formats.usd import layers
 from rigtri.formats.usd.animations import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.bound_animation import bind
-from rigtri.formats.usd.reader import Source, read_source
+from rigtri.formats.usd.edited import edited
+from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.stage import why_instanced
 from rigtri.formats.usd.values import Edit, apply_schema, define, kind, parts, set_value
 from rigtri.formats.usd.variants import Trial
@@ -58,14 +58,7 @@ def driven(source: Source, rig: Rig, options: Options) -> tuple[Source, Rig, lis
     if not plans:
         return source, rig, []
     edits = [edit for plan in plans for edit in plan.edits()]
-    wide = source
-    if edits:
-        opinions = layers.empty()
-        layers.copy_clock(source.layer, opinions)
-        with Sdf.ChangeBlock():
-            for edit in edits:
-                edit(opinions)
-        wide = read_source(source.path, options, layers.over(opinions, source.layer))
+    wide = edited(source, edits, options) if edits else source
     said = {plan.animation.path: plan.said for plan in plans}
     return wide, replace(rig, clips=tuple(_aligned(source, wide, rig, said))), edits
 

@@ -18,8 +18,9 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats import Options
-from rigtri.formats.usd import layers, notes
-from rigtri.formats.usd.reader import Source, read_source
+from rigtri.formats.usd import notes
+from rigtri.formats.usd.edited import edited
+from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.stage import why_instanced
 from rigtri.formats.usd.values import Edit, define, kind, parts, set_value
@@ -49,12 +50,7 @@ def extended(source: Source, rig: Rig, options: Options) -> tuple[Source, Rig, l
         skeleton = source.skeletons[path]
         _check(source, skeleton)
         edits += _grow(source, skeleton, rig, nodes)
-    opinions = layers.empty()
-    layers.copy_clock(source.layer, opinions)
-    with Sdf.ChangeBlock():
-        for edit in edits:
-            edit(opinions)
-    wide = read_source(source.path, options, layers.over(opinions, source.layer))
+    wide = edited(source, edits, options)
     return wide, _in_order(wide, rig, added), edits
 
 

@@ -16,10 +16,10 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Options
-from rigtri.formats.usd import layers
 from rigtri.formats.usd.animations import NOTHING, Animation, Property
+from rigtri.formats.usd.edited import edited
 from rigtri.formats.usd.influences import influence_edits, stale_names, why_bound_otherwise
-from rigtri.formats.usd.reader import Source, read_source
+from rigtri.formats.usd.reader import Source
 from rigtri.formats.usd.skeletons import Skeleton
 from rigtri.formats.usd.stage import why_instanced
 from rigtri.formats.usd.tokens import holder_token, split_token
@@ -73,12 +73,7 @@ def widened(
     holders = {path: split.holders for path, split in splits.items()}
     edits += influence_edits(source, holders)
     warnings += stale_names(source, holders)
-    opinions = layers.empty()
-    layers.copy_clock(source.layer, opinions)
-    with Sdf.ChangeBlock():
-        for edit in edits:
-            edit(opinions)
-    wide = read_source(source.path, options, layers.over(opinions, source.layer))
+    wide = edited(source, edits, options)
     return wide, _aligned(wide, rig), edits
 
 
