@@ -105,7 +105,6 @@ def edit(
         clock.lap("read")
         rig = step(document.rig, report)
         _check_numbers(document.rig, rig)
-        _check_times(document.rig, rig)
         _hear(document, report, strict)
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
@@ -129,25 +128,17 @@ def edit(
             return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps, rig, files)
 
 
-def check_target(
-    source: Path | str, target: Path | str, *, overwrite: bool, options: Options, side_files: Sequence[Path]
-) -> None:
-    """Refuse, before anything is done, what `edit` would refuse when it delivers.
+def check_target(source: Path | str, target: Path | str, *, overwrite: bool, options: Options) -> None:
+    """Refuse, before anything is read, a target that `edit` would refuse.
 
-    Raises FileError, and UsageError for an existing target without ``overwrite``, and for a target or
-    side file that the source refers to.
+    Raises FileError, and UsageError for one that exists, without ``overwrite``, or is of another format.
     """
     if str(source) == "-":
         return  # a stream can be read only once
     with opened(source) as path:
-        to_stdout = str(target) == "-"
-        options = replace(options, to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
-        if not to_stdout:
+        if str(target) != "-":
             _check_suffix(path, final, options)
-        needed = _needed(read(path, options), path, final, options)
-        for place in (*side_files, *(() if to_stdout else (final,))):
-            spare(place, needed)
 
 
 def _check_numbers(before: Rig, after: Rig) -> None:
@@ -171,23 +162,6 @@ def _check_numbers(before: Rig, after: Rig) -> None:
             f"'{after.names[node] or after.labels[node]}' gets no place that is a number: a scale at or "
             "above it is zero, or numbers there are too large. Leave it out with --exclude"
         )
-
-
-def _check_times(before: Rig, after: Rig) -> None:
-    """GeometryError for a key before 0 that an edit makes in glTF, which has no such times; old ones stay."""
-    known = {id(track) for clip in before.clips for track in clip.tracks}
-    for k, clip in enumerate(after.clips):
-        if isinstance(clip.key, tuple):
-            continue  # clips of USD
-        old = before.clips[k].tracks if k < len(before.clips) else ()
-        first = min((float(track.times[0]) for track in old if len(track.times)), default=0.0)
-        for track in clip.tracks:
-            if id(track) not in known and len(track.times) and track.times[0] < min(first, 0.0):
-                raise GeometryError(
-                    f"'{after.title(track.node)}' would get a key at {track.times[0]:g} s in clip "
-                    f"'{clip.name or f'#{k}'}', and glTF has no time before 0. Choose a later time, or move "
-                    "the keys of the clip"
-                )
 
 
 def _deliver(

@@ -385,6 +385,18 @@ def test_a_target_that_exists_is_refused_before_anything_is_done(tmp_path: Path)
     assert (tmp_path / "out.glb").read_bytes() == b"mine"
 
 
+def test_a_file_that_the_source_refers_to_is_not_written_over(tmp_path: Path) -> None:
+    source, buffer = tmp_path / "biped.gltf", tmp_path / "biped.bin"
+    for path in (source, buffer):
+        path.write_bytes((SAMPLES / path.name).read_bytes())
+    before = buffer.read_bytes()
+    spec = load(write(tmp_path, "steps:\n- do: strip\n- do: orient-joints\n"))
+    with pytest.raises(UsageError, match=buffer.name):
+        build(source, tmp_path / "out.gltf", spec, side_files=[buffer])
+    assert buffer.read_bytes() == before
+    assert not (tmp_path / "out.gltf").exists()
+
+
 def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path) -> None:
     spec, source = write(tmp_path, WHOLE), SAMPLES / "biped.glb"
     before = sorted(tmp_path.iterdir())

@@ -60,8 +60,9 @@ def build(
         "side_files": tuple(side_files),
     }
     if len(spec.steps) > 1:
-        check_target(source, target, overwrite=overwrite, options=spec.reading, side_files=side_files)
-    work = _Work(spec, source, verify, report if report is not None else Report())
+        check_target(source, target, overwrite=overwrite, options=spec.reading)
+    spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
+    work = _Work(spec, source, verify, report if report is not None else Report(), spared)
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     several = len(spec.steps) > 1
@@ -79,7 +80,8 @@ def build(
 
 @dataclass
 class _Work:
-    """A build as it goes on: where the character is, what was done, what it has not.
+    """A build as it goes on: where the character is, what was done, what it has not. spared: what the
+    build will write, which must be no file that the source refers to.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
@@ -89,6 +91,7 @@ class _Work:
     at: Path | str
     verify: bool
     report: Report
+    spared: tuple[Path, ...]
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
     lost: list[tuple[PlannedStep, RigtriError]] = field(default_factory=list)
@@ -121,6 +124,7 @@ class _Work:
             reading = replace(reading, allow_external_paths=True)
         if not last:
             reading = replace(reading, override="", relink=False)
+            last = {"side_files": () if self.outcomes else self.spared}
         try:
             outcome = edit(
                 self.at,

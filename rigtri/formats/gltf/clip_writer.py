@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, GeometryError
 from rigtri.formats.gltf.accessors import FLOAT, Accessors
 from rigtri.formats.gltf.animations import POINTER, pointer_of
 from rigtri.formats.gltf.draft import Draft
@@ -25,6 +25,21 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
 KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+
+
+def refuse_early(before: Rig, after: Rig) -> None:
+    """GeometryError for a key before 0 that an edit makes, which glTF does not have; old ones stay."""
+    known = {id(track) for clip in before.clips for track in clip.tracks}
+    for k, clip in enumerate(after.clips):
+        old = before.clips[k].tracks if k < len(before.clips) else ()
+        first = min((float(track.times[0]) for track in old if len(track.times)), default=0.0)
+        for track in clip.tracks:
+            if id(track) not in known and len(track.times) and track.times[0] < min(first, 0.0):
+                raise GeometryError(
+                    f"'{after.title(track.node)}' would get a key at {track.times[0]:g} s in clip "
+                    f"'{clip.name or f'#{k}'}', and glTF has no time before 0. Choose a later time, or move "
+                    "the keys of the clip"
+                )
 
 
 @dataclass(frozen=True)

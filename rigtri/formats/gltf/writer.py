@@ -10,7 +10,7 @@ from rigtri.delivery import settling
 from rigtri.errors import FileError
 from rigtri.formats import Companion
 from rigtri.formats.gltf import mapped
-from rigtri.formats.gltf.clip_writer import ClipWriter
+from rigtri.formats.gltf.clip_writer import ClipWriter, refuse_early
 from rigtri.formats.gltf.container import Piece
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.mapped import pour
@@ -38,6 +38,7 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
     if moves and document.options.relink:
         relink(draft, container.path, target)
     if rig is not document.rig:
+        refuse_early(document.rig, rig)
         nodes = NodeWriter(draft, document.rig, rig)
         clips = ClipWriter(draft, storage, document.accessors, document.rig, rig, nodes.index, nodes.moved)
         nodes.write()
