@@ -15,7 +15,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self, overload
@@ -80,7 +80,8 @@ class Manifest:
         self._path = path
         with _told(path):
             self._base = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
-            try:
+            with ExitStack() as failing:
+                failing.callback(self._base.close)
                 check(self._base, path, empty=True)
                 self._base.execute("PRAGMA journal_mode=WAL")
                 self._base.execute("PRAGMA synchronous=NORMAL")
@@ -94,9 +95,7 @@ class Manifest:
                 row = self._base.execute("INSERT INTO runs(rigtri, shard, began) VALUES (?, ?, ?)", values)
                 self._run = row.lastrowid
                 self._commit()
-            except BaseException:
-                self._base.close()
-                raise
+                failing.pop_all()
 
     def __enter__(self) -> Self:
         return self
