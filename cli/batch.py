@@ -19,7 +19,7 @@ from rigtri.errors import FileError
 
 from . import failures
 from .build import assigned, set_option, spec_option
-from .options import Tolerance, json_option, quiet_option
+from .options import Tolerance, dry_run_option, json_option, quiet_option
 from .progress import Progress
 from .words import counted, plain
 
@@ -100,7 +100,7 @@ class Bytes(click.ParamType[int]):
     type=click.Choice(["copy", "relink"]),
     help="A .gltf takes its files along, or points back. [as the spec says, else copy]",
 )
-@click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure.")
+@dry_run_option
 @click.option("--overwrite", is_flag=True, help="Replace outputs that this batch has not written.")
 @quiet_option
 @json_option

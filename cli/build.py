@@ -9,7 +9,16 @@ import click
 
 from rigtri.errors import UsageError
 
-from .options import Tolerance, output_options, run, side_files
+from .options import (
+    Tolerance,
+    dry_run_option,
+    optional_target_option,
+    output_options,
+    overwrite_option,
+    run,
+    side_files,
+    verify_option,
+)
 from .words import plain
 
 if TYPE_CHECKING:
@@ -32,14 +41,7 @@ set_option = click.option(
 
 @click.command("build")
 @click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
-@click.option(
-    "-o",
-    "--output",
-    "target",
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="The file to write, in the format of IN; - for standard output.",
-)
+@optional_target_option
 @spec_option
 @set_option
 @click.option(
@@ -47,12 +49,7 @@ set_option = click.option(
 )
 @click.option("--strict", is_flag=True, help="Make any warning an error (5), also where the spec does not.")
 @click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
-@click.option(
-    "--verify/--no-verify",
-    default=True,
-    show_default=True,
-    help="Compare source and result in every pose before OUT appears.",
-)
+@verify_option
 @click.option(
     "--report",
     "report_path",
@@ -60,8 +57,8 @@ set_option = click.option(
     type=click.Path(dir_okay=False),
     help="Write what was done, per step, joint and limb, with the measured deviation.",
 )
-@click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure.")
-@click.option("--overwrite", is_flag=True, help="Replace OUT where it exists.")
+@dry_run_option
+@overwrite_option
 @output_options
 def command(**values: Any) -> None:
     """Build a rig by a spec: the steps that a file lists, in one go.

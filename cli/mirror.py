@@ -14,6 +14,7 @@ from .options import (
     Number,
     edit_options,
     given_options,
+    optional_target_option,
     output_options,
     read_options,
     reading_options,
@@ -33,14 +34,7 @@ MOST = 20
 
 @click.command("mirror")
 @source_argument
-@click.option(
-    "-o",
-    "--output",
-    "target",
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="The file to write, in the format of IN; - for standard output.",
-)
+@optional_target_option
 @click.option(
     "--check",
     is_flag=True,

@@ -90,6 +90,22 @@ target_option = click.option(
     type=click.Path(allow_dash=True),
     help="The file to write, in the format of IN; - for standard output.",
 )
+optional_target_option = click.option(
+    "-o",
+    "--output",
+    "target",
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="The file to write, in the format of IN; - for standard output.",
+)
+verify_option = click.option(
+    "--verify/--no-verify",
+    default=True,
+    show_default=True,
+    help="Compare source and result in every pose before OUT appears.",
+)
+dry_run_option = click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure.")
+overwrite_option = click.option("--overwrite", is_flag=True, help="Replace OUT where it exists.")
 facing_option = click.option(
     "--facing",
     callback=direction,
@@ -265,12 +281,7 @@ def edit_options(command: F) -> F:
             show_default=True,
             help="Refuse a result farther off than this share of the bounding-box diagonal.",
         ),
-        click.option(
-            "--verify/--no-verify",
-            default=True,
-            show_default=True,
-            help="Compare source and result in every pose before OUT appears.",
-        ),
+        verify_option,
         click.option("--strict", is_flag=True, help="Make any warning an error (5)."),
         click.option(
             "--report",
@@ -285,8 +296,8 @@ def edit_options(command: F) -> F:
             help="Also write what rigtri has stored in OUT as a file beside it, OUT's name with .rig.json, "
             "for engines and exporters that drop extras.",
         ),
-        click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure."),
-        click.option("--overwrite", is_flag=True, help="Replace OUT where it exists."),
+        dry_run_option,
+        overwrite_option,
     ):
         command = option(command)
     return command
