@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    WithJsonSchema,
+)
 from pydantic_core import CoreSchema, core_schema
 
+from rigtri.ops.mirroring.across import WHAT
 from rigtri.spec.models.base import StepModel, option
 from rigtri.spec.models.values import (
     Above,
@@ -26,6 +36,7 @@ from rigtri.spec.models.values import (
     Preset,
     TextOrPoint,
     Triples,
+    one_of,
 )
 
 Scales = Literal["snap", "skip", "split", "error"]
@@ -33,6 +44,9 @@ Constraints = Literal["freeze", "error"]
 Side = Literal["left", "right"]
 Plane = Literal["yz", "xz", "xy"]
 Mode = Literal["behavior", "orientation", "blender"]
+Mirrored = Annotated[
+    str, AfterValidator(partial(one_of, known=WHAT)), WithJsonSchema({"enum": list(WHAT), "type": "string"})
+]
 
 
 class StyledChain(BaseModel):
@@ -178,22 +192,7 @@ class Mirror(StepModel):
     from_side: Side = option("from-side", "left")
     plane: Plane = "yz"
     plane_at: Number | None = option("plane-at", None)
-    what: Annotated[
-        tuple[
-            Literal[
-                "limbs",
-                "joints",
-                "controls",
-                "polevectors",
-                "twists",
-                "constraints",
-                "rivets",
-                "posereaders",
-            ],
-            ...,
-        ],
-        OneOrMany(lambda value: isinstance(value, str)),
-    ] = ()
+    what: Annotated[tuple[Mirrored, ...], OneOrMany(lambda value: isinstance(value, str))] = ()
     joints: Names = ()
     below: Names = ()
     exclude: Names = ()

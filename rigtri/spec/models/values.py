@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -109,6 +110,13 @@ def _finite(value: float) -> float:
     return value
 
 
+def one_of(word: str, known: Collection[str]) -> str:
+    """A word of those that are known; ValueError for any other."""
+    if word not in known:
+        raise ValueError(f"'{word}' is none of {', '.join(known)}")
+    return word
+
+
 def _beside(value: str, info: ValidationInfo) -> str:
     """A file's name as seen from the spec that names it."""
     folder = (info.context or {}).get("folder")
@@ -145,15 +153,9 @@ TextOrPoint = Annotated[str, BeforeValidator(_text_or_point), WithJsonSchema(_TR
 File = Annotated[str, Field(min_length=1), AfterValidator(_beside)]
 Preset = Annotated[
     str,
-    AfterValidator(lambda word: _one_of(word, PRESETS)),
+    AfterValidator(partial(one_of, known=PRESETS)),
     WithJsonSchema({"enum": list(PRESETS)}),
 ]
 Auto = Literal["auto"]
 EndKind = Literal["locator", "joint"]
 Axis = Literal["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
-
-
-def _one_of(word: str, known: Mapping[str, Any]) -> str:
-    if word not in known:
-        raise ValueError(f"'{word}' is none of {', '.join(known)}")
-    return word
