@@ -7,6 +7,7 @@ more than e times its reach, in any pose that bends joints and does not stretch 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
@@ -25,8 +26,24 @@ TOLERANCE = 1e-5
 _BLOCK = 1 << 20
 
 
+# The size of each rig with the meshes that it was measured by.
+_sizes: WeakKeyDictionary[Rig, tuple[tuple[ref[Mesh], ...], float]] = WeakKeyDictionary()
+
+
 def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
-    """The diagonal of the box of all points at rest, in file units; without points, of joints' origins."""
+    """The diagonal of the box of all points at rest, in file units; without points, of joints' origins.
+
+    Measured once, as an edit and its check both ask for it.
+    """
+    known = _sizes.get(rig)
+    if known is not None and [one() for one in known[0]] == list(meshes):
+        return known[1]
+    size = _measured(rig, meshes)
+    _sizes[rig] = tuple(map(ref, meshes)), size
+    return size
+
+
+def _measured(rig: Rig, meshes: Sequence[Mesh]) -> float:
     world = worlds(rig, rest(rig))[np.newaxis]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:

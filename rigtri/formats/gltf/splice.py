@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from rigtri.formats.gltf.spelling import Spelling
 
-_scan = json.JSONDecoder().scan_once
+_scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]  # of C, without a call around it
 _BLANK = re.compile(r"[ \t\n\r]*")
 _BLANKS = " \t\n\r"
 
