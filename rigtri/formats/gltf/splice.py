@@ -214,5 +214,7 @@ def _in_order(old: list[Any], new: list[Any]) -> bool:
 
 
 def _skip(text: str, at: int) -> int:
+    if text[at] > " ":  # as nearly always in a text on one line
+        return at
     found = _BLANK.match(text, at)
     return found.end() if found else at
