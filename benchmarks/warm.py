@@ -30,10 +30,10 @@ WARM_UP = 10
 BLENDER = """
 import bpy, sys, time
 source, target, runs = sys.argv[-3], sys.argv[-2], int(sys.argv[-1])
-best = []
+best, used = [], []
 for _ in range(runs + 1):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    start = time.perf_counter()
+    start, begin = time.perf_counter(), time.process_time()
     bpy.ops.import_scene.gltf(filepath=source)
     rig = next(o for o in bpy.data.objects if o.type == "ARMATURE")
     bpy.context.view_layer.objects.active = rig
@@ -44,10 +44,13 @@ for _ in range(runs + 1):
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.export_scene.gltf(filepath=target)
     best.append(time.perf_counter() - start)
-print("SECONDS", sorted(best[1:])[runs // 2])
+    used.append(time.process_time() - begin)
+print("SECONDS", sorted(best[1:])[runs // 2], sorted(used[1:])[runs // 2])
 """
 
-Loop = Callable[[int], float]
+# Seconds a file, and seconds of processors a file.
+Times = tuple[float, float]
+Loop = Callable[[int], Times]
 
 
 class Workers:
@@ -61,12 +64,16 @@ class Workers:
         self._children = [Confined(preload=["rigtri.batch.spec_task"]) for _ in range(jobs)]
         self._made = 0
 
-    def __call__(self, count: int) -> float:
-        """Seconds a file, of all processes together."""
+    def __call__(self, count: int) -> Times:
+        """Of all processes together."""
         self._run(WARM_UP)
-        start = time.perf_counter()
+        start, used = time.perf_counter(), self._used()
         self._run(count)
-        return (time.perf_counter() - start) / (count * len(self._children))
+        files = count * len(self._children)
+        return (time.perf_counter() - start) / files, (self._used() - used) / files
+
+    def _used(self) -> float:
+        return sum(child("clock", time.process_time) for child in self._children)
 
     def _run(self, count: int) -> None:
         threads = [
@@ -93,12 +100,13 @@ class Workers:
             child.close()
 
 
-def told(*command: str | Path) -> float:
-    """The seconds that a program says."""
+def told(*command: str | Path) -> Times:
+    """The times that a program says."""
     words = [str(word) for word in command]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     (line,) = (text for text in done.stdout.splitlines() if text.startswith("SECONDS"))
-    return float(line.split()[1])
+    wall, used = line.split()[1:]
+    return float(wall), float(used)
 
 
 def transform(source: Path, folder: Path) -> Loop | None:
@@ -128,26 +136,25 @@ def measured(source: Path, folder: Path, count: int, rounds: int) -> list[str]:
         "rigtri, not verified": Workers(source, folder / "plain", verify=False),
         "rigtri, verified, two processes": Workers(source, folder / "two", verify=True, jobs=2),
     }
-    loops: dict[str, Loop] = dict(workers)
-    for name, loop in (
-        ("glTF-Transform: read, write", transform(source, folder)),
-        ("Blender: import, aim, export", blender(source, folder)),
-    ):
-        if loop is not None:
-            loops[name] = loop
-    seconds: dict[str, list[float]] = {name: [] for name in loops}
+    peers = {
+        "glTF-Transform: read, write": transform(source, folder),
+        "Blender: import, aim, export": blender(source, folder),
+    }
+    loops: dict[str, Loop] = workers | {name: loop for name, loop in peers.items() if loop is not None}
+    times: dict[str, list[Times]] = {name: [] for name in loops}
     for _ in range(rounds):
         for name, loop in loops.items():
-            seconds[name].append(loop(count))
+            times[name].append(loop(count))
     for worker in workers.values():
         worker.close()
-    middle = {name: statistics.median(times) for name, times in seconds.items()}
-    base = middle["rigtri, verified"]
+    base = min(used for _, used in times["rigtri, verified"])
     lines = [f"## Warm, one file after another: {source.name}, {source.stat().st_size / 1e6:.2f} MB", ""]
-    lines += ["| loop | files/s | ms a file | ratio |", "|---|---|---|---|"]
-    lines += [
-        f"| {name} | {1 / one:.1f} | {1000 * one:.1f} | {one / base:.2f} |" for name, one in middle.items()
-    ]
+    lines += ["| loop | files/s | ms a file | ms of processors | ratio of these |", "|---|---|---|---|---|"]
+    for name, found in times.items():
+        wall, used = statistics.median(wall for wall, _ in found), min(used for _, used in found)
+        lines.append(
+            f"| {name} | {1 / wall:.1f} | {1000 * wall:.1f} | {1000 * used:.1f} | {used / base:.2f} |"
+        )
     return [*lines, ""]
 
 
