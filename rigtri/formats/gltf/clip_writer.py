@@ -359,7 +359,7 @@ def drop_channels(draft: Draft, number: int, lost: Collection[int]) -> None:
 
 
 def _same(now: Floats, then: Floats) -> bool:
-    return now is then or np.array_equal(now, then)
+    return now is then or (now.shape == then.shape and bool((now == then).all()))
 
 
 def _place(track: Track) -> tuple[int, int]:
