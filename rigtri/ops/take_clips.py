@@ -14,8 +14,9 @@ import numpy as np
 from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
-from rigtri.ops.taking.clip_names import ClipNames, Taken, span
+from rigtri.ops.taking.clip_names import ClipNames, Taken
 from rigtri.ops.taking.counterparts import Counterparts
+from rigtri.ops.taking.made_names import span
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
 from rigtri.ops.taking.notices import moves, some, strangers, tell, tell_tracks
