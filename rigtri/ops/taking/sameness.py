@@ -187,7 +187,7 @@ def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) 
 
 
 def _on_one_side(track: Track) -> Track:
-    """A spline of turns without keys that jump to −q: Blender writes such, and does not show how they spin."""
+    """A spline of turns without keys that jump to −q: Blender writes such, and shows them without."""
     if track.path != "rotation":
         return track
     keys = key_values(track)
