@@ -11,7 +11,7 @@ from rigtri.records import Track
 
 
 def test_turns_half_a_turn_apart_to_the_bit_keep_the_way_round_that_players_see() -> None:
-    """Their products sum up to nothing; whether the sum of the unit turns' is below 0 hangs on their length."""
+    """Their products sum up to nothing; whether those of the unit turns do so, too, hangs on their length."""
     random = np.random.default_rng(5)
     below = set()
     for a, b in random.uniform(0.3, 0.6, (50, 2)).astype(np.float32).astype(np.float64):
