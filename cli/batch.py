@@ -24,7 +24,7 @@ from .progress import Progress
 from .words import counted, plain
 
 if TYPE_CHECKING:
-    from rigtri.batch.engine import Local
+    from rigtri.batch.engine import Engine
     from rigtri.batch.entries import Entry, Found
     from rigtri.batch.run import Plan, Run, Tasks
     from rigtri.batch.shards import Shard
@@ -82,6 +82,9 @@ class Bytes(click.ParamType[int]):
 @click.option(
     "--max-memory", type=Bytes(), metavar="SIZE", help="Give a file up that takes more, as 2G (Linux)."
 )
+@click.option(
+    "--dask", metavar="tcp://HOST:PORT", help="Let the workers of a Dask scheduler do it. [this machine]"
+)
 @click.option("--shard", metavar="i/n", help="Do the i-th of n parts. [of a SLURM array: its own part]")
 @click.option("--fail-fast", is_flag=True, help="Begin no other file when one has failed.")
 @click.option(
@@ -123,7 +126,6 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
     from rigtri.batch import manifest
-    from rigtri.batch.engine import Local, processors
     from rigtri.batch.run import Run
 
     out_dir = Path(values["out_dir"]) if values["out_dir"] else None
@@ -136,6 +138,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         _tell_chosen(found, chosen, shard, values)
     own = manifest.place(whole, shard)
     with ExitStack() as stack:
+        engine = stack.enter_context(_engine(values, folder, chosen))
         kept = None
         if not values["dry_run"]:
             own.parent.mkdir(parents=True, exist_ok=True)
@@ -143,16 +146,12 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         known = [own, *manifest.others(whole, own)] if kept is None else manifest.others(whole, own)
         others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
         log = stack.enter_context(_log(values["log"]))
-        limits = {"seconds": values["timeout"], "memory": values["max_memory"]}
-        jobs = max(1, min(values["jobs"] or processors(), len(chosen)))
-        most = 0 if values["fail_fast"] else values["max_errors"]
-        engine = Local(jobs, folder, **limits, dry_run=values["dry_run"], max_errors=most)
         engines = [engine]
         heard = stack.enter_context(_signals(engines, quiet=values["quiet"]))
         session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
         plan = session.plan(chosen, lambda: bool(heard))
         if len(plan.assignments) > 1 and not plan.settled and not heard:
-            engines.append(Local(jobs, folder, **limits, dry_run=True))
+            engines.append(_local(values, folder, len(chosen), dry_run=True))
             _try_out(plan, engines[1])
         _work(session, plan, engine, log, values, str(shard) if shard else None)
         if kept is not None:
@@ -162,6 +161,33 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         _tell_end(session, left, values)
     failures.answered(click.get_current_context())
     return 128 + heard[0] if heard else SOME_FAILED if session.failures else 0
+
+
+@contextmanager
+def _engine(values: dict[str, Any], folder: str, chosen: Sequence[Entry]) -> Iterator[Engine]:
+    """Who does the work: processes of this machine, or a cluster, whose workers can do it."""
+    most = 0 if values["fail_fast"] else values["max_errors"]
+    wanted = {"dry_run": values["dry_run"], "max_errors": most}
+    if not values["dask"]:
+        yield _local(values, folder, len(chosen), **wanted)
+        return
+    from rigtri.batch.cluster import Cluster
+
+    with Cluster(values["dask"], folder, jobs=values["jobs"], **_limits(values), **wanted) as cluster:
+        if chosen:
+            cluster.check(chosen[0].source)
+        yield cluster
+
+
+def _local(values: dict[str, Any], folder: str, files: int, **wanted: Any) -> Engine:
+    from rigtri.batch.engine import Local, processors
+
+    jobs = max(1, min(values["jobs"] or processors(), files))
+    return Local(jobs, folder, **_limits(values), **wanted)
+
+
+def _limits(values: dict[str, Any]) -> dict[str, Any]:
+    return {"seconds": values["timeout"], "memory": values["max_memory"]}
 
 
 def _tasks(values: dict[str, Any]) -> Tasks:
@@ -211,14 +237,14 @@ def _shard(values: dict[str, Any]) -> Shard | None:
     return parse(values["shard"]) if values["shard"] else of_slurm(os.environ)
 
 
-def _try_out(plan: Plan, engine: Local) -> None:
+def _try_out(plan: Plan, engine: Engine) -> None:
     from rigtri.batch.run import try_out
 
     try_out(plan, engine)
 
 
 def _work(
-    session: Run, plan: Plan, engine: Local, log: IO[str] | None, values: dict[str, Any], shard: str | None
+    session: Run, plan: Plan, engine: Engine, log: IO[str] | None, values: dict[str, Any], shard: str | None
 ) -> None:
     """Do the files, and tell each as it is done."""
     began = datetime.now(UTC).isoformat(timespec="seconds")
@@ -284,7 +310,7 @@ def _log(path: str | None) -> Iterator[IO[str] | None]:
 
 
 @contextmanager
-def _signals(engines: list[Local], *, quiet: bool) -> Iterator[list[int]]:
+def _signals(engines: list[Engine], *, quiet: bool) -> Iterator[list[int]]:
     """Meanwhile an interrupt lets the files end that are begun, and a second one gives them up.
 
     Gives the signals that were heard.

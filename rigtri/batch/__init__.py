@@ -7,6 +7,8 @@ contents    hashes of files
 axes        what a skeleton and its axes are, in a few bytes
 work        one file, in the process that works on it
 engine      who works on the files; here processes of this machine
+cluster     the workers of a Dask cluster
+on_worker   what they do
 manifest    what was done, in a file that outlives any run
 run         a run: what is left to do, done
 summary     what manifests say

@@ -1,4 +1,4 @@
-"""Who works on the files of a batch. Here: processes of this machine."""
+"""Who works on the files of a batch. Here: processes of this machine; `rigtri.batch.cluster` has others."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import queue
 import tempfile
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
@@ -57,6 +57,7 @@ class Local:
 
     seconds, memory: what one file may take, as `rigtri.confined.Confined` understands them.
     folder: where the manifest is. max_errors: once more files than that have failed, no other is begun.
+    at: the folder that relative paths are seen from, where it is not this process's own. preload: further modules that processes need.
     """
 
     def __init__(
@@ -68,11 +69,14 @@ class Local:
         memory: int | None = None,
         dry_run: bool = False,
         max_errors: int | None = None,
+        at: str = "",
+        preload: Sequence[str] = (),
     ) -> None:
         self._folder, self._max_errors, self._failed = folder, max_errors, 0
-        self._dry_run = dry_run
+        self._dry_run, self._at = dry_run, at
         self._scratch = ""
-        self._children = [Confined(seconds=seconds, memory=memory, preload=_PRELOADED) for _ in range(jobs)]
+        modules = (*_PRELOADED, *preload)
+        self._children = [Confined(seconds=seconds, memory=memory, preload=modules) for _ in range(jobs)]
         self._stopped, self._killed = threading.Event(), threading.Event()
         self._lock = threading.Lock()
         self._results: queue.SimpleQueue[tuple[Assignment, Record] | BaseException | None] = (
@@ -150,7 +154,7 @@ class Local:
         """One file, whatever becomes of the child."""
         name = assignment.entry.source
         try:
-            place = self._folder, self._scratch, self._dry_run
+            place = self._folder, self._scratch, self._dry_run, self._at
             return child(name, work, assignment, *place, heard=lambda told: heard(assignment, told))
         except CrashError as error:
             record = Record("crashed", error.kind, str(error), error.exit_code)
@@ -160,5 +164,5 @@ class Local:
             record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
         if not self._dry_run:
             with suppress(OSError):  # it is told that the file has failed, and the next run tries again
-                recover(Path(assignment.entry.target), alone=True)
+                recover(Path(self._at, assignment.entry.target), alone=True)
         return record

@@ -121,13 +121,15 @@ def reason(record: Record, entry: Entry) -> str | None:
 _hashes = Hashes()
 
 
-def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool) -> Record:
+def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: str = "") -> Record:
     """Do one file. What is about to appear is told before it does (`rigtri.confined.tell`).
 
     folder: where the manifest is, from which it sees all files. scratch: a folder for temporary
-    files, which somebody else removes.
+    files, which somebody else removes. at: the folder that relative paths are seen from.
     """
     _outlive_signals()
+    if at:
+        os.chdir(at)
     tempfile.tempdir = scratch
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
     report, told = Report(), []
