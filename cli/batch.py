@@ -17,7 +17,7 @@ import click
 
 from rigtri.errors import FileError
 
-from . import failures
+from . import batch_job, failures
 from .build import assigned, set_option, spec_option
 from .options import Tolerance, dry_run_option, json_option, quiet_option
 from .progress import Progress
@@ -85,6 +85,12 @@ class Bytes(click.ParamType[int]):
 @click.option(
     "--dask", metavar="tcp://HOST:PORT", help="Let the workers of a Dask scheduler do it. [this machine]"
 )
+@click.option(
+    "--emit-openjd",
+    metavar="DIR",
+    type=click.Path(),
+    help="Write a job for render farms (Open Job Description) instead.",
+)
 @click.option("--shard", metavar="i/n", help="Do the i-th of n parts. [of a SLURM array: its own part]")
 @click.option("--fail-fast", is_flag=True, help="Begin no other file when one has failed.")
 @click.option(
@@ -128,9 +134,14 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     from rigtri.batch import manifest
     from rigtri.batch.run import Run
 
+    if values["emit_openjd"]:
+        batch_job.refuse(values)
     out_dir = Path(values["out_dir"]) if values["out_dir"] else None
     found = _found(inputs, values, out_dir, tasks)
     whole = _manifest(values, out_dir)
+    if values["emit_openjd"]:
+        batch_job.emit(values, found.entries, whole)
+        return 0
     shard = _shard(values)
     folder = os.path.abspath(whole.parent)
     chosen = found.entries if shard is None else shard.of(found.entries, folder)

@@ -9,6 +9,7 @@ work        one file, in the process that works on it
 engine      who works on the files; here processes of this machine
 cluster     the workers of a Dask cluster
 on_worker   what they do
+openjd      a batch as a job of a render farm
 manifest    what was done, in a file that outlives any run
 run         a run: what is left to do, done
 summary     what manifests say

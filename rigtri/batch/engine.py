@@ -57,7 +57,8 @@ class Local:
 
     seconds, memory: what one file may take, as `rigtri.confined.Confined` understands them.
     folder: where the manifest is. max_errors: once more files than that have failed, no other is begun.
-    at: the folder that relative paths are seen from, where it is not this process's own. preload: further modules that processes need.
+    at: the folder that relative paths are seen from, where it is not this process's own.
+    preload: further modules that processes need.
     """
 
     def __init__(

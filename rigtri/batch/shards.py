@@ -1,4 +1,4 @@
-"""The part of a batch that one machine does: one of n, by the names of the outputs alone."""
+"""The part of a batch that one machine does: one or some of n, by the names of the outputs alone."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from rigtri.errors import UsageError
 
 @dataclass(frozen=True)
 class Shard:
-    """The ``number``-th of ``count`` parts, from 1 on."""
+    """The ``number``-th of ``count`` parts, from 1 on; or all from there to the ``last``-th."""
 
     number: int
     count: int
+    last: int = 0
 
     def of(self, entries: Sequence[Entry], folder: str) -> tuple[Entry, ...]:
         """The entries of this part.
@@ -27,10 +28,16 @@ class Shard:
         """
         if self.count == 1:
             return tuple(entries)
-        return tuple(e for e in entries if _place(e.target, folder) % self.count == self.number - 1)
+        own = range(self.number - 1, max(self.number, self.last))
+        return tuple(e for e in entries if _place(e.target, folder) % self.count in own)
+
+    @property
+    def numbers(self) -> str:
+        """The parts as text: 3, or 3-5."""
+        return f"{self.number}-{self.last}" if self.last > self.number else str(self.number)
 
     def __str__(self) -> str:
-        return f"{self.number}/{self.count}"
+        return f"{self.numbers}/{self.count}"
 
 
 def _place(target: str, folder: str) -> int:
@@ -42,11 +49,11 @@ def _place(target: str, folder: str) -> int:
 
 
 def parse(text: str) -> Shard:
-    """``i/n``. UsageError for anything else."""
-    found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", text)
-    if not found or not 1 <= int(found[1]) <= int(found[2]):
+    """``i/n`` or ``i-j/n``. UsageError for anything else."""
+    found = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?/([0-9]{1,9})", text)
+    if not found or not 1 <= int(found[1]) <= int(found[2] or found[1]) <= int(found[3]):
         raise UsageError(f"--shard {text}: give i/n, a number from 1 to n and how many parts there are")
-    return Shard(int(found[1]), int(found[2]))
+    return Shard(int(found[1]), int(found[3]), int(found[2] or 0))
 
 
 def of_slurm(environment: Mapping[str, str]) -> Shard | None:
