@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, UsageError
 
 from . import batch_job, failures
 from .build import assigned, set_option, spec_option
@@ -136,7 +136,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
 
     if values["emit_openjd"]:
         batch_job.refuse(values)
-    out_dir = Path(values["out_dir"]) if values["out_dir"] else None
+    out_dir = _place(values["out_dir"])
     found = _found(inputs, values, out_dir, tasks)
     whole = _manifest(values, out_dir)
     if values["emit_openjd"]:
@@ -183,10 +183,12 @@ def _engine(values: dict[str, Any], folder: str, chosen: Sequence[Entry]) -> Ite
         yield _local(values, folder, len(chosen), **wanted)
         return
     from rigtri.batch.cluster import Cluster
+    from rigtri.batch.fetched import is_elsewhere
 
     with Cluster(values["dask"], folder, jobs=values["jobs"], **_limits(values), **wanted) as cluster:
         if chosen:
-            cluster.check(chosen[0].source)
+            near = (entry.source for entry in chosen if not is_elsewhere(entry))
+            cluster.check(next(near, None))
         yield cluster
 
 
@@ -217,21 +219,30 @@ def _tasks(values: dict[str, Any]) -> Tasks:
     return task
 
 
-def _found(inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | None, tasks: Tasks) -> Found:
+def _place(name: str | None) -> Path | str | None:
+    """A folder that an option names: a path, or as text a URL."""
+    from rigtri.batch import urls
+
+    return urls.known(name) if name and urls.is_url(name) else Path(name) if name else None
+
+
+def _found(
+    inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | str | None, tasks: Tasks
+) -> Found:
     """The entries, which can go together; the spec is right for the first of them."""
     from rigtri.batch import targets
     from rigtri.batch.entries import entries
 
-    job, base = (Path(values[name]) if values[name] else None for name in ("job", "base"))
+    job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
     found = entries(inputs, job=job, out_dir=out_dir, base=base)
     task = tasks(found.entries[0].variables)
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
-    targets.check(found.entries, layers=task.layers, beside=task.beside)
+    targets.check(found.entries, layers=task.layers, beside=task.beside, relink=task.relink)
     return found
 
 
-def _manifest(values: dict[str, Any], out_dir: Path | None) -> Path:
+def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
     from rigtri.batch.manifest import NAME
 
     if values["manifest"]:
@@ -239,6 +250,10 @@ def _manifest(values: dict[str, Any], out_dir: Path | None) -> Path:
         if not path.parent.is_dir():
             raise FileError(f"There is no folder {path.parent} to write --manifest {path.name} into")
         return path
+    if isinstance(out_dir, str):
+        raise UsageError(
+            f"-O {out_dir} is elsewhere: say with --manifest FILE.sqlite where it is kept what was done"
+        )
     return (out_dir or Path(values["job"]).parent) / NAME
 
 

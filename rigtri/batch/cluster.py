@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Self
 from uuid import uuid4
 
+from rigtri.batch import urls
 from rigtri.batch.contents import Hashes
 from rigtri.batch.engine import Heard
 from rigtri.batch.on_worker import Chunk, Message, do
@@ -105,10 +106,10 @@ class Cluster:
     def __exit__(self, *_: object) -> None:
         self._client.close()
 
-    def check(self, source: str) -> None:
+    def check(self, source: str | None) -> None:
         """FileError where there are no workers, or one lacks this rigtri or does not see the files.
 
-        source: one of the files.
+        source: one of the files that are no URLs; without any nothing needs to be seen.
         """
         from importlib.metadata import version
 
@@ -131,6 +132,9 @@ class Cluster:
                 f"the worker {name} {has} ({len(odd)} of {len(versions)} workers), and this is "
                 f"{__version__}; install the same everywhere"
             )
+        if source is None:
+            self._at = ""
+            return
         for path, seen in ((self._at, os.path.isdir), (os.path.abspath(source), os.path.isfile)):
             blind = [name for name, found in self._asked(seen, path).items() if found is not True]
             if blind:
@@ -181,7 +185,9 @@ class Cluster:
             self._number += 1
             left = state.waiting.pop()
             mine = {number: state.assignments[number] for number in left}
-            chunk = Chunk(self._number, self._topic, mine, self._folder, self._at, **self._limits)
+            chunk = Chunk(
+                self._number, self._topic, mine, self._folder, self._at, urls.secrets(), **self._limits
+            )
             key = f"{self._topic}-{self._number}"
             future = self._client.submit(do, pickle.dumps(chunk), key=key, pure=False)
             state.sent[self._number] = _Sent(left, future)
@@ -259,7 +265,7 @@ class Cluster:
 
     def _recover(self, assignment: Assignment) -> None:
         """Remove what a dead worker has left beside an output."""
-        if not self._limits["dry_run"]:
+        if not self._limits["dry_run"] and not urls.is_url(assignment.entry.target):
             with suppress(OSError):  # it is done again all the same
                 recover(Path(assignment.entry.target), alone=True)
 

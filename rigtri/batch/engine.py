@@ -11,9 +11,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
+from rigtri.batch.fetched import Fetched, is_elsewhere
 from rigtri.batch.work import Assignment, Record, work
 from rigtri.confined import Confined, CrashError
 from rigtri.errors import RigtriError
+from rigtri.formats import references
 from rigtri.outputs import recover
 
 # What work and most tasks need, so that a new process has it.
@@ -152,7 +154,24 @@ class Local:
                 self._stopped.set()
 
     def _done(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
-        """One file, whatever becomes of the child."""
+        """One file, wherever it is."""
+        if not is_elsewhere(assignment.entry):
+            return self._near(child, assignment, heard)
+        name = assignment.entry.source
+        try:
+            return Fetched(
+                assignment,
+                self._folder,
+                self._scratch,
+                references=lambda path: child(name, references, Path(path)),
+                near=lambda one, told: self._near(child, one, told),
+                dry_run=self._dry_run,
+            ).done(heard)
+        except CrashError as error:
+            return Record("crashed", error.kind, str(error), error.exit_code)
+
+    def _near(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
+        """One file of this machine, whatever becomes of the child."""
         name = assignment.entry.source
         try:
             place = self._folder, self._scratch, self._dry_run, self._at

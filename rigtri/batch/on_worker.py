@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 from uuid import uuid4
 
+from rigtri.batch import urls
 from rigtri.batch.engine import Local
 from rigtri.batch.work import Assignment, Record
 
@@ -41,6 +42,7 @@ class Chunk:
     assignments: dict[int, Assignment]
     folder: str
     at: str
+    secrets: urls.Secrets
     seconds: float | None
     memory: int | None
     dry_run: bool
@@ -66,6 +68,7 @@ def do(packed: bytes) -> list[tuple[int, Record]]:
     chunk: Chunk = pickle.loads(packed)
     # Workers are children of Dask's nannies, which may have none of their own otherwise.
     multiprocessing.current_process().daemon = False
+    urls.remember(chunk.secrets)
     line = _Line(chunk)
     wanted, most = line.ask("begin")
     numbers = {id(chunk.assignments[number]): number for number in wanted}

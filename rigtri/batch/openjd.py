@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rigtri.batch import urls
 from rigtri.batch.entries import Entry
 from rigtri.errors import FileError, UsageError
 from rigtri.outputs import as_file_error, write_text
@@ -83,7 +84,11 @@ def template(words: Sequence[str], parts: int) -> dict[str, Any]:
 
 
 def _line(entry: Entry) -> str:
-    told: dict[str, Any] = {"input": os.path.abspath(entry.source), "output": os.path.abspath(entry.target)}
+    told: dict[str, Any] = {"input": _whole(entry.source), "output": _whole(entry.target)}
     if entry.variables:
         told["variables"] = dict(entry.variables)
     return json.dumps(told)
+
+
+def _whole(name: str) -> str:
+    return name if urls.is_url(name) else os.path.abspath(name)

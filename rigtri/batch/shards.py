@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from rigtri.batch import urls
 from rigtri.batch.entries import Entry
 from rigtri.errors import UsageError
 
@@ -42,7 +43,11 @@ class Shard:
 
 def _place(target: str, folder: str) -> int:
     try:
-        name = os.path.relpath(os.path.abspath(target), os.path.abspath(folder))
+        name = (
+            target
+            if urls.is_url(target)
+            else os.path.relpath(os.path.abspath(target), os.path.abspath(folder))
+        )
     except ValueError:  # another drive
         name = os.path.abspath(target)
     return int.from_bytes(hashlib.sha256(os.fsencode(name.replace(os.sep, "/"))).digest()[:8], "big")

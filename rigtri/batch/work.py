@@ -41,6 +41,10 @@ class Task(Protocol):
     def beside(self) -> str:
         """The suffix of a file that goes with each output, "" for none."""
 
+    @property
+    def relink(self) -> bool:
+        """Whether outputs refer to the files of their inputs where these are."""
+
     def key(self) -> str:
         """All that decides what becomes of a file, but for the contents of `files`, as text."""
 
