@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -17,7 +16,7 @@ import click
 
 from rigtri.errors import FileError, UsageError
 
-from . import batch_job, failures
+from . import batch_engine, batch_job, failures
 from .build import assigned, set_option, spec_option
 from .options import Tolerance, dry_run_option, json_option, quiet_option
 from .progress import Progress
@@ -149,7 +148,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         _tell_chosen(found, chosen, shard, values)
     own = manifest.place(whole, shard)
     with ExitStack() as stack:
-        engine = stack.enter_context(_engine(values, folder, chosen))
+        engine = stack.enter_context(batch_engine.engine(values, folder, chosen))
         kept = None
         if not values["dry_run"]:
             own.parent.mkdir(parents=True, exist_ok=True)
@@ -158,11 +157,11 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
         log = stack.enter_context(_log(values["log"]))
         engines = [engine]
-        heard = stack.enter_context(_signals(engines, quiet=values["quiet"]))
+        heard = stack.enter_context(batch_engine.signals(engines, quiet=values["quiet"]))
         session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
         plan = session.plan(chosen, lambda: bool(heard))
         if len(plan.assignments) > 1 and not plan.settled and not heard:
-            engines.append(_local(values, folder, len(chosen), dry_run=True))
+            engines.append(batch_engine.local(values, folder, len(chosen), dry_run=True))
             _try_out(plan, engines[1])
         _work(session, plan, engine, log, values, str(shard) if shard else None)
         if kept is not None:
@@ -172,35 +171,6 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         _tell_end(session, left, values)
     failures.answered(click.get_current_context())
     return 128 + heard[0] if heard else SOME_FAILED if session.failures else 0
-
-
-@contextmanager
-def _engine(values: dict[str, Any], folder: str, chosen: Sequence[Entry]) -> Iterator[Engine]:
-    """Who does the work: processes of this machine, or a cluster, whose workers can do it."""
-    most = 0 if values["fail_fast"] else values["max_errors"]
-    wanted = {"dry_run": values["dry_run"], "max_errors": most}
-    if not values["dask"]:
-        yield _local(values, folder, len(chosen), **wanted)
-        return
-    from rigtri.batch.cluster import Cluster
-    from rigtri.batch.fetched import is_elsewhere
-
-    with Cluster(values["dask"], folder, jobs=values["jobs"], **_limits(values), **wanted) as cluster:
-        if chosen:
-            near = (entry.source for entry in chosen if not is_elsewhere(entry))
-            cluster.check(next(near, None))
-        yield cluster
-
-
-def _local(values: dict[str, Any], folder: str, files: int, **wanted: Any) -> Engine:
-    from rigtri.batch.engine import Local, processors
-
-    jobs = max(1, min(values["jobs"] or processors(), files))
-    return Local(jobs, folder, **_limits(values), **wanted)
-
-
-def _limits(values: dict[str, Any]) -> dict[str, Any]:
-    return {"seconds": values["timeout"], "memory": values["max_memory"]}
 
 
 def _tasks(values: dict[str, Any]) -> Tasks:
@@ -333,30 +303,3 @@ def _log(path: str | None) -> Iterator[IO[str] | None]:
         raise FileError(f"--log {path} cannot be written: {error.strerror}") from error
     with file:
         yield file
-
-
-@contextmanager
-def _signals(engines: list[Engine], *, quiet: bool) -> Iterator[list[int]]:
-    """Meanwhile an interrupt lets the files end that are begun, and a second one gives them up.
-
-    Gives the signals that were heard.
-    """
-    heard: list[int] = []
-
-    def hear(number: int, _frame: object) -> None:
-        heard.append(number)
-        for engine in engines:
-            if len(heard) > 1:
-                engine.kill()
-            else:
-                engine.stop()
-        if len(heard) == 1 and not quiet:
-            os.write(2, b"\nending: files that are begun are finished; once more gives them up\n")
-
-    kinds = [signal.SIGINT, signal.SIGTERM]
-    before: list[Any] = [signal.signal(kind, hear) for kind in kinds]
-    try:
-        yield heard
-    finally:
-        for kind, old in zip(kinds, before, strict=True):
-            signal.signal(kind, old)

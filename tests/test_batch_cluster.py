@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -23,6 +24,7 @@ from rigtri.batch import cluster
 from rigtri.batch.entries import Entry
 from rigtri.batch.on_worker import Message
 from rigtri.batch.work import Assignment, Record
+from rigtri.errors import FileError
 
 # Tasks travel by the name of their module, which workers must find, too.
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
@@ -207,7 +209,7 @@ class Silent:
     def add_done_callback(self, _: object) -> None:
         pass
 
-    def result(self) -> list[tuple[int, Record]]:
+    def result(self, **_: object) -> list[tuple[int, Record]]:
         return []
 
     def cancel(self, _: object) -> None:
@@ -243,3 +245,35 @@ def test_only_what_three_workers_died_on_is_named_and_comes_last_till_then(
     died = "a: 3 workers of the cluster died on this file"
     assert found == [("b", "ok", None), ("c", "ok", None), ("a", "crashed", died)]
     assert answers == [([0, 1, 2], None), ([1, 2, 0], None), ([0, 2], None), ([2, 0], None), ([], None)]
+
+
+class Asked(Silent):
+    """A client of two workers, the second of which says something else about one question."""
+
+    def __init__(self, question: str, answer: object) -> None:
+        self._question, self._answer = question, answer
+
+    def run(self, what: Callable[..., object], of: str, on_error: str) -> dict[str, object]:
+        first = what(of)
+        return {"tcp://a": first, "tcp://b": self._answer if what.__name__ == self._question else first}
+
+
+@pytest.mark.parametrize(
+    ("question", "answer", "said"),
+    [
+        ("version", "0.0.1", "the worker tcp://b has rigtri 0.0.1 (1 of 2 workers)"),
+        ("version", ModuleNotFoundError("rigtri"), "the worker tcp://b has no rigtri (1 of 2 workers)"),
+        ("isdir", False, "the worker tcp://b does not see"),
+        ("isfile", PermissionError(), "a.glb (1 of 2 workers); workers need the same file system"),
+    ],
+)
+def test_a_worker_that_cannot_do_it_is_named_before_anything_is_done(
+    tmp_path: Path, question: str, answer: object, said: str
+) -> None:
+    (tmp_path / "a.glb").touch()
+    engine = cluster.Cluster("", str(tmp_path))
+    engine._client = Asked(question, answer)
+    with pytest.raises(FileError, match=re.escape(said)):
+        engine.check([Entry(str(tmp_path / "a.glb"), "out/a.glb")])
+    if not question.startswith("v"):
+        engine.check([Entry("memory://in/a.glb", "memory://out/a.glb")])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import queue
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +15,7 @@ from uuid import uuid4
 from rigtri.batch import urls
 from rigtri.batch.contents import Hashes
 from rigtri.batch.engine import Heard
+from rigtri.batch.entries import Entry
 from rigtri.batch.on_worker import Chunk, Message, do
 from rigtri.batch.work import Assignment, Record
 from rigtri.confined import CrashError
@@ -106,11 +107,8 @@ class Cluster:
     def __exit__(self, *_: object) -> None:
         self._client.close()
 
-    def check(self, source: str | None) -> None:
-        """FileError where there are no workers, or one lacks this rigtri or does not see the files.
-
-        source: one of the files that are no URLs; without any nothing needs to be seen.
-        """
+    def check(self, entries: Sequence[Entry]) -> None:
+        """FileError where there are no workers, or one lacks this rigtri or does not see the files."""
         from importlib.metadata import version
 
         from rigtri import __version__
@@ -132,14 +130,21 @@ class Cluster:
                 f"the worker {name} {has} ({len(odd)} of {len(versions)} workers), and this is "
                 f"{__version__}; install the same everywhere"
             )
-        if source is None:
+        self._look(entries, len(versions))
+
+    def _look(self, entries: Sequence[Entry], workers: int) -> None:
+        """Let workers look for what they need; where all is elsewhere that is nothing."""
+        if all(urls.is_url(entry.source) and urls.is_url(entry.target) for entry in entries):
             self._at = ""
             return
-        for path, seen in ((self._at, os.path.isdir), (os.path.abspath(source), os.path.isfile)):
+        sources = (os.path.abspath(entry.source) for entry in entries if not urls.is_url(entry.source))
+        for path, seen in ((self._at, os.path.isdir), (next(sources, ""), os.path.isfile)):
+            if not path:
+                continue
             blind = [name for name, found in self._asked(seen, path).items() if found is not True]
             if blind:
                 raise FileError(
-                    f"the worker {blind[0]} does not see {path} ({len(blind)} of {len(versions)} workers); "
+                    f"the worker {blind[0]} does not see {path} ({len(blind)} of {workers} workers); "
                     "workers need the same file system under the same path"
                 )
 
