@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from rigtri.batch import urls
 from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
@@ -165,7 +166,7 @@ class Run:
         if known is not None and self._is_done(entry, known):
             return appeared.get(entry.target) or Record("skipped", deviation=known.deviation)
         mine = known is not None and self._is_ours(known)
-        if os.path.lexists(entry.target) and not mine and not self._overwrite:
+        if not mine and not self._overwrite and _stands(entry.target):
             return "lost"
         return Assignment(entry, self._tasks(entry.variables), overwrite=mine or self._overwrite)
 
@@ -190,7 +191,7 @@ class Run:
         """Whether what stands there is what an earlier run has written, or is gone."""
         try:
             return bool(known.made) and all(
-                self._hashes.of(os.path.join(self._folder, name)) in (value, ABSENT)
+                self._hashes.now(name, self._folder, value) in (value, ABSENT)
                 for name, value in known.made.items()
             )
         except OSError:
@@ -231,10 +232,16 @@ def try_out(plan: Plan, engine: Engine) -> None:
         raise UsageError(text) if kinds == {"usage"} else MisfitError(text)
 
 
+def _stands(target: str) -> bool:
+    return urls.exists(target) if urls.is_url(target) else os.path.lexists(target)
+
+
 def _clear(entries: Sequence[Entry]) -> None:
     """Remove what killed runs have left beside the outputs; each folder is looked through once."""
     names: dict[str, set[str]] = {}
     for entry in entries:
+        if urls.is_url(entry.target):
+            continue  # nothing is written there under another name
         folder, name = os.path.split(entry.target)
         names.setdefault(folder, set()).add(name)
     for folder, own in names.items():
