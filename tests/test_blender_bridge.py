@@ -11,6 +11,7 @@ from engines import Shown, blender_setup
 from places import SAMPLES
 
 from rigtri.bridge.blender import blender_setup as exported
+from rigtri.bridge.plan import named
 from rigtri.following import Parts
 from rigtri.formats import read
 from rigtri.matrices import inverse, multiply
@@ -45,11 +46,18 @@ def expected(rig: Rig, controls: dict[str, Any], only_fk: bool) -> dict[str, Flo
     solver = Solver(rig, fk if only_fk else None)
     posed, rest = solver.run(parts), solver.reference.world
     joints = np.flatnonzero(rig.is_joint).tolist()
-    return {rig.names[k]: multiply(inverse(rest[k]), posed.world(k)[0]) for k in joints}
+    return {named(rig, k): multiply(inverse(rest[k]), posed.world(k)[0]) for k in joints}
 
 
 def apart(
-    rig: Rig, found: Shown, number: int, controls: dict[str, Any], *, only_fk: bool = False, y_up: bool = True
+    rig: Rig,
+    found: Shown,
+    number: int,
+    controls: dict[str, Any],
+    *,
+    only_fk: bool = False,
+    y_up: bool = True,
+    meters: float = 1.0,
 ) -> float:
     """The farthest that a joint, or a tip of its axes of a tenth of the size, is from where rigtri has it."""
     up = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]) if y_up else np.eye(4)
@@ -59,7 +67,8 @@ def apart(
     tips = np.concatenate([np.zeros((1, 3)), np.eye(3) * 0.1 * size])
     worst = 0.0
     for k, name in enumerate(found["names"]):
-        rest, now = (found[f"joints|{word}"][k].T for word in ("rest", number))
+        rest, now = (found[f"joints|{word}"][k].T.copy() for word in ("rest", number))
+        rest[3, :3], now[3, :3] = rest[3, :3] / meters, now[3, :3] / meters
         start = rest[3, :3] + tips
         seen = _moved(start, inverse(rest) @ now)
         mine = _moved(start, inverse(up) @ wanted[str(name)] @ up)
@@ -151,3 +160,52 @@ def test_bones_follow_controls_in_blender_as_in_rigtri(
     checked(found)
     assert fk <= FK
     assert max(ik) <= IK
+
+
+RULES = """
+add-twist --limb upper_arm_L forearm_L hand_L
+constrain --type aim --child head --driver hand_R_ik_ctl
+constrain --type aim --child toe_R --driver foot_L_ik_ctl --driver shin_L_pole=2 --world-up none --aim-axis z
+constrain --type aim --child fingers_R --driver hand_L_ik_ctl --world-up objectrotation --up-object hips_ctl
+constrain --type point --child shin_L_pole --driver foot_L_ik_ctl
+constrain --type orient --child neck --driver hand_L_ik_ctl
+constrain --type orient --child fingers_L --driver toe_L_ctl --space local
+constrain --type orient --child clavicle_L --driver spine_ctl --roll-axis x
+constrain --type scale --child toe_L --driver spine_ctl
+constrain --type parent --child hand_R_ik_ctl_offset --driver spine --driver hips=2
+constrain --type polevector --child forearm_R --driver clavicle_R_ctl
+"""
+RULED = {
+    "hips_root_ctl": ONE | {"translation": [0.1, 0.0, 0.1], "rotation": turn("y", 20)},
+    "hips_ctl": ONE | {"translation": [0.0, -0.03, 0.02], "rotation": turn("z", 10)},
+    "spine_ctl": ONE | {"rotation": turn("x", 15), "scale": [1.1, 1.1, 1.1]},
+    "hand_L_ik_ctl": ONE | {"translation": [-0.05, 0.05, 0.1], "rotation": turn("x", 50)},
+    "foot_L_ik_ctl": ONE | {"translation": [0.03, 0.1, 0.05]},
+    "toe_L_ctl": ONE | {"rotation": turn("z", 25)},
+    "head_ctl": ONE | {"rotation": turn("y", 20)},
+    "clavicle_R_ctl": ONE | {"rotation": turn("z", 10)},
+}
+
+
+@pytest.fixture(scope="module")
+def ruled(rigged: dict[str, Path], app: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with rules of every kind, and twist joints."""
+    from click.testing import CliRunner
+
+    folder, source = tmp_path_factory.mktemp("ruled"), rigged["biped.glb"]
+    for number, line in enumerate(RULES.strip().splitlines()):
+        name, *options = line.split()
+        target = folder / f"{number}.glb"
+        result = CliRunner().invoke(app, [name, str(source), "-o", str(target), *options, "-q"])
+        assert result.exit_code == 0, result.stderr
+        source = target
+    return source
+
+
+def test_constraints_and_twist_move_in_blender_as_in_rigtri(ruled: Path, tmp_path: Path) -> None:
+    rig = read(ruled).rig
+    script = str(script_for(ruled, tmp_path))
+    job = {"source": str(ruled), "script": script, "poses": [RULED]}
+    (found,) = blender_setup(job, folder=tmp_path)
+    checked(found)
+    assert apart(rig, found, 0, RULED) <= IK

@@ -97,7 +97,7 @@ def _locally(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) 
         _turn_about(plan, child, f"{name} axis", turned, zero, line, 1.0, share)
         return
     hold = plan.ride("local", plan.node(int(rig.parents[child])), child)
-    plan.constrain(hold, "COPY_ROTATION", turned, space=zero, local=True)
+    plan.constrain(hold, "COPY_TRANSFORMS", turned, space=zero)
     plan.constrain(plan.node(child), "COPY_ROTATION", hold, share=share)
 
 
@@ -175,7 +175,9 @@ def _turn_about(
     """A socket on what the child hangs on turns about a line as ``turned`` twists about its y axis."""
     above = int(plan.rig.parents[child])
     stand = frame(plan.reference.world[child, 3, :3], line, np.zeros(3))
-    turner = plan.socket(name, plan.node(above), stand, bone=True)
+    # Blender's local space of an object is what it hangs on, so that has to stand in the same frame.
+    holder = plan.socket(f"{name} frame", plan.node(above), stand, bone=True)
+    turner = plan.socket(name, holder, stand, bone=True)
     plan.constrain(turner, "TRANSFORM", turned, space=zero, weight=weight)
     own = plan.ride("twisted", turner, child)
     plan.constrain(plan.node(child), "COPY_ROTATION", own, share=share)

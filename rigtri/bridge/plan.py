@@ -47,7 +47,7 @@ class Plan:
             note = rig.notes.get(node, {})
             self.nodes.append(
                 {
-                    "name": rig.names[node],
+                    "name": named(rig, node),
                     "title": rig.title(node),
                     "above": _above(rig, node),
                     "joint": bool(rig.is_joint[node]),
@@ -119,9 +119,14 @@ def _above(rig: Rig, node: int) -> list[str]:
     """The names of all nodes above, the nearest first."""
     names, above = [], int(rig.parents[node])
     while above >= 0:
-        names.append(rig.names[above])
+        names.append(named(rig, above))
         above = int(rig.parents[above])
     return names
+
+
+def named(rig: Rig, node: int) -> str:
+    """A node's name, or what glTF's import calls it where it has none."""
+    return rig.names[node] or f"Node_{rig.labels[node].removeprefix('#')}"
 
 
 def _told(value: Any) -> Any:
@@ -144,7 +149,7 @@ def _axes(rig: Rig) -> list[dict[str, Any]]:
             turns.append(_seen(binds[joint], binds[above]))
         told = [turn for turn in turns if np.isfinite(turn).all()]
         if told:
-            names = {"name": rig.names[joint], "above": _above(rig, joint)}
+            names = {"name": named(rig, joint), "above": _above(rig, joint)}
             found.append(names | {"turns": [flat(turn) for turn in told]})
     return found
 

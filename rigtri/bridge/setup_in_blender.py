@@ -346,8 +346,6 @@ class Setup:
             constraint.pole_angle = 0.0  # the upper bone is built with its x axis to the side of the pole
         elif about["type"] == "TRANSFORM":
             self.twisting(constraint, about["weight"])
-        if about.get("local"):
-            constraint.owner_space = "LOCAL"
         if about["on"][0] == "n":
             self.drive(constraint, thing, about)
         else:
@@ -423,7 +421,7 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
             "nothing is set up, for the scene does not have all of the character:\n  "
             + "\n  ".join(wrong[:20])
             + more
-            + "\nImport the file anew with the importer's own settings, or let the script do it in an empty scene"
+            + "\nImport the file anew with the importer's own settings, or let the script do it"
         )
     master = next((thing for thing, bone in nodes if bone), nodes[0][0])
     before = float(master.get(DRIVE, 1.0))

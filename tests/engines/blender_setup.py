@@ -120,7 +120,7 @@ def work(job):
     if job.get("alone"):
         bpy.ops.wm.read_factory_settings(use_empty=True)
     else:
-        load(Path(job["source"]))
+        load(Path(job["source"]), guess_original_bind_pose=False)
         clips("before", found)
         silence()
         found["points|imported"] = vertices()
