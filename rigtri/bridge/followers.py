@@ -119,7 +119,7 @@ def _aim(plan: Plan, rule: Rule) -> None:
     child, above = rule.child, int(rig.parents[rule.child])
     name, place = plan.called(child), world[child, 3, :3]
     drivers = zip(rule.drivers, rule.weights.tolist(), strict=True)
-    points = [(plan.node(driver), weight) for driver, weight in drivers if weight > 0]
+    points = [(plan.node(node), weight, world[node, 3, :3]) for node, weight in drivers if weight > 0]
     target = points[0][0] if len(points) == 1 else middle(plan, f"{name} aim", points)
     turn = product(plan.reference.turn(above), rule.rest)
     aim, up = (rotate(turn, np.asarray(axis, dtype=np.float64)) for axis in (rule.aim, rule.up))

@@ -79,18 +79,17 @@ def _bones(plan: Plan, ik: Ik, pole: str | None, number: int) -> tuple[str, str,
     first, second = (transform_directions(line, carrier) for line in rest.lines)
     side = rotate(plan.reference.turn(above), rest.side)
     root = world[ik.limb.chain[0], 3, :3]
-    middle, sizes = root + first, (float(length(first)), float(length(second)))
+    sizes = float(length(first)), float(length(second))
     hinge = normalise(cross(first, side))
     sine = float(length(cross(normalise(first), normalise(second))))
     more = max(_BENT - sine, 0.0) / 2.0
     bent = _turned(first, hinge, more), _turned(second, hinge, -more)
     stand = from_frame(np.eye(3), root)
-    base = plan.bone(f"{name} base", -1, stand, stand, sizes[0] / 4.0)
-    upper = plan.bone(f"{name} upper", base, frame(root, first, side), frame(root, bent[0], side), sizes[0])
-    knee = frame(root + bent[0], bent[1], side)
-    lower = plan.bone(f"{name} lower", upper, frame(middle, second, side), knee, sizes[1])
+    base = plan.bone(f"{name} base", -1, stand, sizes[0] / 4.0)
+    upper = plan.bone(f"{name} upper", base, frame(root, bent[0], side), sizes[0])
+    lower = plan.bone(f"{name} lower", upper, frame(root + bent[0], bent[1], side), sizes[1])
     if above >= 0:
-        hung = plan.socket(f"{name} base", plan.node(above), stand, bone=True)
+        hung = plan.socket(f"{name} base", plan.node(above), stand, bone=True, leads=True)
         plan.constrain(f"b{base}", "COPY_TRANSFORMS", hung)
     if pole is None and ik.limb.pole >= 0:
         pole = plan.node(ik.limb.pole)
@@ -106,22 +105,25 @@ def _turned(line: Floats, hinge: Floats, angle: float) -> Floats:
 
 def pole_place(plan: Plan, rule: Rule) -> str:
     """What a rule makes the pole of a limb: the middle of points that ride on its drivers."""
-    sockets = []
+    points = []
     for driver, offset, weight in zip(rule.drivers, rule.offsets, rule.weights.tolist(), strict=True):
         if weight > 0:
-            world = plan.reference.world[driver]
-            place = transform_points(offset[3, :3], world)
+            place = transform_points(offset[3, :3], plan.reference.world[driver])
             stand = from_frame(np.eye(3), place)
             point = plan.socket(f"{plan.called(driver)} pole", plan.node(driver), stand, bone=True)
-            sockets.append((point, weight))
-    return middle(plan, f"{plan.called(rule.child)} pole", sockets)
+            points.append((point, weight, place))
+    return middle(plan, f"{plan.called(rule.child)} pole", points)
 
 
-def middle(plan: Plan, name: str, points: list[tuple[str, float]]) -> str:
-    """A socket in the weighted middle of others."""
-    found = plan.socket(name, "", np.eye(4), bone=True)
-    total = 0.0
-    for point, weight in points:
+def middle(plan: Plan, name: str, points: list[tuple[str, float, Floats]]) -> str:
+    """A socket in the weighted middle of others, of which the places at rest are given, too."""
+    total, place = 0.0, np.zeros(3)
+    shares = []
+    for _, weight, there in points:
         total += weight
-        plan.constrain(found, "COPY_LOCATION", point, share=weight / total)
+        shares.append(weight / total)
+        place = place + (there - place) * shares[-1]
+    found = plan.socket(name, "", from_frame(np.eye(3), place), bone=True)
+    for (point, _, _), share in zip(points, shares, strict=True):
+        plan.constrain(found, "COPY_LOCATION", point, share=share)
     return found

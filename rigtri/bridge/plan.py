@@ -61,9 +61,12 @@ class Plan:
         """Whether Blender makes a bone of a node: bones and objects have other axes there."""
         return bool(self.rig.is_joint[node])
 
-    def socket(self, name: str, on: str, stand: Floats, *, bone: bool) -> str:
-        """A new empty object that rides on something; stand: (4, 4), in the axes of bones or of objects."""
-        self.sockets.append({"name": name, "on": on, "stand": flat(stand), "bone": bone})
+    def socket(self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False) -> str:
+        """A new empty object that rides on something; stand: (4, 4), in the axes of bones or of objects.
+
+        leads: bones of the script's own copy it.
+        """
+        self.sockets.append({"name": name, "on": on, "stand": flat(stand), "bone": bone, "leads": leads})
         return f"s{len(self.sockets) - 1}"
 
     def ride(self, name: str, on: str, node: int) -> str:
@@ -71,9 +74,9 @@ class Plan:
         stand = self.reference.world[node]
         return self.socket(f"{self.called(node)} {name}", on, stand, bone=self.bone_axes(node))
 
-    def bone(self, name: str, parent: int, frame: Floats, edit: Floats, size: float) -> int:
-        """A new bone of the script's own; frame: (4, 4), its y axis along it; edit: as it is built."""
-        about = {"name": name, "parent": parent, "frame": flat(frame), "edit": flat(edit), "length": size}
+    def bone(self, name: str, parent: int, stand: Floats, size: float) -> int:
+        """A new bone of the script's own, its y axis along it, below another or, for −1, none."""
+        about = {"name": name, "parent": parent, "stand": flat(stand), "length": size}
         self.bones.append(about)
         return len(self.bones) - 1
 

@@ -58,6 +58,12 @@ def stand(about: dict[str, Any], bone: bool) -> Matrix:
     return world if bone else world @ object_axes()
 
 
+def socket_stand(about: dict[str, Any]) -> Matrix:
+    """Where a socket stands; one that bones of the script's own copy has the scale of their world."""
+    place = stand({"world": about["stand"]}, about["bone"])
+    return place @ Matrix.Scale(1.0 / RIG["meters"], 4) if about["leads"] else place
+
+
 # -- what is in the scene ------------------------------------------------------------------------
 
 
@@ -244,7 +250,12 @@ class Setup:
             thing = self.target(word)[0]
             value = switches.get(thing.name, 1.0)
             property_of(thing, SWITCH, value, "1: IK moves the limb; 0: its FK controls")
-        self.solver = self.bones() if RIG["bones"] else None
+        self.names: list[str] = []
+        self.frames: list[Matrix] = []
+        self.solver: Any = None
+        if RIG["bones"]:
+            self.solver = self.bones()
+            self.frames = self.solved()
         self.sockets = [self.empty(about) for about in RIG["sockets"]]
         for about, thing in zip(RIG["sockets"], self.sockets, strict=True):
             self.hang(about, thing)
@@ -278,19 +289,52 @@ class Setup:
         for about in RIG["bones"]:
             bone = solver.data.edit_bones.new(about["name"])
             bone.head, bone.tail = (0, 0, 0), (0, 1, 0)
-            bone.matrix = from_file() @ matrix(about["edit"])
+            bone.matrix = from_file() @ matrix(about["stand"])
             bone.length = about["length"] * RIG["meters"]
             if about["parent"] >= 0:
                 bone.parent = made[about["parent"]]
             made.append(bone)
-        names = [bone.name for bone in made]
+        self.names = [bone.name for bone in made]
         bpy.ops.object.mode_set(mode="OBJECT")
-        self.names = names
         view.objects.active = active
         for one in selected:
             one.select_set(True)
         solver.hide_viewport = solver.hide_select = True
         return solver
+
+    def solved(self) -> list[Matrix]:
+        """Where the solver puts its bones while controls are zero: what hangs on them is told from there.
+
+        It leaves a straight limb bent by some thousandths, which would show in the rest pose.
+        """
+        made = []
+        for about in RIG["constraints"]:
+            if about["type"] == "IK":
+                points = [self.added(word) for word in ("target", "pole")]
+                for point, word in zip(points, (about["target"], about["pole"]), strict=True):
+                    point.location = self.world(word).translation
+                constraint = self.solver.pose.bones[self.target(about["on"])[1]].constraints.new("IK")
+                self.solving(constraint, (points[0], ""), (points[1], ""))
+                made.append((about, constraint, points))
+        self.solver.hide_viewport = False
+        bpy.context.view_layer.update()
+        seen = self.solver.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        frames = [seen.pose.bones[name].matrix.copy() for name in self.names]
+        self.solver.hide_viewport = True
+        for about, constraint, points in made:
+            self.solver.pose.bones[self.target(about["on"])[1]].constraints.remove(constraint)
+            for point in points:
+                bpy.data.objects.remove(point)
+        return frames
+
+    @staticmethod
+    def solving(constraint: Any, target: tuple[Any, str], pole: tuple[Any, str]) -> None:
+        """IK of two bones. The upper one is built with its x axis to the side of the pole: the angle is 0."""
+        constraint.target, constraint.subtarget = target
+        constraint.pole_target, constraint.pole_subtarget = pole
+        constraint.pole_angle = 0.0
+        constraint.chain_count, constraint.iterations = 2, ITERATIONS
+        constraint.use_stretch = False
 
     def target(self, word: str) -> tuple[Any, str]:
         """The object and bone that a word of the plan means."""
@@ -305,13 +349,13 @@ class Setup:
         number = int(word[1:])
         if word[0] == "n":
             return stand(RIG["nodes"][number], bool(self.nodes[number][1]))
-        about = RIG["bones"][number] if word[0] == "b" else RIG["sockets"][number]
-        told = about["frame"] if word[0] == "b" else about["stand"]
-        return stand({"world": told}, word[0] == "b" or about["bone"])
+        if word[0] == "b":
+            return self.frames[number]
+        return socket_stand(RIG["sockets"][number])
 
     def hang(self, about: dict[str, Any], thing: Any) -> None:
         """Let a socket stand in its place and ride on what it is to ride on."""
-        place = stand({"world": about["stand"]}, about["bone"])
+        place = socket_stand(about)
         if not about["on"]:
             thing.matrix_world = place
             return
@@ -340,10 +384,7 @@ class Setup:
         if about["type"] == "COPY_TRANSFORMS":
             constraint.mix_mode = "AFTER_FULL" if "space" in about else "REPLACE"
         elif about["type"] == "IK":
-            constraint.chain_count, constraint.iterations = 2, ITERATIONS
-            constraint.use_stretch = False
-            constraint.pole_target, constraint.pole_subtarget = self.target(about["pole"])
-            constraint.pole_angle = 0.0  # the upper bone is built with its x axis to the side of the pole
+            self.solving(constraint, self.target(about["target"]), self.target(about["pole"]))
         elif about["type"] == "TRANSFORM":
             self.twisting(constraint, about["weight"])
         if about["on"][0] == "n":

@@ -133,7 +133,7 @@ def work(job):
     found["names"] = np.array([bone.name for bone in skeleton().pose.bones])
     found["joints|rest"] = joints()
     for number, controls in enumerate(job.get("poses", ())):
-        before = pose(nodes, controls, Path(job["source"]).suffix in (".glb", ".gltf"))
+        before = pose(nodes, controls, Path(job["source"]).suffix in (".glb", ".gltf", ".vrm"))
         switch(0.0 if number in job.get("only_fk", ()) else 1.0)
         found[f"joints|{number}"] = joints()
         for thing, basis in before:
