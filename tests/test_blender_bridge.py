@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+import ast
+import json
+import re
+import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from engines import Shown, blender_setup
-from places import SAMPLES
+from click.testing import CliRunner
+from engines import Shown, blender_setup, blender_trip
+from places import ROOT, SAMPLES
 
+from rigtri.bridge import blender
 from rigtri.bridge.blender import blender_setup as exported
 from rigtri.bridge.plan import named
 from rigtri.following import Parts
 from rigtri.formats import read
 from rigtri.matrices import inverse, multiply
+from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.evaluate import Solver
+from rigtri.solve.posed import Posed, sampled
 from rigtri.trigonometry import Floats
 
 # Of the size. At rest and with FK it is Blender's float32; its IK is iterative, and rarely off by more.
@@ -96,8 +105,6 @@ def checked(found: Shown) -> None:
 
 @pytest.fixture(scope="module")
 def rigged(app: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    from click.testing import CliRunner
-
     folder = tmp_path_factory.mktemp("rigged")
     made = {}
     for name in ("biped.glb", "tpose.glb", "biped.usda"):
@@ -190,8 +197,6 @@ RULED = {
 @pytest.fixture(scope="module")
 def ruled(rigged: dict[str, Path], app: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A file with rules of every kind, and twist joints."""
-    from click.testing import CliRunner
-
     folder, source = tmp_path_factory.mktemp("ruled"), rigged["biped.glb"]
     for number, line in enumerate(RULES.strip().splitlines()):
         name, *options = line.split()
@@ -209,3 +214,104 @@ def test_constraints_and_twist_move_in_blender_as_in_rigtri(ruled: Path, tmp_pat
     (found,) = blender_setup(job, folder=tmp_path)
     checked(found)
     assert apart(rig, found, 0, RULED) <= IK
+
+
+def test_controls_animated_in_blender_come_back_as_joint_keys(
+    app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The commands of docs/blender.md."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(SAMPLES / "biped.glb", "hero.glb")
+    for line in block("to blender"):
+        assert CliRunner().invoke(app, line).exit_code == 0
+    by = [0.05, -0.12, 0.1]
+    names = {"script": str(tmp_path / "setup.py"), "target": str(tmp_path / "edited.glb")}
+    blender_trip(names | {"control": "hand_L_ik_ctl", "by": by}, folder=tmp_path)
+    for line in block("and back"):
+        result = CliRunner().invoke(app, line)
+        assert result.exit_code == 0, result.stderr
+    rig, final = read(tmp_path / "rigged.glb").rig, read(tmp_path / "final.glb").rig
+    assert not [name for name in final.names if name.startswith("rigtri ")]
+    moved = {"hand_L_ik_ctl": ONE | {"translation": [by[0], by[2], -by[1]]}}
+    (clip,) = final.clips
+    end = max(float(track.times[-1]) for track in clip.tracks)
+    posed = Posed(final, sampled(final, clip, np.array([end])))
+    for name, matrix in expected(rig, moved, False).items():
+        place = multiply(rig.world[rig.find(name)], matrix)[3, :3]
+        assert np.abs(posed.world(final.find(name))[0, 3, :3] - place).max() < IK, name
+
+
+def block(mark: str) -> list[list[str]]:
+    """The commands of a marked block of docs/blender.md."""
+    page = (ROOT / "docs" / "blender.md").read_text("utf-8")
+    found = re.search(rf"<!-- {mark} -->\n```sh\n(.*?)```", page, re.S)
+    assert found, mark
+    return [line.split()[1:] for line in found.group(1).strip().splitlines()]
+
+
+NASTY = 'x\'); import os; os.abort() #\n"""</script>\\ \u2028\ud800é'
+
+
+def test_names_cannot_become_code(rigged: dict[str, Path]) -> None:
+    rig = read(rigged["biped.glb"]).rig
+    names = [NASTY if name == "head_ctl" else name for name in rig.names]
+    script = exported(replace(rig, names=names), gltf=True, file='it\'s "one"\n.glb').script
+    assert script.isascii()
+    tree = ast.parse(script)
+    literal = next(
+        node.value.args[0]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.AnnAssign)
+        and ast.unparse(node.target) == "RIG"
+        and isinstance(node.value, ast.Call)
+    )
+    assert isinstance(literal, ast.Constant)
+    assert isinstance(literal.value, str)
+    plan = json.loads(literal.value)
+    assert plan["file"] == 'it\'s "one"\n.glb'
+    assert NASTY in [node["name"] for node in plan["nodes"]]
+    template = Path(blender.__file__).parent / "setup_in_blender.py"
+    literal.value = "{}"
+    assert ast.dump(tree) == ast.dump(ast.parse(template.read_text("utf-8")))
+
+
+def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp_path: Path) -> None:
+    """The script of one character on the scene of another, of which most bones have the same names."""
+    plan = exported(read(rigged["biped.glb"]).rig, gltf=True).plan
+    (head,) = [node for node in plan["nodes"] if node["name"] == "head"]
+    head.update(name="haed", title="haed")
+    script = tmp_path / "other.py"
+    script.write_text(blender.script(plan), "utf-8")
+    job = {"source": str(rigged["biped.glb"]), "script": str(script)}
+    with pytest.raises(AssertionError, match=r"nothing is set up[^^]*no bone is 'haed'"):
+        blender_setup(job, folder=tmp_path)
+
+
+def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(app: Any, tmp_path: Path) -> None:
+    plain, script = str(SAMPLES / "biped.glb"), str(tmp_path / "setup.py")
+    result = CliRunner().invoke(app, ["export-blender", plain, "-o", script])
+    assert result.exit_code == 5
+    assert "add-controls" in result.stderr
+    soft = str(tmp_path / "soft.glb")
+    line = ["add-controls", plain, "-o", soft, "--limbs", "auto", "--soft", "0.1", "--stretch"]
+    assert CliRunner().invoke(app, line).exit_code == 0
+    result = CliRunner().invoke(app, ["export-blender", soft, "-o", script, "--json"])
+    told = json.loads(result.stdout)
+    assert (told["limbs"], told["script"]) == (4, script)
+    assert {warning["code"] for warning in told["warnings"]} == {"blender-left-out"}
+    assert any("softness of 'hand_L_ik_ctl'" in warning["text"] for warning in told["warnings"])
+    again = CliRunner().invoke(app, ["export-blender", soft, "-o", script])
+    assert again.exit_code == 2
+    assert "--overwrite" in again.stderr
+    streamed = CliRunner().invoke(app, ["export-blender", soft, "-o", "-", "-q"])
+    assert streamed.stdout == Path(script).read_text("utf-8")
+
+
+def test_left_out_rules_are_named(rigged: dict[str, Path], app: Any, tmp_path: Path) -> None:
+    out = str(tmp_path / "out.glb")
+    line = ["constrain", str(rigged["biped.glb"]), "-o", out, "--type", "point", "--child", "head"]
+    assert CliRunner().invoke(app, [*line, "--driver", "hips", "--skip", "ty"]).exit_code == 0
+    report = Report()
+    exported(read(Path(out)).rig, gltf=True, report=report)
+    assert [notice.code for notice in report.warnings] == ["blender-left-out"]
+    assert "'head'" in report.warnings[0].text

@@ -62,6 +62,14 @@ def blender_setup(*jobs: dict[str, Any], folder: Path) -> list[Shown]:
     return [dict(np.load(target)) for target in targets]
 
 
+def blender_trip(*jobs: dict[str, Any], folder: Path) -> None:
+    """Animate a control that a script has set up, and export (`blender_trip.py`). Skips as `blender`."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    _call([python, str(_HERE / "blender_trip.py")], jobs, folder)
+
+
 def blender_limbs(*paths: Path, folder: Path) -> list[Any]:
     """Where Blender's IK puts the limbs of each file over time (`blender_limbs.py`). Skips as `blender`."""
     return list(_told_by_blender("blender_limbs.py", paths, folder))
