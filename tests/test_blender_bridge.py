@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from engines import Shown, blender_setup, blender_trip
-from places import ROOT, SAMPLES
+from places import NO_ASSETS, ROOT, SAMPLES, asset_files
 
 from rigtri.bridge import blender
 from rigtri.bridge.blender import blender_setup as exported
@@ -107,7 +107,7 @@ def checked(found: Shown) -> None:
 def rigged(app: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("rigged")
     made = {}
-    for name in ("biped.glb", "tpose.glb", "biped.usda"):
+    for name in ("biped.glb", "biped.usda"):
         made[name] = folder / name
         line = ["add-controls", SAMPLES / name, "-o", made[name], "--whole-character", "-q"]
         assert CliRunner().invoke(app, list(map(str, line))).exit_code == 0
@@ -159,7 +159,7 @@ def compared(path: Path, folder: Path, **more: Any) -> tuple[Shown, list[float]]
     return found, off
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", pytest.param("biped.usda", marks=pytest.mark.slow)])
 def test_bones_follow_controls_in_blender_as_in_rigtri(
     name: str, rigged: dict[str, Path], tmp_path: Path
 ) -> None:
@@ -207,6 +207,7 @@ def ruled(rigged: dict[str, Path], app: Any, tmp_path_factory: pytest.TempPathFa
     return source
 
 
+@pytest.mark.slow
 def test_constraints_and_twist_move_in_blender_as_in_rigtri(ruled: Path, tmp_path: Path) -> None:
     rig = read(ruled).rig
     script = str(script_for(ruled, tmp_path))
@@ -216,6 +217,7 @@ def test_constraints_and_twist_move_in_blender_as_in_rigtri(ruled: Path, tmp_pat
     assert apart(rig, found, 0, RULED) <= IK
 
 
+@pytest.mark.slow
 def test_controls_animated_in_blender_come_back_as_joint_keys(
     app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -275,6 +277,7 @@ def test_names_cannot_become_code(rigged: dict[str, Path]) -> None:
     assert ast.dump(tree) == ast.dump(ast.parse(template.read_text("utf-8")))
 
 
+@pytest.mark.slow
 def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp_path: Path) -> None:
     """The script of one character on the scene of another, of which most bones have the same names."""
     plan = exported(read(rigged["biped.glb"]).rig, gltf=True).plan
@@ -315,3 +318,42 @@ def test_left_out_rules_are_named(rigged: dict[str, Path], app: Any, tmp_path: P
     exported(read(Path(out)).rig, gltf=True, report=report)
     assert [notice.code for notice in report.warnings] == ["blender-left-out"]
     assert "'head'" in report.warnings[0].text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["kaykit_Barbarian.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda"]
+)
+def test_bones_of_real_characters_follow_controls(name: str, app: Any, tmp_path: Path) -> None:
+    """Straight limbs, bones scaled by their armature, centimetres and z up."""
+    path = next((path for path in asset_files() if path.name == name), None)
+    if path is None:
+        pytest.skip(NO_ASSETS)
+    rigged = tmp_path / name
+    line = ["add-controls", str(path), "-o", str(rigged), "--whole-character", "-q"]
+    assert CliRunner().invoke(app, line).exit_code == 0
+    document = read(rigged)
+    rig, meters = document.rig, document.scenery().whole.get("metersPerUnit", 1.0)
+    ends, fk = (
+        [rig.names[node] for node, note in rig.notes.items() if (note["type"], note.get("kind")) == wanted]
+        for wanted in (("control", "ik"), ("control", "fk"))
+    )
+    size = float(np.linalg.norm(np.ptp(rig.world[np.flatnonzero(rig.is_joint), 3, :3], axis=0)))
+    move = (0.03 * size * np.array([1.0, 1.0, 0.5])).tolist()
+    poses = [
+        {control: ONE | {"rotation": turn("xyz"[k % 3], 12)} for k, control in enumerate(fk[::3])},
+        {control: ONE | {"translation": move, "rotation": turn("y", 20)} for control in ends[:2]},
+    ]
+    is_gltf = path.suffix in (".glb", ".vrm")
+    script = tmp_path / "setup.py"
+    script.write_text(exported(rig, gltf=is_gltf, meters=meters, file=name).script, "utf-8")
+    (found,) = blender_setup(
+        {"source": str(rigged), "script": str(script), "poses": poses, "only_fk": [0]}, folder=tmp_path
+    )
+    checked(found)
+    y_up = is_gltf or rig.up[1] > 0
+    off = [
+        apart(rig, found, k, pose, only_fk=not k, y_up=y_up, meters=meters) for k, pose in enumerate(poses)
+    ]
+    assert off[0] <= FK
+    assert off[1] <= IK
