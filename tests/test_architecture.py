@@ -48,6 +48,7 @@ compare describe description changes
 advice stilled intended
 delivery
 ahead ops formats
+bridge
 inputs outputs
 checks pipeline difference
 steps

@@ -18,6 +18,8 @@ import rigtri
 # Modules that only measure or print; nothing of theirs reaches a file but a report.
 MEASURING = {"compare", "describe", "matching", "moving", "watched", "pipeline", "report"}
 MEASURING |= {"driven", "changes", "diff", "difference", "scenery", "attached"}
+# This one runs in Blender, which computes with float32.
+MEASURING |= {"setup_in_blender"}
 # Functions of the writing modules that only measure: module.function → why it may.
 _POINTS = "points are measured, never written"
 ALLOWED = {
