@@ -39,6 +39,7 @@ lengths
 naming
 limbs
 stature
+views
 skeleton bend
 matching
 playing
@@ -49,6 +50,8 @@ advice stilled intended
 delivery
 ahead ops formats
 inputs outputs
+drawing
+explanation
 checks pipeline difference
 steps
 spec
