@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from rigtri.errors import UsageError
+
 from . import pictures
-from .options import Number, check_streams, quiet_option, read_options, reading_options, source_argument
+from .options import (
+    Number,
+    check_streams,
+    json_option,
+    quiet_option,
+    read_options,
+    reading_options,
+    source_argument,
+)
 
 if TYPE_CHECKING:
     from rigtri.drawing.picture import Options
@@ -70,12 +81,14 @@ if TYPE_CHECKING:
 @reading_options
 @pictures.overwrite_picture_option
 @quiet_option
+@json_option
 def command(source: str, target: str, **values: Any) -> None:
     """Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.
 
     The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
     Joints none of whose axes lies along their bone are orange. A limb is a yellow triangle with the
-    projection of its middle joint; the arrow from there says where it bends to.
+    projection of its middle joint; the arrow from there says where it bends to. --json also prints
+    what is drawn: lines, arrows and triangles in space.
 
     \b
     Examples:
@@ -83,11 +96,14 @@ def command(source: str, target: str, **values: Any) -> None:
         rigtri draw out.glb --against hero.glb -o before-after.png
         rigtri draw hero.glb -o hand.svg --below hand_L --view top --pose walk@0.5
     """
-    from rigtri.drawing.picture import draw
+    from rigtri.drawing.marks import as_json
+    from rigtri.drawing.picture import draw, seen
     from rigtri.formats import read
     from rigtri.inputs import opened
     from rigtri.report import Report
 
+    if values["as_json"] and target == "-":
+        raise UsageError("--json and -o - both want standard output; give the picture a name")
     options, report = _asked(values), Report()
     sources = [source] if values["against"] is None else [source, values["against"]]
     if len(sources) > 1:
@@ -96,7 +112,7 @@ def command(source: str, target: str, **values: Any) -> None:
     with ExitStack() as stack:
         rigs: list[Rig] = []
         for name in sources:
-            document = read(stack.enter_context(opened(name)), read_options(values))
+            document = read(stack.enter_context(opened(name)), read_options({**values, "empty": True}))
             rigs.append(document.rig)
             for notice in document.warnings:
                 report.warn(notice.code, notice.text)
@@ -110,7 +126,13 @@ def command(source: str, target: str, **values: Any) -> None:
             title_against=marked[-1],
             report=report,
         )
+        lines = [as_json(seen(rig, options)) for rig in rigs] if values["as_json"] else []
     pictures.deliver(svg, target, report)
+    if values["as_json"]:
+        sides = [{"file": name, "marks": found} for name, found in zip(sources, lines, strict=True)]
+        warnings = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+        found = {"picture": target, "sides": sides, "warnings": warnings}
+        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
     pictures.tell(report, target, values)
 
 

@@ -115,6 +115,6 @@ def _of_file(words: tuple[str, ...], values: dict[str, Any]) -> Explanation:
     if bool(named) == (values["limb"] is not None) or len(named) not in (0, 3):
         raise UsageError("say which limb of the file: --limb JOINT, or its joints ROOT MIDDLE END")
     with opened(words[0]) as path:
-        rig = read(path, read_options(values)).rig
+        rig = read(path, read_options({**values, "empty": True})).rig
         joints = tuple(map(rig.find, named)) if named else limb_with(rig, values["limb"])
         return explain_limb(rig, joints)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -17,6 +18,7 @@ from builds import _controls, _poles
 from click.testing import CliRunner, Result
 from places import GOLDENS, SAMPLES
 from rigs import chain, random_rig, rig_of
+from second_opinions import validator
 
 import rigtri
 from rigtri.drawing.labels import labels, width
@@ -74,10 +76,7 @@ def test_every_joint_is_one_dot_where_it_stands_with_the_arrows_of_its_axes(seed
         for k, letter in enumerate("xyz"):
             (axis,) = of_kind(mine, letter)
             assert np.allclose(axis.points[0], at)
-            along = axis.points[1] - at
-            assert np.allclose(
-                along / np.linalg.norm(along), rig.world[node, k, :3] / np.linalg.norm(rig.world[node, k, :3])
-            )
+            assert np.allclose(normalise(axis.points[1] - at), normalise(rig.world[node, k, :3]))
 
 
 def test_arrows_are_as_long_as_asked_for_in_bones() -> None:
@@ -221,9 +220,8 @@ def test_the_picture_of_the_biped_has_the_bytes_it_had(pytestconfig: pytest.Conf
 def test_before_and_after_have_one_scale_and_a_caption_each() -> None:
     before = arm()
     after = replace(before, translation=before.translation * [1, 0.5, 1])
-    svg = draw(
-        after, against=before, options=Options(view="front", names=False), title="new", title_against="old"
-    )
+    options = Options(view="front", names=False)
+    svg = draw(after, against=before, options=options, title="new", title_against="old")
     assert {"old", "new"} <= set(texts(svg))
     dots = [e for e in drawn(svg) if e.attrib.get("class", "").startswith("joint")]
     at = np.array([[float(e.attrib["cx"]), float(e.attrib["cy"])] for e in dots])
@@ -271,19 +269,18 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
     square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
     surface = Surface("triangles", np.zeros(0, np.int64), np.array([0, 1, 2, 0, 2, 3]), np.zeros((0, 3)))
     mesh = Mesh("body", 0, square, 0, np.array([[2]] * 4), np.ones((4, 1)), surface=lambda: surface)
-    with_mesh = replace(
-        rig, read_meshes=lambda: (mesh,), translation=rig.translation + [[0, 0, 0], [0, 0, 0], [2, 0, 0]]
-    )
+    moved = rig.translation + np.array([[0, 0, 0], [0, 0, 0], [2, 0, 0]])
+    with_mesh = replace(rig, read_meshes=lambda: (mesh,), translation=moved)
     svg = draw(with_mesh, options=Options(view="front"))
     (body,) = [e for e in drawn(svg) if e.attrib.get("class") == "body"]
     numbers = np.array(re.findall(r"[-\d.]+", body.attrib["d"]), dtype=float).reshape(-1, 2)
     dots = [e for e in drawn(svg) if e.attrib.get("class", "").startswith("joint")]
-    places = {float(e.attrib["cx"]) for e in dots}
-    # Of the wrist alone, which stands rightmost, two units farther than at bind.
-    assert numbers[:, 0].min() > sorted(places)[0] + 100
-    assert not [
-        e for e in drawn(draw(with_mesh, options=Options(mesh=False))) if e.attrib.get("class") == "body"
-    ]
+    shoulder, elbow, _ = sorted(float(e.attrib["cx"]) for e in dots)
+    unit = (elbow - shoulder) / 3
+    # Two units farther than at bind, with the wrist: from 1 to 3.
+    assert numbers[:, 0].min() == pytest.approx(shoulder + unit, abs=4)
+    assert numbers[:, 0].max() == pytest.approx(shoulder + 3 * unit, abs=4)
+    assert 'class="body"' not in draw(with_mesh, options=Options(mesh=False))
 
 
 # The command
@@ -308,8 +305,17 @@ def test_the_command_writes_what_the_function_gives(run: Any, tmp_path: Path) ->
     assert text == rigtri.draw(read(source).rig, title="arm.gltf")
     assert run(source, "-o", "-").stdout == text
     assert "--overwrite" in run(source, "-o", "arm.svg", code=2).stderr
-    run(source, "-o", "arm.svg", "--overwrite", "--against", SAMPLES / "biped.usda", "--view", "top")
-    assert {"before: biped.usda", "after: arm.gltf"} <= set(texts((tmp_path / "arm.svg").read_text("utf-8")))
+    run(source, "-o", "arm.svg", "--overwrite", "--against", SAMPLES / "arm.usda", "--view", "top")
+    assert {"before: arm.usda", "after: arm.gltf"} <= set(texts((tmp_path / "arm.svg").read_text("utf-8")))
+
+
+def test_the_lines_are_there_for_machines(run: Any) -> None:
+    words = ["-o", "b.svg", "--against", SAMPLES / "arm.gltf", "--json"]
+    found = json.loads(run(SAMPLES / "biped.glb", *words).stdout)
+    validator("draw").validate(found)
+    assert found["sides"][0]["marks"] == as_json(seen(read(SAMPLES / "biped.glb").rig))
+    assert found["sides"][1]["file"] == str(SAMPLES / "arm.gltf")
+    assert [entry["code"] for entry in found["warnings"]] == ["no-joints"]
 
 
 @pytest.mark.parametrize(

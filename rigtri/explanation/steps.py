@@ -164,7 +164,7 @@ def _products(made: _Maker) -> list[Step]:
         made.step(
             slide,
             "norm AB · norm AC",
-            "dot(normalise(AB), normalise(AC))",
+            "dot of the normalised",
             dot(one, other),
             "cosine of the angle at A: 1 the same way, 0 at a right angle, −1 opposite",
         ),
