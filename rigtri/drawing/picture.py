@@ -101,7 +101,7 @@ def draw(
     for number_of, (side, window) in enumerate(zip(sides, windows, strict=True)):
         parts += _panel(side, window, options, number_of)
     told = " | ".join(f"{side.title}: {', '.join([*side.words, side.crooked])}" for side in sides)
-    return sheet([*parts, *gizmo(view, 34.0, high - 34.0)], wide, high, told)
+    return sheet([*parts, *gizmo(view, 40.0, high - 40.0)], wide, high, told)
 
 
 def seen(rig: Rig, options: Options = Options(), report: Report | None = None) -> list[Mark]:

@@ -35,7 +35,7 @@ _DARK = {
 _RULES = """
 .paper {{ fill: {paper} }}
 .body {{ fill: {body}; stroke: {edge}; stroke-width: 1; fill-rule: evenodd }}
-.bone {{ fill: {bone}; stroke: {wire}; stroke-width: 1; stroke-linejoin: round }}
+.bone {{ fill: {bone}; fill-opacity: 0.8; stroke: {wire}; stroke-width: 1; stroke-linejoin: round }}
 .link {{ stroke: {faint}; stroke-width: 1; fill: none }}
 .follows {{ stroke: {rule}; stroke-width: 1; stroke-dasharray: 1 3; fill: none }}
 .limb {{ fill: {limb}; fill-opacity: 0.22; stroke: none }}

@@ -33,8 +33,9 @@ _LAYERS = (
 )
 # Half the thickness of an arrow as a share of its length; and from where to where, in pixels.
 _THICK, _THIN, _FAT = 0.04, 0.45, 1.5
-# Radius of a dot, in pixels, from where to where; how wide a bone is and where, as shares of its length.
-_DOTS, _BONE, _SHOULDER = (1.0, 4.5), 0.13, 0.14
+# Radius of a dot, in pixels, from where to where; how wide a bone is and where, as shares of its length,
+# and how wide at most, in pixels.
+_DOTS, _BONE, _SHOULDER, _BROAD = (1.0, 4.5), 0.13, 0.14, 18.0
 
 
 def panel(
@@ -141,7 +142,8 @@ def _head_on(place: Floats, kind: str, radius: float, ahead: bool) -> str:
 def _bone(start: Floats, end: Floats) -> str:
     """A bone as a kite, wide near the joint that turns it."""
     along = end - start
-    wide = np.array([-along[1], along[0]]) * _BONE * 0.5
+    size = float(np.sqrt(along[0] * along[0] + along[1] * along[1]))
+    wide = np.array([-along[1], along[0]]) * 0.5 * min(_BONE, _BROAD / size if size > 0 else 0.0)
     shoulder = start + along * _SHOULDER
     return _path([np.stack([start, shoulder + wide, end, shoulder - wide])], "bone")
 

@@ -37,7 +37,7 @@ def picture(found: Explanation, *, view: str | None = None, size: tuple[int, int
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
     for row, (kind, text) in enumerate(lines):
         parts.append(f'<text class="{kind}" x="16" y="{number(26 + 19 * row)}">{escape(text)}</text>')
-    return sheet([*parts, *gizmo(seen, 34.0, high - 34.0)], wide, high, f"{a}, {b}, {c}: {_words(found)}")
+    return sheet([*parts, *gizmo(seen, 40.0, high - 40.0)], wide, high, f"{a}, {b}, {c}: {_words(found)}")
 
 
 def _words(found: Explanation) -> str:
