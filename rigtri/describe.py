@@ -7,13 +7,14 @@ have six significant digits.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from rigtri import pose
+from rigtri.columns import columns, fitting
 from rigtri.matrices import SKEW, determinant, skew
 from rigtri.quaternions import norm
 from rigtri.records import Booleans, Clip, Constraint, Skin
@@ -54,11 +55,11 @@ def describe(rig: Rig, *, report: Report | None = None, width: int | None = None
         ("", [_heading(rig)]),
         (
             f"{title} (arrows as seen from the front, ⊙ towards you, ⊗ away)",
-            _fitting(list(_tree(seen)), width),
+            fitting(list(_tree(seen)), None if width is None else width - 2, _SPARE),
         ),
-        ("skins", _columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
-        ("clips", _columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
-        ("notes", _columns([_note_words(seen, node) for node in sorted(rig.notes)])),
+        ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
+        ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
+        ("notes", columns([_note_words(seen, node) for node in sorted(rig.notes)])),
         ("warnings", [f"{w.code}: {w.text}" for w in (report.warnings if report else ())]),
     ]
     blocks = []
@@ -342,32 +343,6 @@ def _clip_json(rig: Rig, clip: Clip) -> dict[str, Any]:
 
 
 # Words and numbers
-
-
-def _fitting(rows: Sequence[Sequence[str]], width: int | None) -> list[str]:
-    """The tree as lines, without the columns that make it wider than ``width``, their indent counted."""
-    lines = _columns(rows)
-    for column in _SPARE:
-        if width is None or max(map(len, lines), default=0) + 2 <= width:
-            break
-        rows = [
-            [*row[:column], *row[column + 1 : -1], row[-1]] if len(row) > column + 1 else row for row in rows
-        ]
-        lines = _columns(rows)
-    return lines
-
-
-def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows of words as lines with aligned columns; the last word of a row widens no column."""
-    count = max(map(len, rows), default=0)
-    widths = [max((len(row[k]) for row in rows if k < len(row) - 1), default=0) for k in range(count)]
-    return ["  ".join(_padded(row, widths)).rstrip() for row in rows]
-
-
-def _padded(row: Sequence[str], widths: Sequence[int]) -> list[str]:
-    """The words of a row as wide as their columns; a column without any words is left out."""
-    words = [word.ljust(width) for word, width in zip(row[:-1], widths, strict=False) if width]
-    return [*words, row[-1]]
 
 
 def _direction(v: Floats) -> str:

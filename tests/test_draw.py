@@ -25,7 +25,7 @@ from rigtri.drawing.labels import labels, width
 from rigtri.drawing.marks import Mark, as_json
 from rigtri.drawing.outline import outline
 from rigtri.drawing.picture import Options, draw, seen
-from rigtri.errors import NameNotFoundError
+from rigtri.errors import FileError, NameNotFoundError
 from rigtri.formats import read
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.select import Selection
@@ -174,8 +174,17 @@ def test_marks_are_json_that_says_the_same() -> None:
 )
 @pytest.mark.parametrize("view", ["front", "three-quarter"])
 def test_whatever_stands_there_the_picture_holds_numbers_alone(rig: Rig, view: str) -> None:
-    with np.errstate(all="ignore"):
-        assert list(drawn(draw(rig, options=Options(view=view))))
+    assert list(drawn(draw(rig, options=Options(view=view))))
+
+
+def test_meshes_that_cannot_be_read_leave_the_skeleton() -> None:
+    def refuse() -> tuple[Mesh, ...]:
+        raise FileError("point 3 names joint 99")
+
+    report = Report()
+    svg = draw(replace(arm(), read_meshes=refuse), report=report)
+    assert {"a", "b", "c"} <= set(texts(svg))
+    assert "joint 99" in report.warnings[0].text
 
 
 def test_a_file_without_joints_draws_its_nodes_and_says_so() -> None:
@@ -261,6 +270,9 @@ def test_an_outline_goes_once_around_what_is_covered() -> None:
     assert loop.max() <= 47
     apart = patch([[50, 50, 0], [58, 50, 0], [50, 58, 0]], [[0, 1, 2]])
     assert len(outline([square, apart], lambda points: points[..., :2], 60, 60)) == 2
+    floor = patch([[-1e5, -1e5, 0], [1e5, -1e5, 0], [0, 1e5, 0]], [[0, 1, 2]])
+    (whole,) = outline([square, floor], lambda points: points[..., :2], 60, 60)
+    assert np.ptp(whole, axis=0).min() > 55
     assert not outline([], lambda points: points[..., :2], 60, 60)
 
 

@@ -20,8 +20,9 @@ from rigtri.timelines import Timeline
 from rigtri.triangles import triangles
 from rigtri.trigonometry import Floats
 
-# Points on a triangle are laid this share of a cell apart, and no side into more than 2^_MOST parts.
-_STEP, _MOST = 0.75, 11
+# Points on a triangle are laid this share of a cell apart; one with a side of more than 2^_MOST parts is
+# filled cell by cell.
+_STEP, _MOST = 0.75, 6
 # Points laid at a time: what they need of memory stays below 100 MB.
 _AT_ONCE = 1_000_000
 # Corners of a loop that are off the straight line by less, in cells, are left out.
@@ -106,7 +107,9 @@ def _cover(covered: Booleans, corners: Floats) -> None:
     low, high = corners.min(axis=1), corners.max(axis=1)
     inside = ((high >= 0) & (low < covered.shape[::-1])).all(axis=1)
     corners, sides = corners[inside], (high - low)[inside].max(axis=1)
-    parts = np.clip(np.ceil(sides / _STEP), 1, 2**_MOST)
+    parts = np.maximum(np.ceil(sides / _STEP), 1)
+    for large in corners[parts > 2**_MOST]:
+        _fill(covered, large)
     for power in range(_MOST + 1):
         count = 2**power
         some = corners[(parts <= count) & (parts > count // 2)]
@@ -117,6 +120,22 @@ def _cover(covered: Booleans, corners: Floats) -> None:
             a, b, c = (some[first : first + step, np.newaxis, k] for k in range(3))
             laid = a + (b - a) * along[:, np.newaxis] + (c - a) * across[:, np.newaxis]
             _mark(covered, laid.reshape(-1, 2))
+
+
+def _fill(covered: Booleans, corners: Floats) -> None:
+    """Mark the cells whose middle lies in a triangle, (3, 2)."""
+    room = np.array(covered.shape[::-1], dtype=np.float64)
+    low = np.floor(np.clip(corners.min(axis=0), 0, room)).astype(np.int64)
+    high = np.ceil(np.clip(corners.max(axis=0), 0, room)).astype(np.int64)
+    x = np.arange(low[0], high[0])[np.newaxis, :] + 0.5
+    y = np.arange(low[1], high[1])[:, np.newaxis] + 0.5
+    sides = []
+    for k in range(3):
+        (ax, ay), (bx, by) = corners[k], corners[(k + 1) % 3]
+        sides.append((bx - ax) * (y - ay) - (by - ay) * (x - ax))
+    one, two, three = sides
+    inside = ((one >= 0) & (two >= 0) & (three >= 0)) | ((one <= 0) & (two <= 0) & (three <= 0))
+    covered[low[1] : high[1], low[0] : high[0]] |= inside
 
 
 def _mark(covered: Booleans, laid: Floats) -> None:

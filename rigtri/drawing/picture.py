@@ -13,7 +13,7 @@ from rigtri.drawing.outline import Patch, outline, patches
 from rigtri.drawing.scene import AIMED, Scene, marks
 from rigtri.drawing.svg import arrow, number, panel, sheet, shown
 from rigtri.drawing.window import Window
-from rigtri.errors import UsageError
+from rigtri.errors import FileError, UsageError
 from rigtri.ops.posing import Options as PoseOptions
 from rigtri.ops.posing import pose_of
 from rigtri.ops.select import Selection
@@ -69,6 +69,8 @@ class _Side:
     crooked: str
 
 
+# What is no number is left out, whatever it came from.
+@np.errstate(all="ignore")
 def draw(
     rig: Rig,
     *,
@@ -104,6 +106,7 @@ def draw(
     return sheet([*parts, *gizmo(view, 40.0, high - 40.0)], wide, high, told)
 
 
+@np.errstate(all="ignore")
 def seen(rig: Rig, options: Options = Options(), report: Report | None = None) -> list[Mark]:
     """What `draw` would draw of one rig, as lines and arrows in space, for those who draw otherwise."""
     return _side(rig, options.checked(), "", report if report is not None else Report()).marks
@@ -114,7 +117,11 @@ def _side(rig: Rig, options: Options, title: str, report: Report) -> _Side:
     scene = Scene.of(rig, posed, options.selection)
     timeline, time = moment(rig, options.at)
     found = marks(scene, arrows=options.arrows)
-    covered = patches(scene, timeline, time) if options.mesh else []
+    covered: list[Patch] = []
+    try:
+        covered = patches(scene, timeline, time) if options.mesh else []
+    except FileError as error:  # the skeleton can be seen all the same
+        report.warn("no-outline", f"The meshes are not drawn: {error}")
     jointed = bool(rig.is_joint.any())
     count = len(scene.joints)
     noun = "joint" if jointed else "node"
