@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -151,10 +152,15 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
     """The steps as text; with IN, what each does there, measured but not written."""
     for one in spec.steps:
         click.echo(plain(_line(one), one_line=True))
+    report_path = values["report_path"]
     if values["source"] is None:
+        if report_path or values["target"]:
+            raise UsageError("--explain without IN builds nothing: give IN, or leave out --report and -o")
         return
+    if report_path and Path(report_path).exists() and not values["overwrite"]:
+        raise UsageError(f"{report_path} exists; it is replaced only with --overwrite")
     target = values["target"] or values["source"]
-    _run(values | {"dry_run": True, "target": target, "overwrite": True, "report_path": None}, spec)
+    _run(values | {"dry_run": True, "target": target, "overwrite": True}, spec)
 
 
 def _line(one: PlannedStep) -> str:
@@ -164,7 +170,8 @@ def _line(one: PlannedStep) -> str:
 
 def _short(value: Any) -> str:
     if isinstance(value, list):
-        return " ".join(_short(part) for part in value)
+        apart = ", " if any(isinstance(part, list) for part in value) else " "
+        return apart.join(_short(part) for part in value)
     if isinstance(value, dict):
         return " ".join(f"{name}={_short(part)}" for name, part in value.items())
     return str(value).lower() if isinstance(value, bool) else str(value)

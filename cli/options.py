@@ -547,7 +547,9 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         unread = len(outcome.unread)
         more = f"; {unread} meshes could not be read and were not measured" if unread else ""
         click.echo(plain(outcome.verification.summary() + more, one_line=True), err=True)
-    if values["dry_run"]:
+    if values.get("explain"):
+        click.echo("Nothing was written (--explain).", err=True)
+    elif values["dry_run"]:
         click.echo(f"{where} was not written (--dry-run).", err=True)
     else:
         click.echo(f"Wrote {where}", err=True)

@@ -404,8 +404,27 @@ def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path)
     assert result.exit_code == 0, result.output
     assert f"2. add-twist: limb upper_arm_L forearm_L hand_L ({spec}:6:5)" in result.stdout
     assert "4 twist joints along 2 bones" in result.stderr
-    assert "was not written" in result.stderr
+    assert "Nothing was written (--explain)." in result.stderr
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_explain_writes_the_report_that_it_is_asked_for(tmp_path: Path) -> None:
+    spec, report = write(tmp_path, WHOLE), tmp_path / "report.json"
+    line = ["build", "--spec", str(spec), "--explain", "--report", str(report)]
+    result = CliRunner().invoke(program, line)
+    assert (result.exit_code, report.exists()) == (2, False), result.output
+    line.insert(1, str(SAMPLES / "biped.glb"))
+    assert CliRunner().invoke(program, line).exit_code == 0
+    assert len(json.loads(report.read_text())["steps"]) == 6
+    result = CliRunner().invoke(program, line)
+    assert (result.exit_code, "only with --overwrite" in result.stderr) == (2, True)
+
+
+def test_explain_tells_limbs_apart(tmp_path: Path) -> None:
+    limbs = "[[upper_arm_L, forearm_L, hand_L], [thigh_L, shin_L, foot_L]]"
+    spec = write(tmp_path, f"steps:\n- {{do: add-twist, limb: {limbs}}}\n")
+    result = CliRunner().invoke(program, ["build", "--spec", str(spec), "--explain"])
+    assert "limb upper_arm_L forearm_L hand_L, thigh_L shin_L foot_L" in result.stdout
 
 
 def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:
