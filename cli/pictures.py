@@ -20,7 +20,7 @@ SUFFIXES = (".svg", ".png")
 view_option = click.option(
     "--view",
     metavar="front|back|side|top|three-quarter|X,Y,Z",
-    help="Where it is looked at from; the front is where the character faces, the side its left.",
+    help="Where it is looked at from; front is where the character faces, side its left. [three-quarter]",
 )
 overwrite_picture_option = click.option(
     "--overwrite", is_flag=True, help="Replace the picture where it exists."

@@ -317,6 +317,7 @@ def test_the_command_writes_what_the_function_gives(run: Any, tmp_path: Path) ->
     assert text == rigtri.draw(read(source).rig, title="arm.gltf")
     assert run(source, "-o", "-").stdout == text
     assert "--overwrite" in run(source, "-o", "arm.svg", code=2).stderr
+    assert "from -1,0,0" in run(source, "-o", "-", "--view", "-1,0,0").stdout
     run(source, "-o", "arm.svg", "--overwrite", "--against", SAMPLES / "arm.usda", "--view", "top")
     assert {"before: arm.usda", "after: arm.gltf"} <= set(texts((tmp_path / "arm.svg").read_text("utf-8")))
 
