@@ -43,6 +43,8 @@ COMMANDS = {
     "completion": "Print the lines by which bash, zsh or fish complete commands and options.",
     "verify": "Measure how far two files look apart, in every pose.",
     "diff": "Say in rig terms and in file terms what differs between two files.",
+    "draw": "Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.",
+    "explain": "Show the vectors and triangles of three points, or of a limb, step by step.",
 }
 
 

@@ -190,10 +190,15 @@ def destination(path: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a small text file beside and rename it, as `destination` says; FileError when that fails."""
+    """Write a small text file as `write_bytes` does, in UTF-8."""
+    # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
+    write_bytes(path, text.encode("utf-8", errors="backslashreplace"))
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a small file beside and rename it, as `destination` says; FileError when that fails."""
     path = destination(path)
     with as_file_error(path):
         discard_stale(path)
         with replacing(path) as part:
-            # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
-            part.write_text(text, encoding="utf-8", errors="backslashreplace")
+            part.write_bytes(content)
