@@ -141,9 +141,9 @@ def notes_page(schema: dict[str, Any]) -> str:
         [
             "# Notes, member by member",
             "",
-            "What `schemas/node.schema.json` says of `extras.rigtri` (glTF) and the attributes `rigtri:*` (USD); what",
-            "they are for is in [what is stored in a file](file-description.md). Members in **bold** are always there.",
-            "Written by `schemas/make.py`.",
+            "What `schemas/node.schema.json` says of `extras.rigtri` (glTF) and the attributes `rigtri:*`",
+            "(USD); what they are for is in [what is stored in a file](file-description.md). Members in",
+            "**bold** are always there. Written by `schemas/make.py`.",
             "",
             *tables,
         ]

@@ -1,8 +1,9 @@
 """The commands of the documentation run, and the site builds.
 
-A page says what its folder begins with, <!-- begins with: biped.glb as hero.glb -->, and what happens there
-first, <!-- first: rigtri … -->. Then its blocks are taken in their order, in one folder: `sh` and `python` are run;
-what begins with a comment of nothing but a file's name is that file; `text` is for people alone.
+A page says what its folder begins with, <!-- begins with: biped.glb as hero.glb -->, and what happens
+there first, <!-- first: rigtri … -->. Then its blocks are taken in their order, in one folder: `sh` and
+`python` are run; what begins with a comment of nothing but a file's name is that file; `text` is for
+people alone.
 """
 
 from __future__ import annotations
