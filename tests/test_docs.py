@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -44,6 +45,12 @@ def begin(text: str, folder: Path) -> None:
                 shutil.copy(SAMPLES / name, target)
 
 
+def expect(run: list[str], folder: Path, environment: Mapping[str, str]) -> None:
+    """A program that ends well."""
+    done = subprocess.run(run, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{run[-1]}\n{done.stdout}\n{done.stderr}"
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_the_blocks_of_a_page_run(page: str, tmp_path: Path) -> None:
     # The blocks that install are .ci/run's own.
@@ -52,9 +59,7 @@ def test_the_blocks_of_a_page_run(page: str, tmp_path: Path) -> None:
     programs = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = os.environ | {"PATH": programs, "NO_COLOR": "1"}
     blocks = [("sh", said) for said in re.findall(r"<!-- first: (.*?) -->", text, re.S)]
-    blocks += [
-        (language, re.sub(rf"^{i}", "", code, flags=re.M)) for i, language, code in BLOCK.findall(text)
-    ]
+    blocks += [(kind, re.sub(rf"^{gap}", "", code, flags=re.M)) for gap, kind, code in BLOCK.findall(text)]
     for language, code in blocks:
         named = FILE.match(code)
         if named:
@@ -64,8 +69,7 @@ def test_the_blocks_of_a_page_run(page: str, tmp_path: Path) -> None:
                 run = ["bash", "-euo", "pipefail", "-c", FINDERS.sub(r"\1 || [ $? -eq 1 ]", code)]
             else:
                 run = [sys.executable, "-c", code]
-            done = subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True, text=True)
-            assert done.returncode == 0, f"{code}\n{done.stdout}\n{done.stderr}"
+            expect(run, tmp_path, environment)
 
 
 def test_every_page_is_on_the_site_and_no_other() -> None:
@@ -79,10 +83,7 @@ def test_the_site_builds_without_a_fault(tmp_path: Path) -> None:
     shutil.copy(ROOT / "zensical.toml", tmp_path)
     for name in ("cli", "rigtri"):
         (tmp_path / name).symlink_to(ROOT / name)
-    done = subprocess.run(
-        [sys.executable, "-m", "zensical", "build", "--strict"], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    expect([sys.executable, "-m", "zensical", "build", "--strict"], tmp_path, os.environ)
     commands = (tmp_path / "site" / "commands" / "index.html").read_text("utf-8")
     assert 'id="rigtri-orient-joints"' in commands
     loaded = re.findall(r'(?:src|href)="(https?://[^"]+\.(?:js|css|woff2?))"', commands)
