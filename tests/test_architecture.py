@@ -35,6 +35,7 @@ carried readers driven dependence
 solve
 turned_rules
 reframe report reach
+origin
 lengths
 naming
 limbs
@@ -44,12 +45,14 @@ matching
 playing
 moving scenery attached
 watched
-compare describe description changes
+compare descriptions description changes
 advice stilled intended
 delivery
 ahead ops formats
 inputs outputs
 checks pipeline difference
+library
+in_memory
 steps
 spec
 confined
