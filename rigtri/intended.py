@@ -96,7 +96,10 @@ def motion(document: Source, meant: Source, made: Source, driven: Driven) -> Mot
         rig = played_at_once(rig, played.name)
         if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
-    was = Intended(document, replace(rig, keys=keys), made, keys=keys, place=range(len(rig)))
+    # What the result knows as rigtri's is no more looked at where the document, exported, lacks the notes.
+    told = {made.rig.keys[node]: made.rig.notes[node] for node in made.rig.own & made.rig.notes.keys()}
+    notes = {**{node: told[key] for node, key in enumerate(keys) if key in told}, **rig.notes}
+    was = Intended(document, replace(rig, keys=keys, notes=notes), made, keys=keys, place=range(len(rig)))
     found = motion_between(was, made)
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in driven}
     if not others:

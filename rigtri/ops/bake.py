@@ -17,7 +17,7 @@ from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
-from rigtri.ops.followers import followed, followers, holding
+from rigtri.ops.followers import followed, followers, holding, refuse_circles
 from rigtri.ops.operation import operation
 from rigtri.ops.posing import at_rest
 from rigtri.ops.shared_keys import as_read, times_of
@@ -61,6 +61,8 @@ BETWEEN = 1e-3
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
 _ROUNDS = 8
+# What follows rivets has come to rest after so many passes for each of them, or goes round in a circle.
+_PASSES = 6
 
 
 @dataclass(frozen=True)
@@ -155,8 +157,10 @@ class _Baker:
         self.report.reposed = True
         held = holding(self.rig)
         told = len(self.report.added)
-        # What follows a rivet comes to rest once everything before it in the chain has: one pass each.
-        for _ in range(len(held) + 2):
+        refuse_circles(self.rig)
+        # What follows a rivet comes to rest once everything before it in the chain has; and then its keys,
+        # as other nodes' key times depend on them: a few passes each.
+        for _ in range(_PASSES * (len(held) + 1)):
             before = self.rig
             del self.report.added[told:]
             self._once()
@@ -165,7 +169,8 @@ class _Baker:
                 return self.rig
         names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
         raise GeometryError(
-            f"Constraints follow {names}, on a mesh that they move themselves: they go round in a circle"
+            f"Constraints follow {names}, on meshes that they move themselves through pose readers: they go "
+            "round in a circle"
         )
 
     def _once(self) -> None:

@@ -73,8 +73,10 @@ def _scaled(step: Step) -> Iterator[int]:
 
 
 def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
-    most = np.abs(scale).max(axis=1)
-    uneven = scale.max(axis=1) - scale.min(axis=1) - EVEN * most
+    sizes = np.abs(scale)
+    most = sizes.max(axis=1)
+    uneven = most - sizes.min(axis=1) - EVEN * most
+    mirrored = (scale < 0).sum(axis=1) % 2 == 1  # two are half a turn
     if most.min() == 0:
         text = f"'{name}' is scaled to zero in {at(int(most.argmin()))}: so is its joint, with all below it"
         yield Notice("control-scale", text, name)
@@ -83,6 +85,9 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
             f"'{name}' is scaled unevenly in {at(int(uneven.argmax()))}: "
             "so is its joint, and what turns below it is sheared"
         )
+        yield Notice("control-scale", text, name)
+    elif mirrored.any():
+        text = f"'{name}' is mirrored in {at(int(mirrored.argmax()))}: so is its joint, with all below it"
         yield Notice("control-scale", text, name)
 
 
