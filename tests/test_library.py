@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -13,6 +14,7 @@ import click
 import pytest
 from builds import everything
 from click.testing import CliRunner
+from engines import NO_BLENDER
 from morphs import arm
 from places import ASSETS, NO_ASSETS, SAMPLES
 
@@ -306,3 +308,24 @@ def test_reading_orienting_and_writing_a_glb_needs_numpy_alone(tmp_path: Path) -
     assert told[0] == "True"
     assert set(told[1].split()) <= {"numpy", "rigtri"}
     assert rigtri.verify(BIPED, tmp_path / "out.glb").passes()
+
+
+def test_it_runs_in_blenders_python(tmp_path: Path) -> None:
+    """The source on sys.path is all that it takes; what bpy has loaded besides does not count."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    source = Path(rigtri.__file__).parent.parent
+    code = ALONE.format(others=OTHERS).replace("import rigtri\n", "import bpy, rigtri\n")
+    code = code.replace('assert "numpy" not in sys.modules, "import rigtri waits for numpy"\n', "")
+    out = tmp_path / "out.glb"
+    env = {**os.environ, "PYTHONPATH": str(source)}
+    run = subprocess.run(
+        [python, "-c", code, str(BIPED), str(out)], capture_output=True, text=True, env=env, check=False
+    )
+    assert run.stdout.splitlines()[:1] == ["True"], run.stderr
+    # The same bytes as here, with another Python and another numpy.
+    rig = rigtri.orient_joints(rigtri.read(BIPED), preset="maya")
+    rig = rigtri.add_controls(rigtri.add_twist(rig, auto=True), whole_character=True)
+    rigtri.write(rig, tmp_path / "here.glb", verify=False)
+    assert out.read_bytes() == (tmp_path / "here.glb").read_bytes()
