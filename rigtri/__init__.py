@@ -37,6 +37,8 @@ _WHERE = {
     "verify": "rigtri.library",
     "diff": "rigtri.difference",
     "check": "rigtri.checks",
+    "draw": "rigtri.drawing.picture",
+    "explain": "rigtri.explanation.steps",
     "register_usd_schemas": "rigtri.formats.usd.schemas",
     "Options": "rigtri.formats",
     "Rig": "rigtri.rig",
@@ -61,7 +63,9 @@ __all__ = [
     "constrain",
     "describe",
     "diff",
+    "draw",
     "edit",
+    "explain",
     "from_pygltflib",
     "make_limb",
     "mirror",
@@ -81,7 +85,9 @@ if TYPE_CHECKING:
     from rigtri.checks import check
     from rigtri.descriptions import describe
     from rigtri.difference import diff
+    from rigtri.drawing.picture import draw
     from rigtri.errors import RigtriError
+    from rigtri.explanation.steps import explain
     from rigtri.formats import Options
     from rigtri.formats.usd.schemas import register_usd_schemas
     from rigtri.in_memory import from_pygltflib, to_pygltflib

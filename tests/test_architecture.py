@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(
 # Each module may import from lines above its own, and from its own line what the comment says.
 ORDER = """
 errors
-bounds
+bounds columns
 trigonometry
 vectors
 quaternions
@@ -40,6 +40,7 @@ lengths
 naming
 limbs
 stature
+views
 skeleton bend
 matching
 playing
@@ -49,7 +50,10 @@ compare descriptions description changes
 advice stilled intended
 delivery
 ahead ops formats
+bridge
 inputs outputs
+drawing
+explanation
 checks pipeline difference
 library
 in_memory
