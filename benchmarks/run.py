@@ -20,7 +20,9 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
+from bake import tables
 from size import differences, growth, large_files
+from warm import BLENDER, measured
 
 ROOT = Path(__file__).resolve().parent.parent
 SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
@@ -76,27 +78,6 @@ def warm(source: Path, folder: Path) -> Callable[[], None]:
         document.write(orient_joints(document.rig), part, target)
 
     return run
-
-
-BLENDER = """
-import bpy, sys, time
-source, target, runs = sys.argv[-3], sys.argv[-2], int(sys.argv[-1])
-best = []
-for _ in range(runs + 1):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    start = time.perf_counter()
-    bpy.ops.import_scene.gltf(filepath=source)
-    rig = next(o for o in bpy.data.objects if o.type == "ARMATURE")
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone in rig.data.edit_bones:
-        if len(bone.children) == 1:
-            bone.tail = bone.children[0].head
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.ops.export_scene.gltf(filepath=target)
-    best.append(time.perf_counter() - start)
-print("SECONDS", sorted(best[1:])[runs // 2])
-"""
 
 
 def blender_rows(source: Path, folder: Path, runs: int) -> list[Row]:
@@ -205,7 +186,8 @@ def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
     lines += character(ROOT / "samples" / "biped.glb", folder, runs)
     usd = [ROOT / "samples" / "biped.usdz"]
     if assets:
-        lines += character(next(assets.rglob("*CesiumMan*.glb")), folder, runs)
+        man = next(assets.rglob("*CesiumMan*.glb"))
+        lines += [*character(man, folder, runs), *measured(man, folder, 60, runs)]
         usd += list(assets.rglob("*CesiumMan*.usdz"))
     lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
     lines += [f"| {path.name} | {median_of(runs, cold(path, folder)):.3f} |" for path in usd]
@@ -221,7 +203,7 @@ def main() -> None:
     parser.add_argument("--assets", type=Path, help="a folder with real files")
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--write", type=Path, help="write the table to this file too")
-    parser.add_argument("--only", choices=["small", "large"], help="leave the other half out")
+    parser.add_argument("--only", choices=["small", "large", "bake"], help="leave the rest out")
     parser.add_argument("--scratch", type=Path, help="a folder with 10 GB to spare, for the large files")
     options = parser.parse_args()
     # An installed program has its modules compiled.
@@ -231,11 +213,13 @@ def main() -> None:
         machine = f"{platform.platform()}, {os.cpu_count()} cores, Python {platform.python_version()}"
         runs = f"Medians of {options.runs} runs, of large files the best of them."
         lines = ["# Results", "", f"{date.today()}, {machine}. {runs}", ""]
-        if options.only != "large":
+        if options.only in (None, "small"):
             lines += small(folder, options.assets, options.runs)
-        if options.only != "small":
+        if options.only in (None, "bake"):
+            lines += ["## Evaluation", "", *tables(10_000), ""]
+        if options.only in (None, "large"):
             lines += [*large_files(folder, options.runs), *growth(folder), *differences(folder)]
-        if options.assets and options.only != "large":
+        if options.assets and options.only in (None, "small"):
             lines += ["## Deviation of each real file", ""]
             lines += ["Share of the bounding-box diagonal; raw: with rotations as stored, not unit.", ""]
             lines += ["| file | deviation | raw | |", "|---|---|---|---|"]

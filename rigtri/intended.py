@@ -38,11 +38,15 @@ class Intended:
         return self._placed(self.document.outlines(closely=closely))
 
     def _placed(self, meshes: Sequence[Mesh]) -> list[Mesh]:
-        """Meshes at the nodes of the rig."""
-        return [
-            mesh if self.place[mesh.node] == mesh.node else replace(mesh, node=self.place[mesh.node])
-            for mesh in meshes
-        ]
+        """Meshes at the nodes of the rig, with the morph weights that it has at rest."""
+        found = []
+        for mesh in meshes:
+            node = self.place[mesh.node]
+            weights = self.rig.morphed.get(node, mesh.morph_weights)
+            if node != mesh.node or weights is not mesh.morph_weights:
+                mesh = replace(mesh, node=node, morph_weights=weights)
+            found.append(mesh)
+        return found
 
     def scenery(self, *, closely: bool = False) -> Scenery:
         found = self.document.scenery(closely=closely)

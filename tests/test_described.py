@@ -173,6 +173,11 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
     key = Track(control, "rotation", "STEP", np.zeros(1), turn[np.newaxis])
     keyed = replace(rig, notes={}, rotation=rotation, clips=(*rig.clips, Clip("nod", (key,))))
     assert as_described(keyed, rig).clips == keyed.clips
+    # And so does a clip of the other file, which this one need not have, that moves it past the pose.
+    turns = np.array([[0.0, 0, 0, 1], [np.sin(0.7), 0, 0, np.cos(0.7)]])
+    nod = Clip("nod", (Track(control, "rotation", "LINEAR", np.array([0.0, 1.0]), turns),))
+    left = replace(rig, notes={}, rotation=rotation)
+    assert as_described(left, replace(rig, clips=(*rig.clips, nod))).clips == left.clips
     # Without clips there are no frames: it has been moved at rest.
     still = as_described(replace(rig, notes={}, rotation=rotation, clips=()), rig)
     assert (still.rotation[control] == turn).all()

@@ -20,6 +20,7 @@ from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
 from rigtri.batch.manifest import Known, Manifest, look_up, name_of
 from rigtri.batch.work import Assignment, Record, Task, reason
+from rigtri.delivery import sync_folder
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
 from rigtri.outputs import as_file_error, recover
 
@@ -115,6 +116,8 @@ class Run:
                 record = told  # it was killed when its work was done
             record = self._alone(entry, record)
             if self._manifest is not None:
+                if record.made:  # as long as its name is not on the disk it is not done
+                    sync_folder(Path(entry.target).parent)
                 self._manifest.done(entry, self._keys[entry.variables], record)
             self.counts[record.status] += 1
             yield entry, record
@@ -150,6 +153,7 @@ class Run:
             for entry in entries:
                 task, record = waiting.get(self._name(entry), ("", None))
                 if record is not None and self._stands(record):
+                    sync_folder(Path(entry.target).parent)
                     manifest.done(entry, task, record)
                     found[entry.target] = record
             here = {self._name(entry) for entry in entries}

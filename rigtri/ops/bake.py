@@ -18,6 +18,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding, refuse_circles
+from rigtri.ops.limited import tell_limited
 from rigtri.ops.posing import at_rest
 from rigtri.ops.shared_keys import as_read, times_of
 from rigtri.ops.standing_keys import stands
@@ -31,7 +32,7 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.rules import rules_of
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
-from rigtri.solve.between import MOST_A_SECOND, ControlCurve, JointCurve, Refined, refined
+from rigtri.solve.between import ControlCurve, JointCurve, Refined, refined
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed, shares
 from rigtri.solve.match import matched
@@ -279,19 +280,7 @@ class _Baker:
         return refined(curve, times, bound=bound, per_second=self.rig.per_second)
 
     def _tell_limited(self) -> None:
-        """One warning for all clips whose samples could not be near enough."""
-        entries = [e for e in self.report.added if e.get("type") == "clip" and e.get("limited")]
-        most = max(self.options.between, self.options.tolerance)
-        far = [e for e in entries if e["between_samples"] > most]
-        if far:
-            worst = max(far, key=lambda entry: float(entry["between_samples"]))
-            more = f" ({len(far) - 1} more clips alike)" if len(far) > 1 else ""
-            self.report.warn(
-                "samples-limited",
-                f"Clip '{worst['clip']}': with {MOST_A_SECOND:g} samples a second, the most, what lies "
-                f"between two of them is off by up to {worst['between_samples']:.2g} of the size{more}. "
-                "--between or --fps ask for fewer",
-            )
+        tell_limited(self.start, self.report, max(self.options.between, self.options.tolerance))
 
     @staticmethod
     def _jumps(timeline: Timeline, times: Floats) -> Floats:
@@ -433,6 +422,7 @@ class _Baker:
                 "keys": int(sum(len(track.times) for track in tracks)),
                 "keys_before": self._keys_before(timeline, tracks),
                 "between_samples": samples.off / self.size,
+                "between_after": samples.after,
                 "limited": samples.limited,
                 **(more or {}),
             }

@@ -67,7 +67,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report | None = None) -> R
         )
         return whole
     rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
-    return held(whole, rested, report)
+    return held(whole, rested, described, both.of, report)
 
 
 def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
