@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import re
@@ -29,8 +30,16 @@ from rigtri.errors import FileError
 # Tasks travel by the name of their module, which workers must find, too.
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
-pytestmark = [POSIX, pytest.mark.xdist_group("cluster")]
+LATE = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+pytestmark = [POSIX, LATE]
 Begin = Callable[..., "subprocess.Popen[str]"]
+
+
+@pytest.fixture(autouse=True)
+def tidy() -> Iterator[None]:
+    """Sockets that the libraries close late are closed here, not in whichever test comes next."""
+    yield
+    gc.collect()
 
 
 class Machines:
