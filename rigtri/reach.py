@@ -50,7 +50,8 @@ def _measured(rig: Rig, meshes: Sequence[Mesh]) -> float:
     for mesh in meshes:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             points = deformed(mesh, rig, world, morph_weights(mesh, None, np.zeros(1)))[0]
-        points = points[np.isfinite(points).all(axis=1)]
+        if not np.isfinite(points).all():
+            points = points[np.isfinite(points).all(axis=1)]
         low, high = (
             np.minimum(low, points.min(axis=0, initial=np.inf)),
             np.maximum(high, points.max(axis=0, initial=-np.inf)),
@@ -68,8 +69,8 @@ def fits(mesh: Mesh, rig: Rig) -> bool:
     """Whether all joints that a mesh names are joints of its skin."""
     if mesh.skin is None:
         return True
-    used = mesh.joints[mesh.weights != 0]
-    return not len(used) or 0 <= int(used.min()) <= int(used.max()) < len(rig.skins[mesh.skin].joints)
+    used, _ = mesh.moved
+    return not len(used) or 0 <= int(used[0]) <= int(used[-1]) < len(rig.skins[mesh.skin].joints)
 
 
 def reaches(rig: Rig) -> Floats:
@@ -223,15 +224,18 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
     with np.errstate(invalid="ignore", over="ignore"):
         # From a point to its direction from each joint, as the joint stands: rows, components, joints.
         seen = transform_directions(into[..., :3], world[skin.joints][:, np.newaxis]).transpose(1, 2, 0)
-        rows, joints = np.nonzero(mesh.weights.T)[1], mesh.joints.T[mesh.weights.T != 0]
+        joints, rows = mesh.moved
+        points = [mesh.points[:, k][rows] for k in range(3)]
         square = np.zeros(len(rows))
         for axis in range(3):
             along = seen[3, axis][joints]
             for k in range(3):
-                along += mesh.points[:, k][rows] * seen[k, axis][joints]
+                along += points[k] * seen[k, axis][joints]
             square += along * along
-        far = np.sqrt(square)
-    np.maximum.at(reach, skin.joints[joints], np.where(np.isfinite(far), far, 0.0))
+        far = np.sqrt(np.where(np.isfinite(square), square, 0.0))
+    if len(joints):
+        starts = np.flatnonzero(np.diff(joints, prepend=-1))
+        np.maximum.at(reach, skin.joints[joints[starts]], np.maximum.reduceat(far, starts))
     if mesh.box is not None:
         corners = np.broadcast_to(mesh.box.reshape(2, -1, 3), (2, len(skin.joints), 3))
         for picked in np.ndindex(2, 2, 2):
