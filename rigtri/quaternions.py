@@ -209,8 +209,8 @@ def slerp_rows(a: Floats, b: Floats, rows: NDArray[np.int64], share: Floats) -> 
     from_b[share == 1] = whole[rows[share == 1]]
     some = totals[inside]
     from_a[inside], from_b[inside] = sine((1.0 - part) * some), sine(part * some)
-    ends = (np.take(turns.transpose(2, 0, 1), rows, axis=1).transpose(1, 2, 0) for turns in (a, b))
-    return _along(*ends, share[:, np.newaxis], whole[rows], (from_a, from_b))
+    start, end = (np.take(turns.transpose(2, 0, 1), rows, axis=1).transpose(1, 2, 0) for turns in (a, b))
+    return _along(start, end, share[:, np.newaxis], whole[rows], (from_a, from_b))
 
 
 def _shorter(a: Floats, b: Floats) -> tuple[Floats, Floats]:

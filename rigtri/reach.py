@@ -15,7 +15,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.pose import Motion, between_keys, deformed, key_times, morph_weights, rest, worlds
-from rigtri.records import Integers, Mesh
+from rigtri.records import Integers, Mesh, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import dot, length
@@ -149,17 +149,31 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
     high = np.sqrt(np.maximum.reduce([square[i] + aside[i] for i in range(3)]))
     low = np.sqrt(np.maximum(np.minimum.reduce([square[i] - aside[i] for i in range(3)]), 0.0))
     least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
-    for track in (track for clip in rig.clips for track in clip.tracks):
-        node, spline = track.node, track.interpolation == "CUBICSPLINE"
-        if track.path == "translation":
-            far = np.inf if spline else float(length(track.values).max(initial=0.0))
-            bones[node] = max(bones[node], far)
-        elif track.path == "scale":
-            sizes = np.abs(track.values)
-            turns_over = spline or (track.values.max(axis=0) * track.values.min(axis=0) <= 0.0).any()
-            least[node] = 0.0 if turns_over else min(least[node], float(sizes.min(initial=np.inf)))
-            most[node] = np.inf if spline else max(most[node], float(sizes.max(initial=0.0)))
+    moved, scaled = (
+        [t for clip in rig.clips for t in clip.tracks if t.path == path and len(t.values)]
+        for path in ("translation", "scale")
+    )
+    for track in (track for track in (*moved, *scaled) if track.interpolation == "CUBICSPLINE"):
+        (bones if track.path == "translation" else most)[track.node] = np.inf
+        least[track.node] = least[track.node] if track.path == "translation" else 0.0
+    for node, values, starts in _keys(moved):
+        np.maximum.at(bones, node, np.maximum.reduceat(length(values), starts))
+    for node, values, starts in _keys(scaled):
+        smallest, largest = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+        turns_over = (smallest * largest <= 0.0).any(axis=1)
+        sizes = np.abs(np.stack([smallest, largest]))
+        np.minimum.at(least, node, np.where(turns_over, 0.0, sizes.min(axis=(0, 2))))
+        np.maximum.at(most, node, sizes.max(axis=(0, 2)))
     return (low, high), (least, most), bones
+
+
+def _keys(tracks: Sequence[Track]) -> Iterator[tuple[Integers, Floats, Integers]]:
+    """The nodes, (t,), of tracks without splines, their values in one, (k, 3), and where each starts."""
+    plain = [track for track in tracks if track.interpolation != "CUBICSPLINE"]
+    if plain:
+        counts = np.array([len(track.values) for track in plain])
+        values = np.concatenate([track.values for track in plain])
+        yield np.array([track.node for track in plain]), values, np.cumsum(counts) - counts
 
 
 def _along(rig: Rig, world: Floats, own: Floats) -> Floats:

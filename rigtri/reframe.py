@@ -165,7 +165,7 @@ class Scales:
         largest = np.zeros(len(rig))
         np.maximum.at(largest, owner, np.abs(unsigned).max(axis=1))
         apart = np.zeros((len(rig), 3))
-        np.maximum.at(apart, owner, np.abs(unsigned - np.roll(unsigned, -1, axis=1)))
+        np.maximum.at(apart, owner, np.abs(unsigned - unsigned[:, [1, 2, 0]]))
         apart /= np.where(largest == 0, 1.0, largest)[:, np.newaxis]
         return Scales(rows, owner, sign, apart, np.full(len(rig), SAME_SCALE))
 
@@ -187,7 +187,7 @@ class Scales:
         would be exact but not both, and a second run would find a third.
         """
         over = self.apart > self.same[:, np.newaxis]
-        return np.asarray((over & np.roll(over, 1, axis=1)).any(axis=1))
+        return np.asarray((over & over[:, [2, 0, 1]]).any(axis=1))
 
     @property
     def spread(self) -> Floats:

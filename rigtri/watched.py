@@ -299,7 +299,7 @@ def boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
     near, far = extent(mesh)
     joints, points = mesh.moved
     if not np.isfinite(near).all():
-        live = np.isfinite(near).all(axis=1)[points]
+        live = np.asarray(np.isfinite(near).all(axis=1))[points]
         joints, points = joints[live], points[live]
     if not len(joints):
         return low, high
