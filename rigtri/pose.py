@@ -344,8 +344,7 @@ class _Pack:
     def of(tracks: list[Track], driven: Integers) -> _Pack:
         first = tracks[0]
         values = by_component((len(first.values), len(tracks), *first.values.shape[1:]))
-        for column, track in enumerate(tracks):
-            values[:, column] = track.values
+        np.stack([track.values for track in tracks], axis=1, out=values)
         columns = np.searchsorted(driven, [track.node for track in tracks])
         return _Pack(first.path, first.interpolation, first.times, values, columns)
 

@@ -306,10 +306,12 @@ def _turn_clips(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: Sca
             rows = _sandwich(above[node], rows, fold[node], turn[node])
         else:
             rows = _turned_scale(rows, node, turn, fold, scales)
-        for k, part in zip(mine, np.split(rows, np.cumsum([len(r) for r in flat])[:-1]), strict=True):
-            values = part.reshape(tracks[k].values.shape)
-            if path != "scale" or not np.array_equal(values, tracks[k].values):
-                changed[k] = replace(tracks[k], values=values)
+        start = 0
+        for k, old in zip(mine, flat, strict=True):
+            part, track = rows[start : start + len(old)], tracks[k]
+            start += len(old)
+            if path != "scale" or not np.array_equal(part, old):
+                changed[k] = replace(track, values=part.reshape(track.values.shape))
     if not changed:
         return rig
     after = iter(changed.get(k, track) for k, track in enumerate(tracks))
