@@ -83,7 +83,9 @@ class Motion:
         rig, count = self.rig, len(times)
         # Each number of a node at all times in one row of memory: what `worlds` multiplies by levels.
         local: Floats = np.empty((4, 4, len(rig), count)).transpose(3, 2, 0, 1)
-        local[:] = rest(rig, normalised=normalised)
+        still = np.ones(len(rig), dtype=bool)
+        still[self.driven] = False
+        local[:, still] = rest(rig, normalised=normalised)[still]
         if not len(self.driven):
             return local
         parts = {

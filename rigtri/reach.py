@@ -31,21 +31,21 @@ _BLOCK = 1 << 20
 _sizes: WeakKeyDictionary[Rig, tuple[tuple[ref[Mesh], ...], float]] = WeakKeyDictionary()
 
 
-def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
+def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> float:
     """The diagonal of the box of all points at rest, in file units; without points, of joints' origins.
 
-    Measured once, as an edit and its check both ask for it.
+    Measured once, as an edit and its check both ask for it. world: (n, 4, 4) at rest, where it is known.
     """
     known = _sizes.get(rig)
     if known is not None and [one() for one in known[0]] == list(meshes):
         return known[1]
-    size = _measured(rig, meshes)
+    size = _measured(rig, meshes, worlds(rig, rest(rig)) if world is None else world)
     _sizes[rig] = tuple(map(ref, meshes)), size
     return size
 
 
-def _measured(rig: Rig, meshes: Sequence[Mesh]) -> float:
-    world = worlds(rig, rest(rig))[np.newaxis]
+def _measured(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:
+    world = world[np.newaxis]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -130,7 +130,7 @@ class Reach:
         own, world = np.zeros(len(rig)), worlds(rig, rest(rig))
         for mesh in meshes:
             _own(rig, world, mesh, own)
-        size = size_of(rig, meshes)
+        size = size_of(rig, meshes, world)
         framed = frames_shown(rig, meshes)
         own[framed] = np.maximum(own[framed], _corner(world[framed, :3, :3]) * size)
         return own, size

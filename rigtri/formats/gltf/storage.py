@@ -79,8 +79,8 @@ class Storage:
             if "min" in raw or "max" in raw:
                 bounded.setdefault(rows.shape, []).append((accessor, rows))
         for alike in bounded.values():
-            stacked = np.stack([rows for _, rows in alike])
-            lows, highs = (bound.reduce(stacked, axis=1).tolist() for bound in (np.minimum, np.maximum))
+            stacked = np.stack([rows for _, rows in alike], axis=1)  # along the first axis is fastest
+            lows, highs = (bound.reduce(stacked, axis=0).tolist() for bound in (np.minimum, np.maximum))
             for (accessor, _), low, high in zip(alike, lows, highs, strict=True):
                 _put_bounds(self._draft.own("accessors", accessor), low, high)
 
