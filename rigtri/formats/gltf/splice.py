@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from math import isfinite
 from typing import Any, NamedTuple
 
 from rigtri.formats.gltf.spelling import Spelling
@@ -154,7 +155,11 @@ class _Splicer:
         """The text of a list that held numbers alone, and where the old one ends."""
         end = self.text.index("]", at)
         if not _BLANK_SOMEWHERE.search(self.text, at, end) and set(map(id, old)).isdisjoint(map(id, new)):
-            return f"[{','.join([self.spelling.fragment(item, depth + 1) for item in new])}]", end + 1
+            told = [
+                repr(item) if type(item) is float and isfinite(item) else self.spelling.fragment(item, depth + 1)
+                for item in new
+            ]
+            return f"[{','.join(told)}]", end + 1
         said, places = self.text[at + 1 : end].split(","), _places(old)
         items, last = [], len(said) - 1
         for number, item in enumerate(new):
