@@ -49,6 +49,7 @@ advice stilled intended
 delivery
 ahead ops formats
 inputs outputs
+viewer
 checks pipeline difference
 steps
 spec

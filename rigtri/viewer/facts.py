@@ -1,0 +1,171 @@
+"""What a rig is, for the page: its joints by name, limbs, pole vectors, controls; as plain lists.
+
+The page's own loader reads the file; what it makes of a node is found by the node's key, and all lines
+are drawn where that stands.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+from rigtri.limbs import recognise
+from rigtri.records import Clip, Skin, Track
+from rigtri.rig import Rig
+from rigtri.timelines import timelines
+
+_FACING = (0.0, 0.0, 1.0)
+
+
+def facts(rig: Rig) -> dict[str, Any]:
+    """The nodes that are joints, or of ours, and what is above them; limbs; lines of controls.
+
+    key: of glTF the index of a node, of USD a prim's path or SKELETON#NUMBER. local: 16 numbers of a
+    row-vector matrix, of prims, which the loader need not know. pole: −1 where there is none yet.
+    tracks: what moves prims of USD.
+    """
+    nodes = _nodes(rig)
+    place = {node: k for k, node in enumerate(nodes)}
+    paths, keys = _paths(rig, nodes), _keys(rig, nodes)
+    return {
+        "nodes": [_node(rig, node, place, paths[node], keys[node]) for node in nodes],
+        "limbs": [
+            {"joints": [place[joint] for joint in joints], "pole": place.get(pole, -1)}
+            for joints, pole in _limbs(rig).items()
+        ],
+        "marks": [place[node] for node in nodes if _kind(rig, node) and not rig.is_joint[node]],
+        "controls": sum(rig.notes[node].get("type") == "control" for node in rig.notes),
+        "shapes": list(_shapes(rig, place)),
+        "tracks": [_track(rig, track, place) for track in _prim_tracks(rig)],
+        "facing": _ahead(rig),
+    }
+
+
+def clip_place(rig: Rig, clip: Clip) -> int:
+    """The number of a clip among those that the page has: glTF's own; USD plays all at once."""
+    return clip.key if isinstance(clip.key, int) else 0
+
+
+def clip_names(rig: Rig) -> list[dict[str, str]]:
+    """The clips of the page by name where its loader has none: of USD, which plays all at once."""
+    names = [timeline.name for timeline in timelines(rig)] if rig.raw else []
+    return [{"name": ", ".join(names)}] if names else []
+
+
+def _nodes(rig: Rig) -> list[int]:
+    """The nodes to tell of, parents first: all of them where none is a joint."""
+    if not rig.is_joint.any():
+        return list(range(len(rig)))
+    wanted = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.notes)
+    wanted |= {track.node for track in _prim_tracks(rig)}
+    wanted |= {node for joints, pole in _limbs(rig).items() for node in (*joints, pole)} - {-1}
+    for node in sorted(wanted, reverse=True):
+        above = int(rig.parents[node])
+        while above >= 0 and above not in wanted:
+            wanted.add(above)
+            above = int(rig.parents[above])
+    return sorted(wanted)
+
+
+def _paths(rig: Rig, nodes: list[int]) -> dict[int, str]:
+    """A path for each node that no other has."""
+    paths = {node: rig.path(node) for node in nodes}
+    times = Counter(paths.values())
+    return {
+        node: path if times[path] == 1 else f"{path} ({rig.labels[node]})" for node, path in paths.items()
+    }
+
+
+def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str) -> dict[str, Any]:
+    told: dict[str, Any] = {
+        "name": rig.names[node] or rig.labels[node],
+        "path": path,
+        "parent": place.get(int(rig.parents[node]), -1),
+        "key": key,
+        "joint": bool(rig.is_joint[node]),
+    }
+    if kind := _kind(rig, node):
+        told["note"] = kind
+    if isinstance(rig.keys[node], tuple):
+        told["local"] = rig.local[node].reshape(16).tolist()
+    return told
+
+
+def _keys(rig: Rig, nodes: list[int]) -> dict[int, int | str]:
+    """What the page finds nodes by: of USD a prim's path, of its skeletons' joints their numbers."""
+    rows = {
+        node: f"{skin.key[1]}#{row}"
+        for skin in rig.skins
+        if _is_skeleton(skin) and isinstance(skin.key, tuple)
+        for row, node in enumerate(skin.joints.tolist())
+    }
+    found: dict[int, int | str] = {}
+    for node in nodes:
+        key = rig.keys[node]
+        found[node] = (
+            key if isinstance(key, int) else rows.get(node, str(key[1]) if isinstance(key, tuple) else "")
+        )
+    return found
+
+
+def _kind(rig: Rig, node: int) -> str:
+    """What rigtri has made a node for, in words; "" for what it has not made."""
+    note = rig.notes.get(node, {})
+    kind = note.get("type")
+    if kind in (None, "frame", "group", "offset"):
+        return ""
+    return f"{note['kind']} control" if kind == "control" else str(kind)
+
+
+def _limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
+    """Root, middle and end of limbs, those known by name and those with a pole vector; and that, or −1."""
+    found = {limb.triple: -1 for limb in recognise(rig)}
+    for node, note in rig.notes.items():
+        chain = (
+            [rig.known(name) for name in note.get("chain", ())] if note.get("type") == "poleVector" else []
+        )
+        known = [joint for joint in chain if joint is not None]
+        if len(known) >= 3 and len(known) == len(chain):
+            found[known[0], known[len(known) // 2], known[-1]] = node
+    return found
+
+
+def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
+    """The lines that USD files draw at nodes of ours; those of glTF any loader reads."""
+    for node in rig.notes:
+        lines = rig.lines(rig.keys[node]) if rig.raw else None
+        if lines is not None and node in place:
+            segments = lines.segments.reshape(-1).tolist()
+            yield {"node": place[node], "segments": segments, "color": list(lines.color)}
+
+
+def _prim_tracks(rig: Rig) -> list[Track]:
+    """What moves prims of USD files, whose ops say it in many ways; keys of joints the page reads."""
+    if not rig.raw:
+        return []
+    joints = {node for skin in rig.skins if _is_skeleton(skin) for node in skin.joints.tolist()}
+    tracks = [track for clip in rig.clips if not clip.idle for track in clip.tracks]
+    return [track for track in tracks if track.node not in joints and track.path != "weights"]
+
+
+def _is_skeleton(skin: Skin) -> bool:
+    return isinstance(skin.key, tuple) and skin.key[0] == "skeleton"
+
+
+def _track(rig: Rig, track: Track, place: dict[int, int]) -> dict[str, Any]:
+    """Times in seconds, values one after the other."""
+    return {
+        "node": place[track.node],
+        "path": track.path,
+        "step": track.interpolation == "STEP",
+        "times": (track.times / rig.per_second).tolist(),
+        "values": track.values.reshape(-1).tolist(),
+    }
+
+
+def _ahead(rig: Rig) -> list[float]:
+    """Where the character looks; unless the format says it, along z, or along −y where z is up."""
+    if rig.facing is not None:
+        return list(rig.facing)
+    return [0.0, -1.0, 0.0] if rig.up[2] else list(_FACING)
