@@ -10,12 +10,14 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from rigtri.limbs import recognise
 from rigtri.records import Clip, Skin, Track
 from rigtri.rig import Rig
+from rigtri.stature import forward
 from rigtri.timelines import timelines
-
-_FACING = (0.0, 0.0, 1.0)
+from rigtri.trigonometry import Floats
 
 
 def facts(rig: Rig) -> dict[str, Any]:
@@ -23,7 +25,7 @@ def facts(rig: Rig) -> dict[str, Any]:
 
     key: of glTF the index of a node, of USD a prim's path or SKELETON#NUMBER. local: 16 numbers of a
     row-vector matrix, of prims, which the loader need not know. pole: −1 where there is none yet.
-    tracks: what moves prims of USD.
+    tracks: what moves prims of USD. follows: of constraints, what a node follows, and the node.
     """
     nodes = _nodes(rig)
     place = {node: k for k, node in enumerate(nodes)}
@@ -38,7 +40,8 @@ def facts(rig: Rig) -> dict[str, Any]:
         "controls": sum(rig.notes[node].get("type") == "control" for node in rig.notes),
         "shapes": list(_shapes(rig, place)),
         "tracks": [_track(rig, track, place) for track in _prim_tracks(rig)],
-        "facing": _ahead(rig),
+        "follows": [[place[source], place[node]] for source, node in _follows(rig)],
+        "facing": forward(rig, recognise(rig), rig.world).tolist(),
     }
 
 
@@ -58,7 +61,7 @@ def _nodes(rig: Rig) -> list[int]:
     if not rig.is_joint.any():
         return list(range(len(rig)))
     wanted = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.notes)
-    wanted |= {track.node for track in _prim_tracks(rig)}
+    wanted |= {track.node for track in _prim_tracks(rig)} | {node for pair in _follows(rig) for node in pair}
     wanted |= {node for joints, pole in _limbs(rig).items() for node in (*joints, pole)} - {-1}
     for node in sorted(wanted, reverse=True):
         above = int(rig.parents[node])
@@ -88,7 +91,7 @@ def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str)
     if kind := _kind(rig, node):
         told["note"] = kind
     if isinstance(rig.keys[node], tuple):
-        told["local"] = rig.local[node].reshape(16).tolist()
+        told["local"] = _numbers(rig.local[node])
     return told
 
 
@@ -127,7 +130,7 @@ def _limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
         )
         known = [joint for joint in chain if joint is not None]
         if len(known) >= 3 and len(known) == len(chain):
-            found[known[0], known[len(known) // 2], known[-1]] = node
+            found[known[0], known[1], known[-1]] = node
     return found
 
 
@@ -136,7 +139,7 @@ def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
     for node in rig.notes:
         lines = rig.lines(rig.keys[node]) if rig.raw else None
         if lines is not None and node in place:
-            segments = lines.segments.reshape(-1).tolist()
+            segments = _numbers(lines.segments)
             yield {"node": place[node], "segments": segments, "color": list(lines.color)}
 
 
@@ -159,13 +162,25 @@ def _track(rig: Rig, track: Track, place: dict[int, int]) -> dict[str, Any]:
         "node": place[track.node],
         "path": track.path,
         "step": track.interpolation == "STEP",
-        "times": (track.times / rig.per_second).tolist(),
-        "values": track.values.reshape(-1).tolist(),
+        "times": _numbers(track.times / rig.per_second),
+        "values": _numbers(track.values),
     }
 
 
-def _ahead(rig: Rig) -> list[float]:
-    """Where the character looks; unless the format says it, along z, or along −y where z is up."""
-    if rig.facing is not None:
-        return list(rig.facing)
-    return [0.0, -1.0, 0.0] if rig.up[2] else list(_FACING)
+def _numbers(values: Floats) -> list[float]:
+    """Numbers one after the other; JSON has no word for what is none."""
+    found: list[float] = np.where(np.isfinite(values), values, 0.0).reshape(-1).tolist()
+    return found
+
+
+def _follows(rig: Rig) -> dict[tuple[int, int], None]:
+    """What a node follows, and the node, of constraints of the file and of ours."""
+    found = {(c.source, c.node): None for c in rig.constraints if c.kind != "length" and c.source != c.node}
+    for note in rig.notes.values():
+        said = note.get("drivers") if note.get("type") == "constraint" else None
+        child = rig.known(note.get("child"))
+        for name in said if isinstance(said, list) and child is not None else ():
+            driver = rig.known(name)
+            if driver is not None and child is not None and driver != child:
+                found[driver, child] = None
+    return found

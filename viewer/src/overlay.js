@@ -32,8 +32,8 @@ export class Overlay {
     this.look.matrix = new Matrix4()
       .multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse).elements;
     this.colors = this.dark.matches
-      ? { axes: DARK_AXES, bone: '#e6e8ea', halo: 'rgba(0,0,0,.65)', limb: '#ffd24d', pole: '#ff9df5' }
-      : { axes: AXES, bone: '#2b2e33', halo: 'rgba(255,255,255,.8)', limb: '#b77700', pole: '#a3159a' };
+      ? { axes: DARK_AXES, bone: '#e6e8ea', halo: 'rgba(0,0,0,.65)', limb: '#ffd24d', pole: '#ff9df5', off: '#ff9a3d' }
+      : { axes: AXES, bone: '#2b2e33', halo: 'rgba(255,255,255,.8)', limb: '#b77700', pole: '#a3159a', off: '#e06a00' };
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, wide, high);
     pen.lineCap = pen.lineJoin = 'round';
@@ -61,11 +61,14 @@ export class Overlay {
     if (state.bones) this.#bones(model, at);
     if (state.axes) for (const node of model.listed) this.#arrows(model, node);
     if (!front) return;
+    if (state.controls) {
+      for (const [from, to] of model.facts.follows) this.#line(at[from], at[to], this.colors.bone, 1, [1, 5]);
+    }
     this.spots = [];
     for (const node of [...model.listed, ...(state.controls ? model.facts.marks : [])]) {
       const spot = this.#project(at[node]);
       const { name, path } = model.facts.nodes[node];
-      if (spot) this.spots.push({ name, path, x: spot[0], y: spot[1] });
+      if (spot) this.spots.push({ name, path, x: spot[0], y: spot[1], off: model.crooked(node) });
     }
     this.#spots(state);
   }
@@ -121,9 +124,9 @@ export class Overlay {
     const size = Math.max(11, Math.min(14, this.look.wide / 60));
     pen.font = `${size}px system-ui, sans-serif`;
     pen.textBaseline = 'middle';
-    for (const { name, path, x, y } of this.spots) {
+    for (const { name, path, x, y, off } of this.spots) {
       const chosen = marked.includes(path);
-      if (state.bones || chosen) this.#ring(x, y, chosen ? 6 : 2.5, chosen);
+      if (state.bones || chosen) this.#ring(x, y, chosen ? 6 : off ? 4 : 2.5, chosen, off);
       const room = [x + 8, y - size / 2, pen.measureText(name).width, size];
       if (path !== state.selected && (!state.names || taken.some((other) => meet(room, other)))) continue;
       taken.push(room);
@@ -135,12 +138,13 @@ export class Overlay {
     }
   }
 
-  #ring(x, y, radius, open) {
+  #ring(x, y, radius, open, off) {
     const { pen } = this;
     pen.beginPath();
     pen.arc(x, y, radius, 0, TAU);
-    pen.fillStyle = this.colors.bone;
-    pen.strokeStyle = open ? this.colors.bone : this.colors.halo;
+    const color = off ? this.colors.off : this.colors.bone;
+    pen.fillStyle = color;
+    pen.strokeStyle = open ? color : this.colors.halo;
     pen.lineWidth = open ? 2 : 1;
     if (!open) pen.fill();
     pen.stroke();

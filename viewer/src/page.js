@@ -18,6 +18,9 @@ const MESHES = ['solid', 'faint', 'none'];
 // Seconds of an arrow key, and the share of time that measuring may take while a clip plays.
 const STEP = 1 / 30;
 const SHARE = 0.25;
+// What a key turns the camera by, in radians, and what it brings it nearer by.
+const TURN = Math.PI / 12;
+const ZOOM = 1.2;
 
 const act = {
   set(key, value) {
@@ -196,6 +199,8 @@ function tellJoint(model) {
   ['x', 'y', 'z'].forEach((axis, k) => {
     pairs.push([axis, words(new Vector3().setFromMatrixColumn(matrixWorld, k).normalize())]);
   });
+  const aim = model.aims[node];
+  if (aim) pairs.push(['bone', `${aim.axis} is ${aim.off.toFixed(1)}° off ${model.facts.nodes[aim.child].name}`]);
   if (model.facts.nodes[node].note) pairs.push(['is', model.facts.nodes[node].note]);
   return panel.joint(model.facts.nodes[node].name, pairs);
 }
@@ -240,6 +245,7 @@ const SHORTCUTS = {
   b: () => models.length > 1 && act.set('side', turn(SIDES, state.side)),
   m: () => act.set('mesh', turn(MESHES, state.mesh)),
   a: flip('axes'), j: flip('bones'), t: flip('triangles'), c: flip('controls'), n: flip('names'),
+  q: () => stage.turn(-TURN), e: () => stage.turn(TURN), '+': () => stage.zoom(1 / ZOOM), '-': () => stage.zoom(ZOOM),
   1: () => act.look('front'), 2: () => act.look('side'), 3: () => act.look('top'), 4: () => act.look('three-quarter'),
   Escape: () => act.set('selected', null),
 };

@@ -22,6 +22,7 @@ const KEYS = [
   ['A J T C N', 'axes, bones, triangles, controls, names'],
   ['M', 'mesh solid, see-through, hidden'],
   ['1 2 3 4', 'front, side, top, three-quarter'],
+  ['Q E + −', 'turn, come nearer, go away'],
   ['Esc', 'no joint chosen'],
 ];
 const find = (id) => document.getElementById(id);

@@ -91,6 +91,20 @@ export class Stage {
     this.stale = true;
   }
 
+  /** Go about the upright axis by an angle. */
+  turn(angle) {
+    const { target } = this.controls;
+    this.camera.position.sub(target).applyAxisAngle(UP, angle).add(target);
+    this.controls.update();
+  }
+
+  /** Go farther away by a factor. */
+  zoom(factor) {
+    const { target } = this.controls;
+    this.camera.position.sub(target).multiplyScalar(factor).add(target);
+    this.controls.update();
+  }
+
   /** How far away all points are in the picture. */
   #distance(from, middle) {
     const turn = new Matrix4().lookAt(from, new Vector3(), UP).transpose();
