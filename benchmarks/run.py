@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
+from bake import tables
 from size import differences, growth, large_files
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -221,7 +222,7 @@ def main() -> None:
     parser.add_argument("--assets", type=Path, help="a folder with real files")
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--write", type=Path, help="write the table to this file too")
-    parser.add_argument("--only", choices=["small", "large"], help="leave the other half out")
+    parser.add_argument("--only", choices=["small", "large", "bake"], help="leave the rest out")
     parser.add_argument("--scratch", type=Path, help="a folder with 10 GB to spare, for the large files")
     options = parser.parse_args()
     # An installed program has its modules compiled.
@@ -231,11 +232,13 @@ def main() -> None:
         machine = f"{platform.platform()}, {os.cpu_count()} cores, Python {platform.python_version()}"
         runs = f"Medians of {options.runs} runs, of large files the best of them."
         lines = ["# Results", "", f"{date.today()}, {machine}. {runs}", ""]
-        if options.only != "large":
+        if options.only in (None, "small"):
             lines += small(folder, options.assets, options.runs)
-        if options.only != "small":
+        if options.only in (None, "bake"):
+            lines += ["## Evaluation", "", *tables(10_000), ""]
+        if options.only in (None, "large"):
             lines += [*large_files(folder, options.runs), *growth(folder), *differences(folder)]
-        if options.assets and options.only != "large":
+        if options.assets and options.only in (None, "small"):
             lines += ["## Deviation of each real file", ""]
             lines += ["Share of the bounding-box diagonal; raw: with rotations as stored, not unit.", ""]
             lines += ["| file | deviation | raw | |", "|---|---|---|---|"]

@@ -45,6 +45,13 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False),
     help="Read what is a control of what from this file, by name: exporters drop it from IN.",
 )
+@click.option(
+    "--as",
+    "names",
+    multiple=True,
+    metavar="NAME=CLIP",
+    help="With --rig: the clip NAME (or glob) of IN is CLIP of that file, or a part of it. Repeatable.",
+)
 @click.option("--clip", "clips", multiple=True, metavar="GLOB", help="Only these clips. Repeatable.")
 @click.option(
     "--fps",
@@ -84,6 +91,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri bake rigged.glb -o game.glb --to joints
         rigtri bake rigged.glb -o animate.glb --to controls --clip 'walk*'
         rigtri bake edited.glb -o home.glb --to joints --rig rigged.glb
+        rigtri bake edited.glb -o home.glb --to joints --rig rigged.glb --as '*_ctlAction=walk'
     """
     from rigtri.steps.bake import step
 
@@ -98,6 +106,11 @@ def summary(report: Report) -> str:
     told = sum(len(entry["nodes"]) for entry in report.added if entry["type"] == "described")
     if told:
         at_rest += f"{'; ' if at_rest else ''}{counted(told, 'node')} put where the file of --rig has them"
+    parts = [entry for entry in report.added if entry["type"] == "joined"]
+    if parts:
+        whole = ", ".join(f"'{entry['clip']}'" for entry in parts)
+        known = f"{counted(sum(len(entry['from']) for entry in parts), 'clip')} of IN known as {whole}"
+        at_rest += f"{'; ' if at_rest else ''}{known}"
     if not clips:
         bare = any(notice.code == "no-clips" for notice in report.warnings)
         nothing = "the file has no clips" if bare else "no clip has keys of controls or constraints"

@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     "names",
     multiple=True,
     metavar="NAME=CLIP",
-    help="The clip NAME of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its number, and "
-    "NAME= the one without a name. Repeatable.",
+    help="The clip NAME (or glob) of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its "
+    "number, and NAME= the one without a name. Repeatable.",
 )
 @reading_options
 @edit_options

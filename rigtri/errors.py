@@ -41,14 +41,21 @@ class FileError(RigtriError):
     exit_code = 3
 
 
+# So many names are listed where none of them is like the one that was given.
+_FEW = 6
+
+
 class NameNotFoundError(RigtriError):
     """A joint, node, clip or skin that the file does not have."""
 
     exit_code = 4
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        close = get_close_matches(name, list(dict.fromkeys(known)), n=3)
+        every = list(dict.fromkeys(word for word in known if word))
+        close = get_close_matches(name, every, n=3)
         hint = f" Did you mean {_quoted(close)}?" if close else ""
+        if not close and 0 < len(every) <= _FEW:
+            hint = f" There {'are' if len(every) > 1 else 'is'} {_quoted(every)}."
         super().__init__(f"No {kind} is named '{name}'.{hint} List what is there with: rigtri inspect FILE")
 
 

@@ -38,11 +38,15 @@ class Intended:
         return self._placed(self.document.outlines(closely=closely))
 
     def _placed(self, meshes: Sequence[Mesh]) -> list[Mesh]:
-        """Meshes at the nodes of the rig."""
-        return [
-            mesh if self.place[mesh.node] == mesh.node else replace(mesh, node=self.place[mesh.node])
-            for mesh in meshes
-        ]
+        """Meshes at the nodes of the rig, with the morph weights that it has at rest."""
+        found = []
+        for mesh in meshes:
+            node = self.place[mesh.node]
+            weights = self.rig.morphed.get(node, mesh.morph_weights)
+            if node != mesh.node or weights is not mesh.morph_weights:
+                mesh = replace(mesh, node=node, morph_weights=weights)
+            found.append(mesh)
+        return found
 
     def scenery(self, *, closely: bool = False) -> Scenery:
         found = self.document.scenery(closely=closely)
@@ -96,7 +100,10 @@ def motion(document: Source, meant: Source, made: Source, driven: Driven) -> Mot
         rig = played_at_once(rig, played.name)
         if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
-    was = Intended(document, replace(rig, keys=keys), made, keys=keys, place=range(len(rig)))
+    # What the result knows as rigtri's is no more looked at where the document, exported, lacks the notes.
+    told = {made.rig.keys[node]: made.rig.notes[node] for node in made.rig.own & made.rig.notes.keys()}
+    notes = {**{node: told[key] for node, key in enumerate(keys) if key in told}, **rig.notes}
+    was = Intended(document, replace(rig, keys=keys, notes=notes), made, keys=keys, place=range(len(rig)))
     found = motion_between(was, made)
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in driven}
     if not others:

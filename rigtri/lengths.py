@@ -9,12 +9,12 @@ Source: docs/exactness.md, "Scale" and "Quaternions that are not unit".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 
 import numpy as np
 
 from rigtri.quaternions import IDENTITY, norm
-from rigtri.reach import bearable
+from rigtri.reach import Reach, bearable
 from rigtri.records import Constraint, Integers, key_values
 from rigtri.reframe import Scales
 from rigtri.rig import Rig
@@ -31,20 +31,20 @@ SIX_DIGITS = 4e-6
 # Turns whose numbers differ by less are one.
 SAME_TURN = 1e-6
 
-Reach = Callable[[], Floats]
-
 
 def same_scales(rig: Rig, joints: Collection[int], scales: Scales, reach: Reach, tolerance: float) -> Floats:
     """How far apart the components of each scale may be to count as one number, (n,).
 
-    reach: how far what hangs at each node reaches, (n,), as a share of the size; tolerance: how far
-    anything may move, as such a share.
+    reach: how far what hangs at each node reaches; tolerance: how far anything may move, as a share of
+    the size.
     """
     spread = np.zeros(len(rig))
     spread[list(joints)] = np.where(scales.uneven, 0.0, scales.spread)[list(joints)]
     if spread.max(initial=0.0) <= ROUNDING:
         return scales.same
-    far = reach()
+    if np.isinf(bearable(rig, _effect(spread, reach.at_most), SCALES_MAY * tolerance)):
+        return scales.same
+    far = reach.exact
     limit = bearable(rig, spread * far, SCALES_MAY * tolerance)
     over = spread * far > limit
     return np.where(over, np.minimum(scales.same, limit / np.where(over, far, 1.0)), scales.same)
@@ -74,9 +74,17 @@ def ties(rig: Rig, reach: Reach, tolerance: float) -> tuple[Constraint, ...]:
     off = _off_unit(rig)
     if off.max(initial=0.0) <= 2 * ROUNDING:
         return ()
-    effect = 2.0 * off * reach()  # a turn by δ against the parent: 2·sin(δ/2) of it
+    # A turn by δ against the parent: 2·sin(δ/2) of it.
+    if np.isinf(bearable(rig, _effect(2.0 * off, reach.at_most), ROTATIONS_MAY * tolerance)):
+        return ()
+    effect = 2.0 * off * reach.exact
     tied = np.flatnonzero(effect > bearable(rig, effect, ROTATIONS_MAY * tolerance)).tolist()
     return tuple(Constraint("length", node, int(rig.parents[node]), np.zeros(3)) for node in tied)
+
+
+def _effect(fault: Floats, far: Floats) -> Floats:
+    """What faults move, (n,); nothing where there is none, however far anything reaches."""
+    return np.where(fault > 0, fault * np.where(fault > 0, far, 0.0), 0.0)
 
 
 def _off_unit(rig: Rig) -> Floats:

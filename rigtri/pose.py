@@ -81,7 +81,9 @@ class Motion:
         """Local matrices, (f, n, 4, 4), at ``times``, (f,); see the function of the same name."""
         times = np.atleast_1d(np.asarray(times, dtype=np.float64))
         rig, count = self.rig, len(times)
-        local = np.repeat(rest(rig, normalised=normalised)[np.newaxis], count, axis=0)
+        # Each number of a node at all times in one row of memory: what `worlds` multiplies by levels.
+        local: Floats = np.empty((4, 4, len(rig), count)).transpose(3, 2, 0, 1)
+        local[:] = rest(rig, normalised=normalised)
         if not len(self.driven):
             return local
         parts = {
@@ -213,6 +215,8 @@ def _blended(points: Floats, matrices: Floats, joints: Integers, weights: Floats
     A point takes nothing from a joint without weight, also where that is not a number.
     """
     times = len(matrices)
+    if times == 1:
+        return _blended_once(points, matrices[0], joints, weights)[np.newaxis]
     # Row i of a joint's matrices at all times side by side: what coordinate i is multiplied by.
     beside = matrices[..., :3].transpose(1, 2, 0, 3).reshape(matrices.shape[1], 4, times * 3)
     moved = np.zeros((len(points), times * 3))
@@ -229,6 +233,26 @@ def _blended(points: Floats, matrices: Floats, joints: Integers, weights: Floats
             part *= weights[rows, column, np.newaxis]
             moved[rows] += part
     return moved.reshape(len(points), times, 3).transpose(1, 0, 2)
+
+
+def _blended_once(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
+    """As `_blended` at one time, matrices (m, 4, 4) → (v, 3): column by column, each point with its own."""
+    beside = np.ascontiguousarray(matrices[..., :3].transpose(1, 2, 0))
+    coordinates = np.ascontiguousarray(points.T)
+    moved = np.zeros((3, len(points)))
+    for column in range(joints.shape[1]):
+        weight = weights[:, column]
+        live = weight != 0
+        if not live.any():
+            continue
+        some = slice(None) if live.all() else np.flatnonzero(live)
+        of = joints[some, column]
+        for axis in range(3):
+            part = beside[3, axis][of]
+            for k in range(3):
+                part += coordinates[k][some] * beside[k, axis][of]
+            moved[axis][some] += part * weight[some]
+    return moved.T
 
 
 def _through(points: Floats, matrix: Floats) -> Floats:

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rigtri.trigonometry import Floats, arc_tangent, sin_cos
+from rigtri.trigonometry import Floats, arc_tangent, sin_cos, sine
 from rigtri.vectors import as_vectors, by_component, cross, dot, length, normalise
 
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
@@ -191,14 +191,14 @@ def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
     """
     a, b = as_quaternions(a), as_quaternions(b)
     share = np.asarray(share, dtype=np.float64)
-    cosine = (a * b)[..., 0] + (a * b)[..., 1] + (a * b)[..., 2] + (a * b)[..., 3]
+    products = a * b
+    cosine = products[..., 0] + products[..., 1] + products[..., 2] + products[..., 3]
     b = np.where(cosine[..., np.newaxis] < 0, -b, b)
     total = 2.0 * arc_tangent(norm(b - a), norm(a + b))
-    sine, _ = sin_cos(total)
-    from_a, _ = sin_cos((1.0 - share) * total)
-    from_b, _ = sin_cos(share * total)
-    close = sine < 1e-12  # the same turn twice: a straight line is exact to the last bit
-    scale = 1.0 / np.where(close, 1.0, sine)
+    whole = sine(total)
+    from_a, from_b = sine((1.0 - share) * total), sine(share * total)
+    close = whole < 1e-12  # the same turn twice: a straight line is exact to the last bit
+    scale = 1.0 / np.where(close, 1.0, whole)
     weight_a = np.where(close, 1.0 - share, from_a * scale)
     weight_b = np.where(close, share, from_b * scale)
     return np.asarray(a * weight_a[..., np.newaxis] + b * weight_b[..., np.newaxis])

@@ -7,6 +7,8 @@ more than e times its reach, in any pose that bends joints and does not stretch 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
@@ -25,8 +27,24 @@ TOLERANCE = 1e-5
 _BLOCK = 1 << 20
 
 
+# The size of each rig with the meshes that it was measured by.
+_sizes: WeakKeyDictionary[Rig, tuple[tuple[ref[Mesh], ...], float]] = WeakKeyDictionary()
+
+
 def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
-    """The diagonal of the box of all points at rest, in file units; without points, of joints' origins."""
+    """The diagonal of the box of all points at rest, in file units; without points, of joints' origins.
+
+    Measured once, as an edit and its check both ask for it.
+    """
+    known = _sizes.get(rig)
+    if known is not None and [one() for one in known[0]] == list(meshes):
+        return known[1]
+    size = _measured(rig, meshes)
+    _sizes[rig] = tuple(map(ref, meshes)), size
+    return size
+
+
+def _measured(rig: Rig, meshes: Sequence[Mesh]) -> float:
     world = worlds(rig, rest(rig))[np.newaxis]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:
@@ -62,20 +80,85 @@ def reaches(rig: Rig) -> Floats:
     What is no mesh (cameras, lights) counts as its frame, of axes as long as that size, as it
     is judged. Meshes that cannot be read count for nothing more.
     """
-    try:
-        meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
-    except FileError:
-        meshes = []
-    own, world = np.zeros(len(rig)), worlds(rig, rest(rig))
-    for mesh in meshes:
-        _own(rig, world, mesh, own)
-    size = size_of(rig, meshes)
-    framed = frames_shown(rig, meshes)
-    own[framed] = np.maximum(own[framed], _corner(world[framed, :3, :3]) * size)
-    reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
-    for posed in _stretched(rig):
-        reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
-    return np.asarray(reach / size)
+    return Reach(rig).exact
+
+
+class Reach:
+    """What `reaches` finds, when it is asked for, and before that a bound of it that poses nothing."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+
+    @cached_property
+    def exact(self) -> Floats:
+        """As `reaches`, (n,)."""
+        rig, world, (own, size) = self._rig, worlds(self._rig, rest(self._rig)), self._at_rest
+        reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
+        for posed in _stretched(rig):
+            reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
+        return np.asarray(reach / size)
+
+    @cached_property
+    def at_most(self) -> Floats:
+        """No less than `exact`, (n,), from each node's own numbers; infinite where these do not tell."""
+        rig, (own, size) = self._rig, self._at_rest
+        (low, high), (least, most), bones = _sizes_of_nodes(rig)
+        for level in rig.levels[1:]:
+            parents = rig.parents[level]
+            bones[level] *= most[parents]
+            for product in (low, high, least, most):
+                product[level] *= product[parents]
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            # Of A·Aᵀ, the sum of a row: numbers beside the diagonal are half of what eigenvalues span.
+            stretch = np.sqrt(2.0 * (most / low) ** 2 - (least / high) ** 2)
+            reach = np.where(own > 0, own * stretch, 0.0)
+            for level in reversed(rig.levels[1:]):
+                np.maximum.at(reach, rig.parents[level], bones[level] + reach[level])
+            # What float64 rounds, and last columns that are nearly 0 0 0 1, are far less.
+            reach = 1.001 * reach / size
+        return np.where(np.isfinite(reach), reach, np.inf)
+
+    @cached_property
+    def _at_rest(self) -> tuple[Floats, float]:
+        """How far each node's own things reach, (n,), in file units, and the size of what is seen."""
+        rig = self._rig
+        try:
+            meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
+        except FileError:
+            meshes = []
+        own, world = np.zeros(len(rig)), worlds(rig, rest(rig))
+        for mesh in meshes:
+            _own(rig, world, mesh, own)
+        size = size_of(rig, meshes)
+        framed = frames_shown(rig, meshes)
+        own[framed] = np.maximum(own[framed], _corner(world[framed, :3, :3]) * size)
+        return own, size
+
+
+def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:
+    """By how much each node shrinks and stretches what is below it, (n,) each: at rest, and in any pose.
+
+    And how far it is from its parent at most, (n,), in the parent's space. Splines may overshoot: inf.
+    """
+    local = rest(rig)
+    rows = [local[:, k, :3] for k in range(3)]
+    square = [dot(row, row) for row in rows]
+    mixed = [np.abs(dot(rows[i], rows[(i + 1) % 3])) for i in range(3)]
+    aside = [mixed[i] + mixed[i - 1] for i in range(3)]
+    high = np.sqrt(np.maximum.reduce([square[i] + aside[i] for i in range(3)]))
+    low = np.sqrt(np.maximum(np.minimum.reduce([square[i] - aside[i] for i in range(3)]), 0.0))
+    least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
+    for track in (track for clip in rig.clips for track in clip.tracks):
+        node, spline = track.node, track.interpolation == "CUBICSPLINE"
+        if track.path == "translation":
+            far = np.inf if spline else float(length(track.values).max(initial=0.0))
+            bones[node] = max(bones[node], far)
+        elif track.path == "scale":
+            sizes = np.abs(track.values)
+            turns_over = spline or (track.values.max(axis=0) * track.values.min(axis=0) <= 0.0).any()
+            least[node] = 0.0 if turns_over else min(least[node], float(sizes.min(initial=np.inf)))
+            most[node] = np.inf if spline else max(most[node], float(sizes.max(initial=0.0)))
+    return (low, high), (least, most), bones
 
 
 def _along(rig: Rig, world: Floats, own: Floats) -> Floats:

@@ -67,7 +67,8 @@ class Rig:
     whole: why no joint of this file may be split, "" where they may.
     humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
     at nodes; what a file has drawn before is payload, and stays as it is. spreads, folds: what is to
-    be done to the weights of meshes when the rig is written.
+    be done to the weights of meshes when the rig is written. morphed: the morph weights at rest that nodes
+    are to get then.
     removed: nodes that the file to be written is to be without; they have no names any more.
     facing: the direction the character looks in, where the format prescribes one.
     raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
@@ -101,6 +102,7 @@ class Rig:
     shapes: Mapping[int, Shape] = field(default_factory=dict)
     spreads: tuple[Spread, ...] = ()
     folds: tuple[Fold, ...] = ()
+    morphed: Mapping[int, Floats] = field(default_factory=dict)
     lines: Callable[[Hashable], Lines | None] = nothing
     removed: frozenset[int] = frozenset()
     facing: tuple[float, float, float] | None = None
@@ -447,6 +449,7 @@ class Rig:
             humanoid={bone: new[k] for bone, k in self.humanoid.items()},
             notes={new[k]: note for k, note in self.notes.items()},
             shapes={new[k]: shape for k, shape in self.shapes.items()},
+            morphed={new[k]: weights for k, weights in self.morphed.items()},
             drawn=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.drawn()],
             removed=frozenset(new[k] for k in self.removed),
             read_meshes=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.meshes],

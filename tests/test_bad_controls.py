@@ -125,6 +125,11 @@ def test_uneven_scale_of_a_control_is_that_of_its_joint(name: str) -> None:
     posed = evaluated(asked(rig, (node, "scale", [2.0, 1.0, 0.5])), "control-scale")
     grown = posed.part(rig.find("forearm_L")).scale[0] / rig.scale[rig.find("forearm_L")]
     np.testing.assert_allclose(grown, [2.0, 1.0, 0.5])
+    # Where the file's own keys of the joint scale it so, as after a bake, that is no news.
+    heard = Report()
+    done = bake(asked(rig, (node, "scale", [2.0, 1.0, 0.5])), options=BakeOptions())
+    bake(done, options=BakeOptions(), report=heard)
+    assert "control-scale" not in {notice.code for notice in heard.warnings}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -352,3 +357,16 @@ def test_an_end_that_fk_below_the_solver_brings_to_its_target_is_no_trouble(name
     bone = next(t for t in home.clips[0].tracks if (t.node, t.path) == (home.find("hand_L"), "translation"))
     lengths = np.linalg.norm(bone.values, axis=1)
     np.testing.assert_allclose(lengths[-1], 1.4 * lengths[0], rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("scale", "told"),
+    [([-1.0, 1.0, 1.0], "mirrored"), ([-1.0, -1.0, 1.0], ""), ([-2.0, 1.0, 1.0], "unevenly")],
+)
+def test_a_mirrored_control_is_told_as_such_and_not_as_uneven(scale: list[float], told: str) -> None:
+    rig, report = rigged("biped.glb"), Report()
+    node = control(rig, "head", "fk")
+    posed = pose_of(asked(rig, (node, "scale", scale)), Options("new@0.5"), report)  # type: ignore[arg-type]
+    head = rig.find("head")
+    np.testing.assert_allclose(posed.part(head).scale[0] / rig.scale[head], scale)
+    assert [told in notice.text for notice in report.warnings] == ([True] if told else [])

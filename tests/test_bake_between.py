@@ -10,7 +10,7 @@ from test_bake import animated, apart, control, rigged, size
 
 from rigtri import pose
 from rigtri.ops.bake import Options, bake
-from rigtri.records import Clip
+from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve import between
@@ -100,3 +100,21 @@ def test_a_highest_rate_bounds_the_samples_and_is_told(monkeypatch: pytest.Monke
     assert report.added[0]["frames"] == 9
     assert [notice.code for notice in report.warnings] == ["samples-limited"]
     assert "'new'" in report.warnings[0].text
+    assert "swing" not in report.warnings[0].text
+
+
+def test_a_spline_between_keys_of_opposite_sign_swings_round_as_its_file_says_and_is_told() -> None:
+    """glTF's splines are of components: from q to −q they pass near nothing, and every player swings."""
+    rig = rigged()
+    head = rig.find("head")
+    turn = rig.rotation[head]
+    tangent = np.array([0.0, 0.0, 2e-6, 0.0])
+    still = np.zeros(4)
+    values = np.array([[still, turn, tangent], [still, -turn, still]])
+    track = Track(head, "rotation", "CUBICSPLINE", np.array([0.0, 1.0]), values)
+    report = Report()
+    bake(replace(rig, clips=(Clip("new", (track,)),)), options=Options(to="controls"), report=report)
+    (notice,) = report.warnings
+    assert notice.code == "samples-limited"
+    assert "splines of 'head' swing round" in notice.text
+    assert "after 0.49" in notice.text or "after 0.5" in notice.text

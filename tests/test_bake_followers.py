@@ -25,7 +25,7 @@ from rigtri.ops.rivet import Options as RivetOptions
 from rigtri.ops.rivet import add_rivet
 from rigtri.ops.select import Selection
 from rigtri.pipeline import edit
-from rigtri.quaternions import from_axis_angle
+from rigtri.quaternions import from_axis_angle, multiply
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -126,8 +126,38 @@ def test_a_joint_that_follows_a_rivet_on_its_own_mesh_is_a_circle(tmp_path: Path
         ),
         report=Report(),
     )
-    with pytest.raises(GeometryError, match=r"button.*circle"):
+    with pytest.raises(GeometryError, match=r"circle.*'button' → 'upper' → 'button'"):
         bake(turned(rig, joint), options=Options())
+
+
+def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path: Path) -> None:
+    """The joint's keys were given to its control: each pass finds fewer of them, at other times."""
+    source, joint, mesh = source_of("glb", tmp_path)
+    ready, once, twice = (tmp_path / f"{name}.glb" for name in ("ready", "once", "twice"))
+    rest = read(source).rig.rotation[read(source).rig.find(joint)]
+    times = np.linspace(0.0, 2.0, 9)
+    turns = np.stack([multiply(rest, from_axis_angle([0.0, 0.0, 1.0], 0.9 * time)) for time in times])
+    turns = turns.astype(np.float32).astype(np.float64)
+
+    def spinning(rig: Rig, report: Report) -> Rig:
+        rig = built(rig, joint, mesh, report)
+        track = Track(rig.find(joint), "rotation", "LINEAR", times, turns)
+        rig = replace(rig, clips=(Clip("spin", (track,)),))
+        pinned = ConstrainOptions(kind="parent", child="pin", drivers=(("button", 1.0),))
+        rig = constrain(rig, options=pinned, report=report)
+        return bake(rig, options=Options(to="controls"), report=report)
+
+    edit(source, ready, spinning)
+    edit(ready, once, lambda rig, report: bake(rig, options=Options(), report=report))
+    edit(once, twice, lambda rig, report: bake(rig, options=Options(), report=report))
+    assert once.read_bytes() == twice.read_bytes()
+    rig = read(once).rig
+    before = rig.world[rig.find("pin")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
+    keys = next(t for t in rig.clips[0].tracks if t.node == rig.find("pin")).times
+    world = pose.worlds(rig, pose.locals_at(rig, rig.clips[0], keys))
+    button = rig.find("button", "node")
+    assert np.abs(world[:, button, 3, :3] - world[0, button, 3, :3]).max() > 0.5
+    assert_allclose(world[:, rig.find("pin")], before @ world[:, button], atol=5e-5)
 
 
 def test_a_rivet_whose_mesh_is_gone_keeps_its_keys_and_is_told(tmp_path: Path) -> None:

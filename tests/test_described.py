@@ -17,7 +17,9 @@ from test_usd_played import without_notes
 import rigtri
 from rigtri import pose
 from rigtri.formats import read
+from rigtri.ops.bake import Options as BakeOptions
 from rigtri.ops.described import as_described
+from rigtri.quaternions import conjugate, multiply, turn_angle
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -146,6 +148,39 @@ def test_joints_keep_their_rest_and_their_controls_get_that_of_the_other() -> No
     found = as_described(replace(rig, notes={}, translation=translation), rig)
     assert (found.translation[control] == rig.translation[control]).all()
     assert (found.translation[joint] == translation[joint]).all()
+
+
+def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
+    rig = biped()
+    control = rig.find("head_ctl", "node")
+    turn = np.array([np.sin(0.35), 0.0, 0.0, np.cos(0.35)]).astype(np.float32).astype(np.float64)
+    rotation = rig.rotation.copy()
+    rotation[control] = turn
+    report = Report()
+    found = as_described(replace(rig, notes={}, rotation=rotation), rig, report=report)
+    assert (found.rotation[control] == rig.rotation[control]).all()
+    (notice,) = report.warnings
+    assert (notice.code, notice.geometry) == ("held-without-keys", False)
+    assert rig.names[control] in notice.text
+    head = rig.find("head")
+    baked = rigtri.bake(found, options=BakeOptions())
+    for clip in baked.clips:
+        (track,) = (t for t in clip.tracks if t.node == head and t.path == "rotation")
+        # The joint's rest, turned as the control is: its own keys count no more.
+        assert turn_angle(multiply(conjugate(multiply(rig.rotation[head], turn)), track.values[0])) < 1e-6
+        assert len(track.times) == 1
+    # A key of the same property in any clip says that what is stored as rest is a frame of it.
+    key = Track(control, "rotation", "STEP", np.zeros(1), turn[np.newaxis])
+    keyed = replace(rig, notes={}, rotation=rotation, clips=(*rig.clips, Clip("nod", (key,))))
+    assert as_described(keyed, rig).clips == keyed.clips
+    # And so does a clip of the other file, which this one need not have, that moves it past the pose.
+    turns = np.array([[0.0, 0, 0, 1], [np.sin(0.7), 0, 0, np.cos(0.7)]])
+    nod = Clip("nod", (Track(control, "rotation", "LINEAR", np.array([0.0, 1.0]), turns),))
+    left = replace(rig, notes={}, rotation=rotation)
+    assert as_described(left, replace(rig, clips=(*rig.clips, nod))).clips == left.clips
+    # Without clips there are no frames: it has been moved at rest.
+    still = as_described(replace(rig, notes={}, rotation=rotation, clips=()), rig)
+    assert (still.rotation[control] == turn).all()
 
 
 def test_joints_bound_otherwise_are_told_and_their_controls_keep_their_rest() -> None:

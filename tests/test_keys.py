@@ -9,9 +9,9 @@ import pytest
 from test_bake import control, rigged
 
 from rigtri.ops.bake import Options, bake
-from rigtri.quaternions import conjugate, from_axis_angle, multiply, turn_angle
+from rigtri.quaternions import conjugate, from_axis_angle, multiply, slerp, turn_angle, unit
 from rigtri.records import Clip, Track
-from rigtri.solve.keys import WIDEST_TURN, needed
+from rigtri.solve.keys import WIDEST_TURN, _untold, needed
 from rigtri.trigonometry import Floats
 
 
@@ -68,3 +68,17 @@ def test_controls_of_a_spinning_character_turn_less_than_a_quarter_between_keys(
     )
     assert widest(track.values) <= WIDEST_TURN * 1.001
     assert len(track.times) < 33
+
+
+@pytest.mark.parametrize("bound", [0.0, 1e-6, 1e-3, 0.3, 1.0, 3.0])
+@pytest.mark.parametrize("wild", [1e-6, 1e-3, 0.1, 1.0])
+def test_chords_tell_the_same_keys_as_angles_do(wild: float, bound: float) -> None:
+    random = np.random.default_rng(3)
+    for _ in range(20):
+        times = np.cumsum(random.uniform(0.01, 1.0, 40))
+        turns = unit(np.cumsum(random.normal(size=(40, 4)) * wild, axis=0) + random.normal(size=4))
+        turns = turns.astype(np.float32).astype(np.float64)
+        share = (times[1:-1] - times[:-2]) / (times[2:] - times[:-2])
+        line = slerp(turns[:-2], turns[2:], share)
+        off = turn_angle(multiply(conjugate(line), turns[1:-1]))
+        np.testing.assert_array_equal(_untold(times, turns, bound), off > bound)

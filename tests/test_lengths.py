@@ -24,7 +24,7 @@ from rigtri.ops.presets import Style
 from rigtri.ops.select import Selection
 from rigtri.pipeline import Outcome, edit
 from rigtri.quaternions import IDENTITY, from_axis_angle
-from rigtri.reach import bearable, reaches
+from rigtri.reach import Reach, bearable, reaches
 from rigtri.records import Clip, Track
 from rigtri.reframe import reframe, split
 from rigtri.report import Report
@@ -221,6 +221,34 @@ def test_a_reach_is_the_longest_way_along_bones_and_out_to_the_points() -> None:
     """Bones of 3 and 5 in a box of 3 by 4."""
     rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
     assert np.allclose(reaches(rig), [8 / 5, 5 / 5, 0])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_a_reach_is_at_most_is_found_without_posing_and_is_no_less(seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0), (0, 1, 1))
+    count, times = len(rig), np.arange(3.0)
+    tracks = [
+        Track(node, path, "STEP" if node % 2 else "LINEAR", times, values)
+        for node in range(count)
+        for path, values in (
+            ("translation", chance.normal(size=(3, 3))),
+            ("rotation", chance.normal(size=(3, 4))),
+            ("scale", chance.uniform(0.5, 2.0, size=(3, 3)) * chance.choice((-1.0, 1.0), 3)),
+        )
+    ]
+    scale = chance.uniform(0.5, 2.0, size=(count, 3))
+    rig = replace(rig, scale=scale, clips=(Clip("all", tuple(tracks)),))
+    found = Reach(rig)
+    assert (found.at_most >= found.exact).all()
+    assert (Reach(replace(rig, clips=())).at_most >= reaches(replace(rig, clips=()))).all()
+
+
+def test_a_bound_of_reach_is_nearly_tight_where_scales_are_1_and_infinite_for_splines() -> None:
+    rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
+    assert np.allclose(Reach(rig).at_most, [8 / 5, 5 / 5, 0], rtol=0.002)
+    spline = Track(1, "translation", "CUBICSPLINE", np.arange(2.0), np.zeros((2, 3, 3)))
+    assert np.isinf(Reach(replace(rig, clips=(Clip("c", (spline,)),))).at_most[0])
 
 
 def test_an_effect_may_be_no_more_than_its_share_of_a_line() -> None:

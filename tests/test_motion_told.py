@@ -22,6 +22,7 @@ from rigtri.ops.bake import Options, bake
 from rigtri.ops.constrain import Options as ConstrainOptions
 from rigtri.ops.constrain import constrain
 from rigtri.ops.controls import add_controls
+from rigtri.ops.described import as_described
 from rigtri.ops.posing import Options as PoseOptions
 from rigtri.ops.posing import take_pose
 from rigtri.ops.snap import Options as SnapOptions
@@ -307,3 +308,20 @@ def test_a_build_tells_the_motion_of_its_steps(app: click.Group, tmp_path: Path)
     assert done.exit_code == 0, done.output
     assert "motion differs from IN by up to" in done.output
     assert "nothing that was there has changed" not in done.output
+
+
+def test_controls_are_not_what_moves_where_an_exporter_has_dropped_the_notes(tmp_path: Path) -> None:
+    """They rest where the current frame shows them, and their lines with them; IN's joints rest alike."""
+    source, plain = whole("biped.gltf", tmp_path, move=False), tmp_path / "plain.gltf"
+    document = json.loads(source.read_bytes())
+    for number, node in enumerate(document["nodes"]):
+        if (note := node.pop("extras", {}).get("rigtri")) and note["type"] in ("control", "poleVector"):
+            node["translation"] = [3.0 * (k + number) for k in range(3)]
+    plain.write_text(json.dumps(document))
+    rig = read(source).rig
+    told = edit(
+        plain, tmp_path / "out.gltf", lambda given, report: as_described(given, rig, report=report)
+    ).verification
+    assert told is not None
+    assert told.motion is not None
+    assert told.motion.deviation == 0

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from morphs import arm, arm_usd
 from places import SAMPLES
 from second_opinions import validator
 from test_bake import control, moved, rigged, run, size, stored
@@ -18,8 +19,10 @@ from rigtri.formats import read
 from rigtri.ops.bake import Options as BakeOptions
 from rigtri.ops.bake import bake
 from rigtri.ops.posing import Options, pose_of, table, take_pose
+from rigtri.pipeline import edit
 from rigtri.records import Track
 from rigtri.report import Report
+from rigtri.rig import Rig
 
 
 def test_the_pose_is_the_one_that_baking_gives() -> None:
@@ -159,7 +162,7 @@ def test_the_last_at_splits_and_a_wrong_name_is_met_with_the_nearest() -> None:
         table(renamed, Options("w@lk@0.25"))
 
 
-def test_morph_weights_are_told_in_the_pose_and_stay_in_the_file() -> None:
+def test_morph_weights_are_told_in_the_pose() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     weights = Track(
         rig.find("hips"), "weights", "LINEAR", np.array([0.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.5]])
@@ -170,6 +173,34 @@ def test_morph_weights_are_told_in_the_pose_and_stay_in_the_file() -> None:
     assert found["weights"] == [{"node": "hips", "weights": [0.25, 0.875]}]
     validator("pose").validate({"file": "x.glb", **found})
     assert table(rig, Options("rest"))["weights"] == []
-    report = Report()
-    take_pose(rig, options=Options("walk@0.25"), report=report)
-    assert [notice.code for notice in report.warnings] == ["pose-morphs"]
+
+
+@pytest.mark.parametrize("kind", ["glb", "usda"])
+def test_a_written_pose_looks_as_the_clip_does_morphs_included(kind: str, tmp_path: Path) -> None:
+    source = arm().glb(tmp_path / "arm.glb") if kind == "glb" else arm_usd(tmp_path)
+    out, again = (tmp_path / f"{name}.{kind}" for name in ("out", "again"))
+    before = read(source).rig
+    clip = next(c for c in before.clips if any(t.path == "weights" for t in c.tracks))
+    time = 0.3 * before.per_second
+    times = np.array([time])
+
+    def posed(rig: Rig, report: Report) -> Rig:
+        return take_pose(rig, options=Options(f"{clip.name}@{time:g}"), report=report)
+
+    outcome = edit(source, out, posed)
+    assert not outcome.report.warnings
+    after = read(out).rig
+    (mesh,), (now,) = before.meshes, after.meshes
+    weights = pose.morph_weights(mesh, clip, times)
+    assert weights[0].any()
+    np.testing.assert_allclose(now.morph_weights, weights[0], atol=1e-7)
+    played = pose.worlds(before, pose.locals_at(before, clip, times))
+    still = pose.worlds(after, pose.rest(after))[np.newaxis]
+    shown = pose.deformed(now, after, still, now.morph_weights[np.newaxis])
+    assert np.abs(shown - pose.deformed(mesh, before, played, mesh.morph_weights[np.newaxis])).max() > 0.1
+    np.testing.assert_allclose(shown, pose.deformed(mesh, before, played, weights), atol=1e-6)
+    # The clip itself stays, and a second run has nothing to do.
+    keys = next(t for c in after.clips for t in c.tracks if t.path == "weights").values
+    np.testing.assert_array_equal(keys, next(t for t in clip.tracks if t.path == "weights").values)
+    edit(out, again, posed)
+    assert out.read_bytes() == again.read_bytes()

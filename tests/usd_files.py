@@ -15,7 +15,7 @@ from rigtri.formats import Options
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.lengths import ties
 from rigtri.quaternions import IDENTITY, unit
-from rigtri.reach import TOLERANCE, reaches
+from rigtri.reach import TOLERANCE, Reach
 from rigtri.reframe import reframe, scale_allows
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -108,7 +108,7 @@ def turned(rig: Rig, seed: int = 1, only: list[int] | None = None) -> Rig:
         joints = [n for n in skin.joints.tolist() if n not in rig.fixed and (only is None or n in only)]
         turn[joints] = unit(random.normal(size=(len(joints), 4)))
     turn[~scale_allows(rig, turn)] = IDENTITY
-    for tie in ties(rig, lambda: reaches(rig), TOLERANCE):  # parents come first
+    for tie in ties(rig, Reach(rig), TOLERANCE):  # parents come first
         turn[tie.node] = turn[tie.source] if tie.source >= 0 else IDENTITY
     return reframe(rig, turn)
 

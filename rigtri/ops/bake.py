@@ -17,7 +17,8 @@ from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
-from rigtri.ops.followers import followed, followers, holding
+from rigtri.ops.followers import followed, followers, holding, refuse_circles
+from rigtri.ops.limited import tell_limited
 from rigtri.ops.posing import at_rest
 from rigtri.ops.shared_keys import as_read, times_of
 from rigtri.ops.standing_keys import stands
@@ -31,7 +32,7 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.rules import rules_of
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, movers, size_of
-from rigtri.solve.between import MOST_A_SECOND, ControlCurve, JointCurve, Refined, refined
+from rigtri.solve.between import ControlCurve, JointCurve, Refined, refined
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.keys import needed, shares
 from rigtri.solve.match import matched
@@ -60,6 +61,8 @@ BETWEEN = 1e-3
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
 _ROUNDS = 8
+# What follows rivets has come to rest after so many passes for each of them, or goes round in a circle.
+_PASSES = 6
 
 
 @dataclass(frozen=True)
@@ -154,8 +157,10 @@ class _Baker:
         self.report.reposed = True
         held = holding(self.rig)
         told = len(self.report.added)
-        # What follows a rivet comes to rest once everything before it in the chain has: one pass each.
-        for _ in range(len(held) + 2):
+        refuse_circles(self.rig)
+        # What follows a rivet comes to rest once everything before it in the chain has; and then its keys,
+        # as other nodes' key times depend on them: a few passes each.
+        for _ in range(_PASSES * (len(held) + 1)):
             before = self.rig
             del self.report.added[told:]
             self._once()
@@ -164,7 +169,8 @@ class _Baker:
                 return self.rig
         names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
         raise GeometryError(
-            f"Constraints follow {names}, on a mesh that they move themselves: they go round in a circle"
+            f"Constraints follow {names}, on meshes that they move themselves through pose readers: they go "
+            "round in a circle"
         )
 
     def _once(self) -> None:
@@ -274,19 +280,7 @@ class _Baker:
         return refined(curve, times, bound=bound, per_second=self.rig.per_second)
 
     def _tell_limited(self) -> None:
-        """One warning for all clips whose samples could not be near enough."""
-        entries = [e for e in self.report.added if e.get("type") == "clip" and e.get("limited")]
-        most = max(self.options.between, self.options.tolerance)
-        far = [e for e in entries if e["between_samples"] > most]
-        if far:
-            worst = max(far, key=lambda entry: float(entry["between_samples"]))
-            more = f" ({len(far) - 1} more clips alike)" if len(far) > 1 else ""
-            self.report.warn(
-                "samples-limited",
-                f"Clip '{worst['clip']}': with {MOST_A_SECOND:g} samples a second, the most, what lies "
-                f"between two of them is off by up to {worst['between_samples']:.2g} of the size{more}. "
-                "--between or --fps ask for fewer",
-            )
+        tell_limited(self.start, self.report, max(self.options.between, self.options.tolerance))
 
     @staticmethod
     def _jumps(timeline: Timeline, times: Floats) -> Floats:
@@ -428,6 +422,7 @@ class _Baker:
                 "keys": int(sum(len(track.times) for track in tracks)),
                 "keys_before": self._keys_before(timeline, tracks),
                 "between_samples": samples.off / self.size,
+                "between_after": samples.after,
                 "limited": samples.limited,
                 **(more or {}),
             }

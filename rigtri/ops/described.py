@@ -14,6 +14,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.matrices import decompose, inverse, multiply
+from rigtri.ops.held_poses import held
 from rigtri.ops.taking.notices import some
 from rigtri.ops.taking.pairing import pairs
 from rigtri.report import Report
@@ -65,7 +66,8 @@ def as_described(rig: Rig, described: Rig, *, report: Report | None = None) -> R
             geometry=True,
         )
         return whole
-    return _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
+    rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
+    return held(whole, rested, described, both.of, report)
 
 
 def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
@@ -133,7 +135,7 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
     """The rig with its nodes ``of`` (those of the other by theirs) at rest where they are there.
 
     Joints keep their own rest, and so does what no clip moves but controls, so that keys below it mean what
-    they did; and, with a warning, what hangs on something else there.
+    they did; all where there are no clips; and, with a warning, what hangs on something else there.
     """
     moving = {track.node for clip in rig.clips for track in clip.tracks}
     ours, theirs_at = dict[int, Floats](), {node: _zero(described, node) for node in of}
@@ -144,7 +146,7 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
         is_control = rig.notes[node].get("type") == "control"
         above = ours.get(int(rig.parents[node]), np.eye(4))
         ours[node] = above if is_control else multiply(rig.local[node], above)
-        if not (is_control or node in moving):
+        if not ((is_control and moving) or node in moving):  # of no clip, no frame is stored as rest
             continue
         if rig.is_joint[node] or rig.notes[node].get("type") == "group":
             continue

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from rigtri.carried import Carried
+from rigtri.dependence import circle, waits_for
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.ops import posereader, rivet
 from rigtri.report import Report
@@ -29,6 +33,32 @@ def holding(rig: Rig) -> frozenset[int]:
                     found.add(node)
                 node = int(rig.parents[node])
     return frozenset(found)
+
+
+def refuse_circles(rig: Rig) -> None:
+    """GeometryError where what a constraint makes of a rivet moves the triangle that holds the rivet."""
+    held = sorted(holding(rig))
+    waits = waits_for(rig)
+    for node in held:
+        waits.setdefault(node, set()).update(_carrying(rig, node))
+    for node in held:
+        way = circle(waits, [node], sorted(waits[node]))
+        if way:
+            told = " → ".join(f"'{rig.title(each)}'" for each in (node, *way))
+            raise GeometryError(
+                f"Constraints follow '{rig.title(node)}', on a mesh that they move themselves: they go round "
+                f"in a circle; each of these needs the next: {told}. Take a constraint out"
+            )
+
+
+def _carrying(rig: Rig, rivet: int) -> set[int]:
+    """The nodes that move the triangle of a rivet; none where there is no such triangle any more."""
+    note = rig.notes[rivet]
+    mesh_node, rows = rig.known(note["mesh"]), np.array(note["vertices"], dtype=np.int64)
+    meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node][int(note["primitive"]) :]
+    return (
+        set(Carried(rig, meshes[0], rows).nodes) if meshes and rows.max() < len(meshes[0].points) else set()
+    )
 
 
 def followed(rig: Rig, clips: frozenset[int], report: Report) -> Rig:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -22,7 +21,7 @@ from rigtri.ops.select import Selection, select
 from rigtri.ops.twins import Across, Mirror, Plane
 from rigtri.ops.ups import Hinges, Up, carried, crossing, stated
 from rigtri.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
-from rigtri.reach import TOLERANCE, reaches
+from rigtri.reach import TOLERANCE, Reach
 from rigtri.records import Constraint
 from rigtri.reframe import Scales
 from rigtri.report import Report
@@ -191,14 +190,9 @@ class Plan:
         return replace(scales, same=same_scales(rig, self.tree.joints, scales, *self._faults))
 
     @cached_property
-    def reach(self) -> Floats:
-        """How far what hangs at each node reaches, (n,), as a share of the size."""
-        return reaches(self.tree.rig)
-
-    @property
-    def _faults(self) -> tuple[Callable[[], Floats], float]:
+    def _faults(self) -> tuple[Reach, float]:
         """What says how much a small fault of a joint moves, and how much it may."""
-        return lambda: self.reach, self.options.tolerance
+        return Reach(self.tree.rig), self.options.tolerance
 
     @cached_property
     def ties(self) -> tuple[Constraint, ...]:

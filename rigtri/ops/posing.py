@@ -19,7 +19,7 @@ from rigtri.rig import Rig
 from rigtri.solve.at_work import NOTHING, keyed_in, moved_at_rest, posed_at, size_of
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.posed import Posed, sampled
-from rigtri.timelines import Timeline, moment, times_within
+from rigtri.timelines import Timeline, moment, single, times_within
 from rigtri.trigonometry import Floats
 
 # Notes of nodes that a written pose leaves where they are.
@@ -113,13 +113,26 @@ def take_pose(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):
             raise GeometryError(f"'{rig.title(node)}' has no place that is a number in {options.at}")
-    timeline, _ = moment(rig, options.at)
-    if timeline is not None and any(track.path == "weights" for track in timeline.clip.tracks):
-        report.warn("pose-morphs", f"Morph weights stay as they are at rest, other than in {options.at}")
+    timeline, time = moment(rig, options.at)
     taken, moved = at_rest(rig, parts, np.full(len(rig), 0.1 * NOTHING * size_of(rig)))
-    report.added.append({"type": "pose", "at": options.at, "nodes": len(moved)})
-    report.reposed |= bool(moved)
-    return taken
+    weights = _morphed(rig, timeline, time)
+    report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
+    report.reposed |= bool(moved or weights)
+    return replace(taken, morphed={**rig.morphed, **weights}) if weights else taken
+
+
+def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floats]:
+    """The morph weights of a moment, (t,) by node, where they are others than at rest; as float32."""
+    tracks = [] if timeline is None else [t for t in timeline.clip.tracks if t.path == "weights"]
+    found = {track.node: single(sample(track, [time])[0]) for track in tracks}
+    still = (
+        {mesh.node: rig.morphed.get(mesh.node, mesh.morph_weights) for mesh in rig.drawn()} if found else {}
+    )
+    return {
+        node: weights
+        for node, weights in found.items()
+        if node in still and len(still[node]) == len(weights) and (still[node] != weights).any()
+    }
 
 
 def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, list[int]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -329,6 +329,7 @@ class _Rivet:
         values = self._whole(seats(times), timeline, times)
         if (self._apart(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
             times, values = times[:1], values[:1]
+        values = single(values)  # as what follows the rivet will read them
         way: Interpolation = "STEP" if holds or len(times) == 1 else "LINEAR"
         return [
             Track(node, "translation", way, times, values[:, :3]),
@@ -372,8 +373,7 @@ class _Rivet:
         moving = held.affecting(timeline)
         times = tracks[0].times if steps_only(moving) else looked_at(tracks[0].times)
         surface = self._seats(held.sample(moving, times))[:, :3]
-        stored = replace(tracks[0], values=single(tracks[0].values))
-        return float(length(surface - sample(stored, times)).max(initial=0.0))
+        return float(length(surface - sample(tracks[0], times)).max(initial=0.0))
 
     def _record(self, rig: Rig, node: int, counts: dict[str, int], worst: float) -> None:
         self.report.added.append(

@@ -14,13 +14,14 @@ import numpy as np
 from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
-from rigtri.ops.taking.clip_names import ClipNames, Taken, span
+from rigtri.ops.taking.clip_names import ClipNames, Taken
 from rigtri.ops.taking.counterparts import Counterparts
+from rigtri.ops.taking.made_names import span
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
 from rigtri.ops.taking.notices import moves, some, strangers, tell, tell_tracks
 from rigtri.ops.taking.ranges import Clock, Ranges, ranges
-from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots
+from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots, tangents_dropped
 from rigtri.ops.taking.tolerances import Tolerances
 from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
 from rigtri.records import Booleans, Clip, Track
@@ -145,7 +146,7 @@ class _Taking:
     def _agree(self, pair: tuple[Track, Track]) -> bool:
         was, bound = pair[0], self.tolerances.of(pair[1])
         now = self.clock.told(pair[1])
-        return not differing(was, now, bound).any() or same_knots(was, now, bound) is not None
+        return not differing(was, now, bound).any() or self._same_knots(was, now, bound) is not None
 
     def _one_range(self) -> None:
         """Give what stays of RIG's tracks the range of the clip, where EDITED's has another."""
@@ -207,13 +208,21 @@ class _Taking:
         if not changed.any():
             self.same += 1
             return None
-        if (far := same_knots(was, now, bound)) is not None and not _beyond(was, now)[changed].any():
+        if (far := self._same_knots(was, now, bound)) is not None and not _beyond(was, now)[changed].any():
             self.splines.append((self.rig.names[now.node], far))
             self.same += 1
             return None
         if self.ranges is not None and self.ranges.whole:
             return thinned(now, self._thin(now))
         return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
+
+    def _same_knots(self, was: Track, now: Track, bound: Floats) -> float | None:
+        return same_knots(was, now, bound, dropped=self._dropped)
+
+    @cached_property
+    def _dropped(self) -> bool:
+        pairs = self._pairs(self.transfer.nodes())
+        return tangents_dropped((was, self.clock.told(now)) for was, now in pairs)
 
     @cached_property
     def _frames(self) -> Floats:

@@ -9,6 +9,8 @@ import numpy as np
 
 from rigtri.following import Parts
 from rigtri.matrices import transform_points
+from rigtri.pose import sample
+from rigtri.records import Track
 from rigtri.report import Notice
 from rigtri.solve.blocks import blocks, cut
 from rigtri.solve.evaluate import Follow, Root, Solver, Step
@@ -52,12 +54,25 @@ def clip_troubles(
             node = int(rig.parents[node])
     tracks = tuple(t for t in timeline.clip.tracks if t.node in looked_at and t.node not in solved)
     parts = {**sampled(rig, replace(timeline.clip, tracks=tracks), times), **solved}
+    as_shown = {
+        rig.title(control)
+        for control, joint in solver.reference.control_of.items()
+        if joint in solved and _shown(timeline.track(joint, "scale"), times, solved[joint].scale)
+    }
     found: dict[tuple[str, str | None], Notice] = {}
     for rows in blocks(len(times)):
         moment = _moment(timeline.name, times[rows])
         for notice in troubles(solver, Posed(rig, cut(parts, rows)), moment):
-            found.setdefault((notice.code, notice.joint), notice)
+            if notice.code != "control-scale" or notice.joint not in as_shown:
+                found.setdefault((notice.code, notice.joint), notice)
     return list(found.values())
+
+
+def _shown(track: Track | None, times: Floats, scale: Floats) -> bool:
+    """Whether a joint's own keys scale it as its control does, so that the file shows nothing new."""
+    if track is None:
+        return False
+    return bool(np.abs(sample(track, times) - scale).max() <= EVEN * np.abs(scale).max())
 
 
 def _moment(clip: str, times: Floats) -> Moment:
@@ -73,8 +88,10 @@ def _scaled(step: Step) -> Iterator[int]:
 
 
 def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
-    most = np.abs(scale).max(axis=1)
-    uneven = scale.max(axis=1) - scale.min(axis=1) - EVEN * most
+    sizes = np.abs(scale)
+    most = sizes.max(axis=1)
+    uneven = most - sizes.min(axis=1) - EVEN * most
+    mirrored = (scale < 0).sum(axis=1) % 2 == 1  # two are half a turn
     if most.min() == 0:
         text = f"'{name}' is scaled to zero in {at(int(most.argmin()))}: so is its joint, with all below it"
         yield Notice("control-scale", text, name)
@@ -83,6 +100,9 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
             f"'{name}' is scaled unevenly in {at(int(uneven.argmax()))}: "
             "so is its joint, and what turns below it is sheared"
         )
+        yield Notice("control-scale", text, name)
+    elif mirrored.any():
+        text = f"'{name}' is mirrored in {at(int(mirrored.argmax()))}: so is its joint, with all below it"
         yield Notice("control-scale", text, name)
 
 

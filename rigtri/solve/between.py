@@ -47,14 +47,15 @@ class Curve(Protocol):
 
 
 class Refined(NamedTuple):
-    """Samples: their times, (f,), and parts. off: the largest deviation between them, in file units.
-    limited: whether it could not be made smaller.
+    """Samples: their times, (f,), and parts. off: the largest deviation between them, in file units, and
+    the time before it. limited: whether it could not be made smaller.
     """
 
     times: Floats
     parts: dict[int, Parts]
     off: float
     limited: bool
+    after: float = 0.0
 
 
 def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> Refined:
@@ -62,7 +63,7 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
 
     per_second: units of the times in a second.
     """
-    parts, worst, limited = curve.at(times), 0.0, False
+    parts, worst, limited, after = curve.at(times), 0.0, False, 0.0
     left = np.arange(len(times) - 1)
     while len(left):
         off = _off(curve, times, parts, left)
@@ -73,7 +74,8 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
         if len(new) > MOST_KEYS - len(times):
             new, pieces = new[:0], np.ones(len(left))
         done = pieces < 2.0
-        worst = max(worst, float(off[done].max(initial=0.0)))
+        if off[done].max(initial=0.0) > worst:
+            worst, after = float(off[done].max()), float(start[done][off[done].argmax()])
         limited = limited or bool((off[done] > bound).any())
         if not len(new):
             break
@@ -82,7 +84,7 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
         times = np.concatenate([times, new])[order]
         places = np.searchsorted(times, new)
         left = np.unique(np.concatenate([places - 1, places]))
-    return Refined(times, parts, worst, limited)
+    return Refined(times, parts, worst, limited, after)
 
 
 def _pieces(off: Floats, bound: float) -> Floats:

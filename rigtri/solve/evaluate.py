@@ -195,13 +195,23 @@ class Solver:
                     if node in self.reference.fk
                 }
                 offsets = {each.own.offset for each in fk.values()}
-                found.append(Ik(self.reference, limb, fk, rule, tuple(sorted(offsets & self._looked_at))))
+                found.append(
+                    Ik(
+                        self.reference,
+                        limb,
+                        fk,
+                        rule,
+                        tuple(sorted((offsets & self._looked_at) - self.still)),
+                    )
+                )
         return found
 
     @cached_property
     def _looked_at(self) -> set[int]:
         """What rules, IK ends, poles and controls beside their joints hang on, and all nodes above that."""
+        own = self._of_limbs
         looking = [node for rule in rules_of(self.rig).values() for node in rule.sources]
+        looking += [int(self.rig.parents[child]) for child in self.rules if child not in own]
         for limb in self.reference.limbs:
             looking += [limb.control, limb.pole]
         looking += [node for own in self.reference.fk.values() for node in Fk(self.reference, own).needs]
@@ -211,6 +221,23 @@ class Solver:
                 found.add(node)
                 node = int(self.rig.parents[node])
         return found
+
+    @cached_property
+    def _of_limbs(self) -> frozenset[int]:
+        """The FK controls of limbs, and their offsets."""
+        joints = [node for limb in self.reference.limbs for node in limb.chain if node in self.reference.fk]
+        owns = [self.reference.fk[node] for node in joints]
+        return frozenset(node for own in owns for node in (own.control, own.offset))
+
+    @cached_property
+    def still(self) -> frozenset[int]:
+        """The FK controls of limbs, and offsets, that rules move or that hold such: IK leaves them alone."""
+        found = set[int]()
+        for node in self._of_limbs.intersection(self.rules):
+            while node >= 0:
+                found.add(node)
+                node = int(self.rig.parents[node])
+        return self._of_limbs & found
 
     @cached_property
     def offsets(self) -> frozenset[int]:

@@ -88,9 +88,20 @@ class Ik:
         upper, lower = self.paths
         return (a, *upper, *lower) if self.limb.stretch else self.limb.chain
 
-    @property
-    def reads(self) -> tuple[int, ...]:
+    @cached_property
+    def controls(self) -> tuple[int, ...]:
+        """The FK controls of its joints."""
         return tuple(fk.own.control for fk in self.fk.values())
+
+    @cached_property
+    def reads(self) -> tuple[int, ...]:
+        above = set[int]()
+        for fk in self.below(self.carries):  # offsets are put on the joints, seen from all that they hang on
+            node = fk.own.above
+            while node >= 0 and node not in above:
+                above.add(node)
+                node = int(self.rig.parents[node])
+        return (*self.controls, *sorted(above.difference(self.carries, self.controls)))
 
     @property
     def needs(self) -> tuple[int, ...]:

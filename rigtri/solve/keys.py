@@ -17,6 +17,8 @@ from rigtri.vectors import length
 WIDEST_TURN = 80.0 * np.pi / 180.0
 # Of that: so much more is rounding, so that a second run finds the same keys.
 _ROUNDING = 1e-4
+# Below the cosine of half of that, with room, turns are wide; below the other, arcs are near a right angle.
+_LEAST_COSINE, _RIGHT = 0.767, 0.1
 
 
 def shares(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
@@ -59,13 +61,11 @@ def needed(times: Floats, values: Floats, bound: float) -> Integers:
     is in the values' unit. The first key is always there; it is the only one where nothing moves.
     """
     last = len(times) - 1
-    if last < 1 or bool((_apart(values, values[:1]) <= bound).all()):
+    if last < 1 or (_stay(values[[last // 2, last]], values, bound) and _stay(values, values, bound)):
         return np.array([0])
     kept = np.ones(last + 1, dtype=bool)
     # A key that its neighbours do not tell stays; only between such keys there is something to be thinned.
-    kept[1:-1] = (
-        _off(times, values, np.arange(0, last - 1), np.arange(2, last + 1), np.arange(1, last)) > bound
-    )
+    kept[1:-1] = _untold(times, values, bound)
     gaps = _gaps(kept)
     while len(gaps):
         many = gaps[:, 1] - gaps[:, 0] - 1
@@ -96,15 +96,60 @@ def _narrow(times: Floats, turns: Floats, keys: Integers) -> Integers:
     turns: (f, 4), on great arcs between the keys.
     """
     most = WIDEST_TURN * (1.0 + _ROUNDING)
-    wide = _apart(turns[keys[:-1]], turns[keys[1:]])
+    # The cosine of half a turn is told without its angle.
+    start, end = turns[keys[:-1]], turns[keys[1:]]
+    wide = np.flatnonzero((np.abs(_dot(start, end)) < _LEAST_COSINE) & (np.diff(keys) > 1))
+    angles = _apart(start[wide], end[wide])
     more: list[int] = []
-    for k in np.flatnonzero((wide > most) & (np.diff(keys) > 1)).tolist():
-        at, end = int(keys[k]), int(keys[k + 1])
-        step = (times[end] - times[at]) * most / wide[k]
-        while times[end] - times[at] > step and at + 1 < end:
+    for k, angle in zip(wide[angles > most].tolist(), angles[angles > most].tolist(), strict=True):
+        at, end_ = int(keys[k]), int(keys[k + 1])
+        step = (times[end_] - times[at]) * most / angle
+        while times[end_] - times[at] > step and at + 1 < end_:
             at = max(at + 1, int(np.searchsorted(times, times[at] + step, side="right")) - 1)
             more.append(at)
-    return np.union1d(keys, np.array(more, dtype=keys.dtype))
+    return np.union1d(keys, np.array(more, dtype=keys.dtype)) if more else keys
+
+
+def _stay(rows: Floats, values: Floats, bound: float) -> bool:
+    """Whether some of the values are what the first one is."""
+    return bool((_apart(rows, values[:1]) <= bound).all())
+
+
+def _untold(times: Floats, values: Floats, bound: float) -> Booleans:
+    """Whether each value but the ends, (f − 2,), is farther than the bound from what its neighbours tell.
+
+    Of turns most are told by chords, without angles: a straight line between two quaternions is off the arc
+    of φ between them by t(1 − t)(1 − 2t)φ³/6 and terms of φ⁵; up to a right angle by a quarter more at most.
+    """
+    last = len(times) - 1
+    left, right, inner = np.arange(0, last - 1), np.arange(2, last + 1), np.arange(1, last)
+    if values.shape[1] != 4:
+        return np.asarray(_off(times, values, left, right, inner) > bound)
+    q = np.ascontiguousarray(values.T)
+    start, end, there = q[:, :-2], q[:, 2:], q[:, 1:-1]
+    share = (times[1:-1] - times[:-2]) / (times[2:] - times[:-2])
+    cosine = _dot(start.T, end.T)
+    line = start + (np.where(cosine < 0, -end, end) - start) * share
+    line = line / np.sqrt(_dot(line.T, line.T))
+    apart = np.where(_dot(line.T, there.T) < 0, there + line, there - line)
+    chord = np.sqrt(_dot(apart.T, apart.T))
+    # φ² ≤ 2.5 (1 − cos φ) up to a right angle. The chord between unit quaternions is half of the turn x
+    # between them, less x³/192 and less.
+    arc = np.sqrt(2.5 * np.maximum(1.0 - np.abs(cosine), 0.0))
+    bend = np.abs(share * (1.0 - share) * (1.0 - 2.0 * share)) * arc * arc * arc / 4.0
+    half = 0.5 * bound
+    unsure = bend + np.abs(_dot(q.T, q.T) - 1.0).max() + half * half * half / 20.0 + 1e-12
+    found: Booleans = chord > half
+    open_ = (np.abs(chord - half) <= unsure) | (np.abs(cosine) < _RIGHT) | (chord > 0.5)
+    rows = np.flatnonzero(open_)
+    found[rows] = _off(times, values, left[rows], right[rows], inner[rows]) > bound
+    return found
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    """The sums of four products, (k,)."""
+    products = a * b
+    return np.asarray(products[:, 0] + products[:, 1] + products[:, 2] + products[:, 3])
 
 
 def thinned(times: Floats, values: Floats, there: Floats, bound: float, same: float) -> bool:

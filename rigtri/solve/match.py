@@ -14,16 +14,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rigtri.following import Parts, factored
-from rigtri.matrices import inverse, multiply, transform_points
+from rigtri.following import Parts
 from rigtri.quaternions import multiply as product
 from rigtri.quaternions import turn_angle
 from rigtri.solve.blocks import BLOCK, blocks, cut, frames, joined
-from rigtri.solve.evaluate import Solver
+from rigtri.solve.evaluate import Follow, Solver, Step
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
+from rigtri.solve.placing import Bent, Placed, ends, placing
 from rigtri.solve.posed import Posed
-from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
 # Takes a node and its wanted parts, and gives those that will be read from the file again.
@@ -80,7 +79,8 @@ def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int =
     for rows in blocks(count, block):
         some = cut(parts, rows)
         each.append(Block(Posed(solver.rig, some), Matched(Posed(solver.rig, some))))
-    asking = [_all_steps(solver, found, source) for source, found in each]
+    steps = placing(solver)
+    asking = [_all_steps(solver, steps, found, source) for source, found in each]
     _answered(asking, keep, each if len(each) > 1 else (), count, block)
     return each
 
@@ -119,17 +119,17 @@ def _asked(asking: Asking, kept: Parts | None, of: Block | None) -> Wanted | Non
             of.found.posed.forget()
 
 
-def _all_steps(solver: Solver, found: Matched, source: Posed) -> Asking:
-    for step in solver.steps:
-        if isinstance(step, Fk):
-            channels = step.channels(found.posed, source.part(step.joint))
-            yield from _store(found, step.own.control, channels)
-            step.run(found.posed)
-        elif isinstance(step, Ik):
-            yield from _limb(found, step, source, solver.rules)
-        else:
-            step.run(found.posed)
-    carried = [fk for limb in solver.limbs for fk in limb.below(solver.offsets.difference(limb.carries))]
+def _all_steps(solver: Solver, steps: Sequence[Step], found: Matched, source: Posed) -> Asking:
+    for step in steps:
+        if isinstance(step, Bent):
+            yield from _bend(found, step, source, step.still)
+            continue
+        place = step.base if isinstance(step, Follow) else step
+        if isinstance(place, Placed):
+            yield from _store(found, place.control, place.find(found.posed, source))
+        step.run(found.posed)
+    left = solver.offsets - solver.still
+    carried = [fk for limb in solver.limbs for fk in limb.below(left.difference(limb.carries))]
     for fk in sorted(carried, key=lambda fk: fk.own.offset):
         yield from _carry(found, fk)
 
@@ -156,35 +156,31 @@ def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], ke
 
 
 def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int]) -> Asking:
-    built, limb = found.posed, ik.limb
-    if limb.control not in ruled:
-        yield from _store(found, limb.control, _seen(built, limb.control, ik.grasp(built, source)))
-    if limb.pole >= 0 and limb.pole not in ruled:
-        above = inverse(built.world(int(ik.rig.parents[limb.pole])))
-        place = transform_points(ik.side(source), above)
-        yield from _store(found, limb.pole, built.part(limb.pole)._replace(translation=place))
+    for place in ends(ik, ruled):
+        yield from _store(found, place.control, place.find(found.posed, source))
+    yield from _bend(found, ik, source, ruled)
+
+
+def _bend(found: Matched, ik: Ik, source: Posed, still: Collection[int]) -> Asking:
+    """What the limb's FK controls hold below the solver, but for those that keep ``still``; its joints."""
+    built = found.posed
     solved = ik.solved(
         built,
         ik.target(built),
         ik.place(built),
-        product(built.turn(limb.control), ik.grip),
+        product(built.turn(ik.limb.control), ik.grip),
     )
     turn = move = 0.0
     for node, parts in solved.items():
         if node in ik.fk:
             fk = ik.fk[node]
-            channels = fk.needed(parts, source.part(node))
-            turn = max(turn, float(turn_angle(channels.rotation).max()))
-            move = max(move, float(length(channels.translation).max()))
-            yield from _store(found, fk.own.control, channels)
-            parts = fk.moved(parts, found.controls[fk.own.control])
+            if fk.own.control not in still:
+                channels = fk.needed(parts, source.part(node))
+                turn = max(turn, float(turn_angle(channels.rotation).max()))
+                move = max(move, float(length(channels.translation).max()))
+                yield from _store(found, fk.own.control, channels)
+            parts = fk.moved(parts, built.part(fk.own.control))
         built.set(node, parts)
     for fk in ik.below(ik.carries):
         yield from _carry(found, fk)
     found.residuals.append(Residual(ik, turn, move))
-
-
-def _seen(built: Posed, node: int, world: Floats) -> Parts:
-    """World matrices, (f, 4, 4), as local parts of a node."""
-    parent = int(built.rig.parents[node])
-    return factored(multiply(world, inverse(built.world(parent))))

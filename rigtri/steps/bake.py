@@ -5,9 +5,10 @@ from __future__ import annotations
 from rigtri.formats import read
 from rigtri.ops.bake import Options, bake
 from rigtri.ops.described import as_described
+from rigtri.ops.joined import joined
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.steps.request import Request, Step
+from rigtri.steps.request import Request, Step, clip_names
 
 
 def step(request: Request) -> Step:
@@ -21,11 +22,14 @@ def step(request: Request) -> Step:
         soft=request["soft"],
         stretch=request["stretch"],
     )
-    described = request["described"]
+    described, names = request["described"], clip_names(request["names"])
+    if described is None:
+        request.refuse({"--as": "names"}, "says what clips are in another file: name that file with --rig")
 
     def applied(rig: Rig, report: Report) -> Rig:
         if described is not None:
-            rig = as_described(rig, read(described).rig, report=report)
+            rigged = read(described).rig
+            rig = as_described(joined(rig, rigged, names=names, report=report), rigged, report=report)
         return bake(rig, options=options, report=report)
 
     return applied

@@ -33,3 +33,14 @@ class Request:
         for flag, name in options.items():
             if name in self.given:
                 raise UsageError(f"{flag} {why}")
+
+
+def clip_names(given: tuple[str, ...]) -> dict[str, str]:
+    """What ``NAME=CLIP`` says of clips, by NAME. UsageError for what names no clip."""
+    names = {}
+    for text in given:
+        name, mark, clip = text.rpartition("=")
+        if not mark or not name:
+            raise UsageError(f"--as {text}: give NAME=CLIP, a clip and what it is called in the rig")
+        names[name] = clip
+    return names

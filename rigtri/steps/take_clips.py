@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rigtri.errors import UsageError
 from rigtri.formats import read
 from rigtri.inputs import opened
 from rigtri.ops.take_clips import Options, take_clips
 from rigtri.report import Report
 from rigtri.rig import Rig
-from rigtri.steps.request import Request, Step
+from rigtri.steps.request import Request, Step, clip_names
 
 
 def step(request: Request) -> Step:
     """Raises UsageError for names that name no clip."""
-    names = _names(request["names"])
+    names = clip_names(request["names"])
     options = Options(clips=request["clips"], names=names, tolerance=request["tolerance"])
 
     def applied(rig: Rig, report: Report) -> Rig:
@@ -26,13 +25,3 @@ def step(request: Request) -> Step:
         return result
 
     return applied
-
-
-def _names(given: tuple[str, ...]) -> dict[str, str]:
-    names = {}
-    for text in given:
-        name, mark, clip = text.rpartition("=")
-        if not mark or not name:
-            raise UsageError(f"--as {text}: give NAME=CLIP, a clip of EDITED and what it is called in RIG")
-        names[name] = clip
-    return names

@@ -30,6 +30,8 @@ FULL = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 # An accessor without bytes could claim any size; no skeleton needs more numbers than this.
 MOST_ZEROS = 1 << 24
+# So many layouts are kept for the writer.
+MOST_LAYOUTS = 1 << 14
 
 
 class Layout(NamedTuple):
@@ -89,12 +91,14 @@ class Accessors:
         """Where the numbers of accessor ``index`` lie. FileError for anything out of bounds."""
         found = self._layouts.get(index)
         if found is None:
-            found = self._layouts[index] = self._lay(self.value(index))
+            found = self._lay_plain(self._items[index]) or self._lay(self.value(index))
+            self._layouts[index] = found
         return found
 
     def forget_layouts(self) -> None:
-        """Let go of where numbers lie: of 200,000 accessors that is as much as their JSON."""
-        self._layouts.clear()
+        """Let go of where very many numbers lie: of 200,000 accessors that is as much as their JSON."""
+        if len(self._layouts) > MOST_LAYOUTS:
+            self._layouts.clear()
 
     def span(self, view: int) -> tuple[int, int, int]:
         """Buffer, start and end of a buffer view. FileError where it is not to be had."""
@@ -158,6 +162,29 @@ class Accessors:
         part = whole[start : start + layout.rows * layout.width]
         with np.errstate(invalid="ignore"):
             return part.astype(np.float64).reshape(layout.rows, layout.width)
+
+    def _lay_plain(self, raw: dict[str, Any]) -> Layout | None:
+        """As `_lay`, for what is stored plainly, as nearly all is; None for what is not, or is wrong."""
+        kind, component = raw.get("type"), raw.get("componentType")
+        count, view, offset = raw.get("count"), raw.get("bufferView"), raw.get("byteOffset", 0)
+        if not (type(component) is type(count) is type(view) is type(offset) is int and type(kind) is str):
+            return None
+        width, item = WIDTHS.get(kind), COMPONENTS.get(component)
+        if width is None or item is None or not 0 <= view < len(self._views) or count < 1 or offset < 0:
+            return None
+        seen = self._views[view]
+        buffer, start, length = seen.get("buffer"), seen.get("byteOffset", 0), seen.get("byteLength")
+        stride, size = seen.get("byteStride", 0), item.itemsize * width
+        if not type(buffer) is type(start) is type(length) is type(stride) is int or "extensions" in seen:
+            return None
+        fits = 0 <= buffer < len(self.buffers) and min(start, length, stride) >= 0
+        stride = stride or size
+        if not fits or stride < size or offset + stride * (count - 1) + size > length:
+            return None
+        if start + length > self.buffers.length(buffer):
+            return None
+        normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
+        return Layout(component, width, count, normalized, sparse, view, buffer, start + offset, stride)
 
     def _lay(self, accessor: Value) -> Layout:
         raw = accessor.object()

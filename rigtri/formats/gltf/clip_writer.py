@@ -30,8 +30,9 @@ KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 def refuse_early(before: Rig, after: Rig) -> None:
     """GeometryError for a key before 0 that an edit makes, which glTF does not have; old ones stay."""
     known = {id(track) for clip in before.clips for track in clip.tracks}
+    olds = {clip.key: clip.tracks for clip in before.clips}
     for k, clip in enumerate(after.clips):
-        old = before.clips[k].tracks if k < len(before.clips) else ()
+        old = olds.get(clip.key, ())
         first = min((float(track.times[0]) for track in old if len(track.times)), default=0.0)
         for track in clip.tracks:
             if id(track) not in known and len(track.times) and track.times[0] < min(first, 0.0):
@@ -72,6 +73,7 @@ class ClipWriter:
         self._inputs: dict[int, int] = {}
         # Channels to be taken out, by animation; last, as until then they are found by their place.
         self._lost: dict[int, set[int]] = {}
+        self._gone = False  # whether clips of the source are
 
     def write(self) -> None:
         """Put all differences into the draft and the storage."""
@@ -87,6 +89,8 @@ class ClipWriter:
         self._wishes.clear()
         for number, lost in self._lost.items():
             drop_channels(self._draft, number, lost)
+        if self._gone:
+            drop_empty_animations(self._draft)
 
     # --- skins
 
@@ -160,11 +164,14 @@ class ClipWriter:
         before = {clip.key: clip for clip in self._source.clips}
         changed: list[tuple[Track, Track]] = []
         for clip in self._rig.clips:
-            old = before.get(clip.key) if clip.key is not None else None
+            old = before.pop(clip.key, None) if clip.key is not None else None
             if clip is old:
                 continue
             number = int(str(clip.key)) if old is not None else self._add_animation(clip)
             changed += self._compare(number, clip, old)
+        self._gone = bool(before)
+        for clip in before.values():
+            self._lost[int(str(clip.key))] = {_place(track)[1] for track in clip.tracks}
         rows = round_tracks([now for now, _ in changed], [then for _, then in changed])
         wanted = {
             now.key: values.reshape(-1, 1) if now.path == "weights" else values
@@ -175,6 +182,8 @@ class ClipWriter:
     def _compare(self, number: int, clip: Clip, old: Clip | None) -> list[tuple[Track, Track]]:
         """Tracks with other values, each with what it was; channels that move, come or go are noted."""
         known = {track.key: track for track in old.tracks} if old is not None else {}
+        if old is not None and clip.name != old.name:
+            self._draft.own("animations", number)["name"] = clip.name
         changed = []
         for track in clip.tracks:
             then = known.pop(track.key, None) if track.key is not None else None
@@ -356,6 +365,16 @@ def drop_channels(draft: Draft, number: int, lost: Collection[int]) -> None:
         else {**channel, "sampler": moved[channel["sampler"]]}
         for channel in kept
     ]
+
+
+def drop_empty_animations(draft: Draft) -> None:
+    """An animation without channels is not allowed; nothing refers to animations by number."""
+    animations = draft.gltf.get("animations", [])
+    if any(not animation.get("channels") for animation in animations):
+        kept = [animation for animation in animations if animation.get("channels")]
+        draft.own("animations")[:] = kept
+        if not kept:
+            draft.gltf.pop("animations")
 
 
 def _same(now: Floats, then: Floats) -> bool:

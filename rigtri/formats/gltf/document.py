@@ -19,6 +19,7 @@ from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animations import ClipReader, animated_nodes
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.drawn import Drawn
 from rigtri.formats.gltf.embedded import embedded
 from rigtri.formats.gltf.lines import read_lines
 from rigtri.formats.gltf.mapped import load
@@ -60,7 +61,6 @@ class GltfDocument:
         self.accessors = Accessors(gltf, self._buffers)
         self.tree = read_tree(gltf)
         self._reader = MeshReader(gltf, self.accessors, self.tree, self.notices)
-        self._meshes: list[Mesh] | None = None
         self.rest: Rest = read_rest(
             gltf, self.tree, animated_nodes(gltf), self.notices, lenient=options.lenient
         )
@@ -89,15 +89,11 @@ class GltfDocument:
 
     def meshes(self) -> Sequence[Mesh]:
         """Every primitive that can be read, for measuring; the others are noticed."""
-        if self._meshes is None:
-            self._meshes = self._reader.read(self._rig.skins)
-        return self._meshes
+        return self._drawn.meshes()
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same; where a file has very many points, some of them and boxes for its largest meshes."""
-        if not self._reader.crowd:
-            return self.meshes()
-        return self._reader.outlines(self._rig.skins, closely=closely)
+        return self._drawn.outlines(closely=closely)
 
     def scenery(self, *, closely: bool = False) -> Scenery:
         """Scenes, lenses, lights and materials of the nodes that show something, and what avatars say."""
@@ -160,6 +156,7 @@ class GltfDocument:
         skins = read_skins(
             gltf, self.accessors, tree, self.notices, self._reader.weighted, lenient=options.lenient
         )
+        self._drawn = Drawn(self._reader, skins)
         clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
         bindings = read_bindings(gltf, tree.above)
         self.notices += bindings.notices
@@ -196,9 +193,9 @@ class GltfDocument:
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
             notes=self._notes(extras),
             facing=bindings.facing,
-            # Of the reader alone: a rig that held its document would keep the file open in a ring.
-            drawn=partial(self._reader.outlines, skins),
-            read_meshes=partial(self._reader.read, skins),
+            # Not of the document: a rig that held it would keep the file open in a ring.
+            drawn=self._drawn.outlines,
+            read_meshes=self._drawn.meshes,
             lines=partial(read_lines, gltf, self.accessors),
         )
         self._freeze(rig, ordered, fixed)

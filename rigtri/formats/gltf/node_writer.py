@@ -96,6 +96,8 @@ class NodeWriter:
         differs = (rig.matrix[old] != source.matrix[was]).any(axis=(1, 2)) | changed_kind
         for node in old[differs & rig.has_matrix[old]].tolist():
             self._write_matrix(node, rig.matrix[node])
+        for node, weights in rig.morphed.items():
+            self._node(node)["weights"] = _numbers(weights)
         for node in self._new:
             self._write_new(node)
 

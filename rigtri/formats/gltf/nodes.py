@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rigtri.formats.gltf.values import Value
+from rigtri.formats.gltf.values import LARGEST, Value
 from rigtri.matrices import SKEW, decompose, determinant, skew
 from rigtri.quaternions import norm
 from rigtri.records import Booleans
@@ -99,15 +99,42 @@ def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice]
         np.tile(np.eye(4), (count, 1, 1)),
         np.zeros(count, dtype=bool),
     )
-    for index, item in enumerate(gltf.each("nodes")):
-        _read_node(item, rest, tree.place[index])
     nodes = gltf.object().get("nodes", [])
+    if not _read_together(nodes, rest, tree.place):  # something is wrong, which reading one by one tells
+        for index, item in enumerate(gltf.each("nodes")):
+            _read_node(item, rest, tree.place[index])
     for index, node in enumerate(nodes):
         if rest.has_matrix[tree.place[index]]:
             _settle_matrix(gltf, nodes, index, node, rest, tree, index in animated, lenient)
     _check_matrices(gltf, nodes, rest, tree, notices)
     _check_rotations(gltf, nodes, rest, tree, notices)
     return rest
+
+
+def _read_together(nodes: list[dict[str, object]], rest: Rest, place: list[int]) -> bool:
+    """Read the numbers of all nodes at once, as nearly every file allows; False where one is wrong."""
+    for key, width, array in (
+        ("translation", 3, rest.translation),
+        ("rotation", 4, rest.rotation),
+        ("scale", 3, rest.scale),
+        ("matrix", 16, rest.matrix),
+    ):
+        found = [index for index, node in enumerate(nodes) if key in node]
+        rows: list[float] = []
+        for index in found:
+            row = nodes[index][key]
+            if type(row) is not list or len(row) != width:
+                return False
+            rows += row
+        if not all(type(x) is float or type(x) is int for x in rows):
+            return False
+        if not all(-LARGEST <= x <= LARGEST for x in rows):
+            return False
+        places = [place[index] for index in found]
+        array[places] = np.array(rows, dtype=np.float64).reshape(-1, *array.shape[1:])
+        if key == "matrix":
+            rest.has_matrix[places] = True
+    return True
 
 
 def _read_node(item: Value, rest: Rest, row: int) -> None:

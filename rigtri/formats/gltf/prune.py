@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.clip_writer import drop_channels
+from rigtri.formats.gltf.clip_writer import drop_channels, drop_empty_animations
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.storage import Storage
 from rigtri.formats.gltf.sweep import sweep
@@ -64,17 +64,7 @@ def _detach(draft: Draft, nodes: Collection[int]) -> None:
         lost = {k for k, c in enumerate(channels) if c.get("target", {}).get("node") in nodes}
         if lost:
             drop_channels(draft, number, lost)
-    _drop_empty_animations(draft)
-
-
-def _drop_empty_animations(draft: Draft) -> None:
-    """An animation without channels is not allowed; nothing refers to animations by number."""
-    animations = draft.gltf.get("animations", [])
-    if any(not animation.get("channels") for animation in animations):
-        kept = [animation for animation in animations if animation.get("channels")]
-        draft.own("animations")[:] = kept
-        if not kept:
-            draft.gltf.pop("animations")
+    drop_empty_animations(draft)
 
 
 def _drop_empty_skins(draft: Draft) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 # Names of properties that are indices of accessors without saying so.
@@ -30,7 +31,9 @@ def used_views(gltf: dict[str, Any]) -> set[int]:
     others: set[int] = set()
     of_accessors: set[int] = set()
     for accessor in gltf.get("accessors", []):
-        of_accessors.update(_named({"bufferView": accessor.get("bufferView")}, "bufferView"))
+        view = accessor.get("bufferView")
+        if type(view) is int:
+            of_accessors.add(view)
         for part in ("sparse", "extensions"):
             if part in accessor:
                 others.update(_named(accessor[part], "bufferView"))
@@ -77,6 +80,7 @@ def _named(value: Any, kind: str) -> Iterator[int]:
                 yield from _named(item, kind)
 
 
+@lru_cache
 def _refers(key: str, kind: str) -> bool:
     # 'bufferView', 'timesAccessor', 'accessors' ... and the one name the specification gives on its own.
     return kind.lower() in key.lower() or (kind == "accessor" and key in _NAMES)

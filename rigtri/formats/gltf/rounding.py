@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rigtri.quaternions import meant_unit
+from rigtri.quaternions import meant_unit, norm
 from rigtri.records import Track
 from rigtri.trigonometry import Floats
 
@@ -100,7 +100,10 @@ def _keep_ways_round(before: Sequence[Track], rows: Singles) -> None:
 
 def _nudge(rows: Singles, before: Floats) -> None:
     """Move keys by a rounding step or two until every dot product has its sign, with some room."""
-    negative = _dots(before[:-1], before[1:]) < 0
+    # Of unit turns, as players see them: of turns that are half a turn apart to the bit, their length tells.
+    size = norm(before)[:, np.newaxis]
+    turns = before / np.where(size > 0, size, 1.0)
+    negative = _dots(turns[:-1], turns[1:]) < 0
     for k, below in enumerate(negative.tolist()):
         sign, step = -1.0 if below else 1.0, HALF_TURN
         first, then = rows[k].astype(np.float64), rows[k + 1].astype(np.float64)

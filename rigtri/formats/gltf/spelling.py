@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, NoReturn
 
 _SURROGATE = re.compile("[\ud800-\udfff]")
@@ -90,6 +91,8 @@ class Spelling:
 
     def fragment(self, value: Any, depth: int = 0) -> str:
         """``value`` as a part of a text, ``depth`` levels deep. ValueError as for `spell`."""
+        if (type(value) is float and isfinite(value)) or type(value) is int:
+            return repr(value)
         text = json.dumps(
             value,
             indent=self.indent,

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 from rigtri.formats.gltf.spelling import Spelling
 
-_scan = json.JSONDecoder().raw_decode
+_scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]  # of C, without a call around it
 _BLANK = re.compile(r"[ \t\n\r]*")
+_BLANKS = " \t\n\r"
 
 
 class _Part(NamedTuple):
@@ -32,26 +33,70 @@ def splice(text: str, old: dict[str, Any], new: dict[str, Any], spelling: Spelli
     ValueError for a new number that JSON cannot hold.
     """
     start = _skip(text, 0)
-    pieces = [text[:start]]
-    end = _Splicer(text, spelling, pieces).value(start, old, new, 0)
-    return "".join([*pieces, text[end:]])
+    told, end = _Splicer(text, spelling).told(start, old, new, 0)
+    return text[:start] + told + text[end:]
 
 
 class _Splicer:
-    def __init__(self, text: str, spelling: Spelling, pieces: list[str]) -> None:
-        self.text, self.spelling, self.pieces = text, spelling, pieces
+    """Finds what to replace: (start, end, text) in the order of the text, each read once."""
+
+    def __init__(self, text: str, spelling: Spelling) -> None:
+        self.text, self.spelling = text, spelling
+        self.edits: list[tuple[int, int, str]] = []
+
+    def told(self, at: int, old: Any, new: Any, depth: int) -> tuple[str, int]:
+        """The text of ``new``, where that of ``old`` starts at ``at``, and where the latter ends."""
+        inner = _Splicer(self.text, self.spelling)
+        whole = inner.value(at, old, new, depth)
+        pieces = []
+        for start, end, changed in inner.edits:
+            pieces += [self.text[at:start], changed]
+            at = end
+        return "".join([*pieces, self.text[at:whole]]), whole
 
     def value(self, at: int, old: Any, new: Any, depth: int) -> int:
-        """Add the text of ``new``, where that of ``old`` starts at ``at``; returns where that ends."""
-        if new is not old and isinstance(new, dict) and isinstance(old, dict) and old:
-            return self._object(at, old, new, depth)
-        if new is not old and isinstance(new, list) and isinstance(old, list) and old:
-            return self._list(at, old, new, depth)
-        _, end = _scan(self.text, at)
-        self.pieces.append(self.text[at:end] if new is old else self.spelling.fragment(new, depth))
-        return int(end)
+        """Note what of the text of ``old``, which starts at ``at``, ``new`` changes; gives its end."""
+        if new is not old and old:
+            if isinstance(new, dict) and isinstance(old, dict):
+                return self._object(at, old, new, depth)
+            if isinstance(new, list) and isinstance(old, list):
+                return self._list(at, old, new, depth)
+        end: int = _scan(self.text, at)[1]
+        if new is not old:
+            self.edits.append((at, end, self.spelling.fragment(new, depth)))
+        return end
 
     def _object(self, at: int, old: dict[str, Any], new: dict[str, Any], depth: int) -> int:
+        known = len(self.edits)
+        end = self._members(at, old, new, depth)
+        if end < 0:
+            del self.edits[known:]
+            told, end = self._object_anew(at, old, new, depth)
+            self.edits.append((at, end, told))
+        return end
+
+    def _members(self, at: int, old: dict[str, Any], new: dict[str, Any], depth: int) -> int:
+        """As `value` where all that was there stays in its order; −1 where it does not."""
+        text, keys, more = self.text, iter(new), True
+        while more:
+            before = at + 1
+            start = _skip(text, before)
+            key, colon = _scan(text, start)
+            if next(keys, None) != key:
+                return -1
+            end = self.value(_skip(text, _skip(text, colon) + 1), old[key], new[key], depth + 1)
+            at = _skip(text, end)
+            more = text[at] == ","
+        added = [
+            f",{text[before:start]}{self.spelling.fragment(key, depth)}{self.spelling.colon}"
+            f"{self.spelling.fragment(new[key], depth + 1)}"
+            for key in keys
+        ]
+        if added:
+            self.edits.append((end, end, "".join(added)))
+        return at + 1
+
+    def _object_anew(self, at: int, old: dict[str, Any], new: dict[str, Any], depth: int) -> tuple[str, int]:
         # Of a key that stands twice only the last was read, and only that is kept.
         members: dict[str, _Part] = {}
         at, more = at + 1, True
@@ -62,24 +107,63 @@ class _Splicer:
             part, at, more = self._part(at, start, value)
             members[key] = part
         ending = self.text[part.end : at - 1]
-        self.pieces.append("{")
-        tail = ""
+        pieces, tail = ["{"], ""
         for number, (key, item) in enumerate(new.items()):
-            self.pieces.append(f"{tail}," if number else "")
+            pieces.append(f"{tail}," if number else "")
             tail = ""
             if key in members:
                 part = members[key]
-                self.pieces += [part.lead, part.head]
-                self.value(part.start, old[key], item, depth + 1)
+                pieces += [part.lead, part.head, self.told(part.start, old[key], item, depth + 1)[0]]
                 tail = part.tail
             else:
                 lead = next(iter(members.values())).lead if not number else self._lead(members)
                 colon_text = self.spelling.fragment(key, depth) + self.spelling.colon
-                self.pieces += [lead, colon_text, self.spelling.fragment(item, depth + 1)]
-        self.pieces += [ending, "}"]
-        return at
+                pieces += [lead, colon_text, self.spelling.fragment(item, depth + 1)]
+        return "".join([*pieces, ending, "}"]), at
 
     def _list(self, at: int, old: list[Any], new: list[Any], depth: int) -> int:
+        if all(type(item) is float or type(item) is int for item in old):
+            told, end = self._numbers(at, old, new, depth)
+        elif _in_order(old, new):
+            return self._items(at, old, new, depth)
+        else:
+            told, end = self._list_anew(at, old, new, depth)
+        self.edits.append((at, end, told))
+        return end
+
+    def _items(self, at: int, old: list[Any], new: list[Any], depth: int) -> int:
+        """As `value` where all that was there stays in its order."""
+        text = self.text
+        for was, item in zip(old, new, strict=False):
+            before = at + 1
+            start = _skip(text, before)
+            end = self.value(start, was, item, depth + 1)
+            at = _skip(text, end)
+        added = [
+            f",{text[before:start]}{self.spelling.fragment(item, depth + 1)}" for item in new[len(old) :]
+        ]
+        if added:
+            self.edits.append((end, end, "".join(added)))
+        return at + 1
+
+    def _numbers(self, at: int, old: list[Any], new: list[Any], depth: int) -> tuple[str, int]:
+        """The text of a list that held numbers alone, and where the old one ends."""
+        end = self.text.index("]", at)
+        said = self.text[at + 1 : end].split(",")
+        places = _places(old)
+        items, last = [], len(said) - 1
+        for number, item in enumerate(new):
+            place = number if number < len(old) and old[number] is item else places.get(id(item), number)
+            kept = place < len(old) and old[place] is item
+            value = said[place].strip(_BLANKS) if kept else self.spelling.fragment(item, depth + 1)
+            around = said[min(number, last)]
+            lead = around[: len(around) - len(around.lstrip(_BLANKS))]
+            tail = around[len(around.rstrip(_BLANKS)) :] if number < last else ""
+            items.append(f"{lead}{value}{tail if number < len(new) - 1 else ''}")
+        ending = said[last][len(said[last].rstrip(_BLANKS)) :]
+        return f"[{','.join(items)}{ending}]", end + 1
+
+    def _list_anew(self, at: int, old: list[Any], new: list[Any], depth: int) -> tuple[str, int]:
         parts: list[_Part] = []
         at, more = at + 1, True
         while more:
@@ -87,20 +171,18 @@ class _Splicer:
             part, at, more = self._part(at, start, start)
             parts.append(part)
         ending = self.text[parts[-1].end : at - 1]
-        places = {id(item): k for k, item in enumerate(old) if isinstance(item, dict | list | float)}
-        self.pieces.append("[")
-        tail = ""
+        places = _places(old)
+        pieces, tail = ["["], ""
         for number, item in enumerate(new):
             place = number if number < len(old) and old[number] is item else places.get(id(item), number)
             part = parts[min(number, len(parts) - 1)]
-            self.pieces += [f"{tail}," if number else "", part.lead]
+            pieces += [f"{tail}," if number else "", part.lead]
             tail = part.tail if number < len(parts) else ""
             if place < len(old):
-                self.value(parts[place].start, old[place], item, depth + 1)
+                pieces.append(self.told(parts[place].start, old[place], item, depth + 1)[0])
             else:
-                self.pieces.append(self.spelling.fragment(item, depth + 1))
-        self.pieces += [ending, "]"]
-        return at
+                pieces.append(self.spelling.fragment(item, depth + 1))
+        return "".join([*pieces, ending, "]"]), at
 
     def _part(self, before: int, start: int, value: int) -> tuple[_Part, int, bool]:
         """The part that starts there; where the next one starts, or the whole ends, and which of both."""
@@ -114,6 +196,19 @@ class _Splicer:
     @staticmethod
     def _lead(members: dict[str, _Part]) -> str:
         return list(members.values())[-1].lead
+
+
+def _places(old: list[Any]) -> dict[int, int]:
+    """Where each item stands that is an object of its own."""
+    return {id(item): k for k, item in enumerate(old) if isinstance(item, dict | list | float)}
+
+
+def _in_order(old: list[Any], new: list[Any]) -> bool:
+    """Whether a list still has all of its items, changed or not, where they were."""
+    places = _places(old)
+    return len(new) >= len(old) and all(
+        places.get(id(item), number) == number for number, item in enumerate(new)
+    )
 
 
 def _skip(text: str, at: int) -> int:

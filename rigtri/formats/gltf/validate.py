@@ -65,8 +65,9 @@ def check_lists(gltf: Value) -> None:
         if key in gltf.object():
             # A null is not the same as nothing, and no reader behind this one looks out for it.
             value = gltf.need(key)
-            for item in value.items() if key in LISTS else ():
-                item.object()
+            if key in LISTS and not all(isinstance(item, dict) for item in value.entries()):
+                for item in value.items():
+                    item.object()
 
 
 def check_references(gltf: Value) -> None:
@@ -79,12 +80,15 @@ def check_references(gltf: Value) -> None:
     default = gltf.get("scene")
     if default is not None:
         default.index(len(raw.get("scenes", [])), "scene")
-    for node in gltf.each("nodes"):
-        skin = node.get("skin")
+    for number, held in enumerate(raw.get("nodes", [])):
+        if "skin" not in held and "extensions" not in held:
+            continue
+        item = Value(held, f"{gltf.where} nodes[{number}]")
+        skin = item.get("skin")
         if skin is not None:
             skin.index(skins, "skin")
-        if "extensions" in node.object():
-            node.need("extensions").object()
+        if "extensions" in held:
+            item.need("extensions").object()
 
 
 def check_extensions(gltf: Value, notices: list[Notice]) -> None:

@@ -70,8 +70,11 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
 
 def _write(part: Path, pieces: Sequence[Piece]) -> None:
     try:
-        large = sum(map(len, pieces)) >= mapped.MAP_FROM
-        with part.open("wb", buffering=BUFFERING) as file, settling(file, large=large):
+        size = sum(map(len, pieces))
+        if size < BUFFERING:
+            part.write_bytes(b"".join(pieces))
+            return
+        with part.open("wb", buffering=BUFFERING) as file, settling(file, large=size >= mapped.MAP_FROM):
             for piece in pieces:
                 pour(file, piece)
     except OSError as error:

@@ -98,7 +98,7 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
     gone: dict[str, set[str]] = {}
     fewer: dict[str, list[Floats]] = {}
     for was, now in changed:
-        path, animation, names = _bound(source, now or _sure(was))
+        path, animation, names = _bound(source, (now or _sure(was)).node)
         columns = driven.setdefault(animation, {})
         resting = default_weights(source.stage.GetPrimAtPath(animation))
         now = None if now is None else _linear(path, now)
@@ -133,6 +133,21 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
     ]
 
 
+def rest_edits(source: Source, rig: Rig) -> list[Edit]:
+    """Edits of the default weights of animations, which the rig has at rest for meshes."""
+    found: dict[str, dict[str, float]] = {}
+    for node, weights in rig.morphed.items():
+        _, animation, names = _bound(source, node)
+        known = found.setdefault(animation, default_weights(source.stage.GetPrimAtPath(animation)))
+        known.update(zip(names, weights.tolist(), strict=True))
+    edits: list[Edit] = []
+    for path, known in found.items():
+        listed = source.stage.GetPrimAtPath(path).GetAttribute("blendShapes")
+        row = np.array([known.get(str(name), 0.0) for name in usable(listed, listed.Get(DEFAULT)) or ()])
+        edits.append(set_value(path, "blendShapeWeights", Sdf.ValueTypeNames.FloatArray, _floats(row)))
+    return edits
+
+
 def _linear(path: str, track: Track) -> Track:
     """A track as samples say it. FileError for splines."""
     if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
@@ -158,9 +173,9 @@ class _Column:
         return np.array_equal(self.times, other.times) and np.array_equal(self.values, other.values)
 
 
-def _bound(source: Source, track: Track) -> tuple[str, str, list[str]]:
-    """The prim that a weights track moves, the animation that drives it, and its blend shapes in order."""
-    label = source.rig.labels[track.node]
+def _bound(source: Source, node: int) -> tuple[str, str, list[str]]:
+    """The prim that a node stands for, the animation that drives it, and its blend shapes in order."""
+    label = source.rig.labels[node]
     for skeleton, query in source.bindings.every:
         if str(query.GetPrim().GetPath()) != label or skeleton not in source.skeletons:
             continue

@@ -55,6 +55,7 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
         *_skin_edits(source, rig, moved),
         *_animation_edits(source, plain, warnings),
         *new_keys.weight_edits(source, weights),
+        *new_keys.rest_edits(source, rig),
         *_prim_edits(source, rig, moved, bake, warnings),
         *prim_keys.edits(source, rig, theirs),
         *locators.edits(source, rig, {t.node for t in tracks if t.node not in keyed} | _silent(before, rig)),

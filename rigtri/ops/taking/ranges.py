@@ -9,7 +9,8 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.insertion import split
-from rigtri.ops.taking.clip_names import Taken, frame_of, span
+from rigtri.ops.taking.clip_names import Taken
+from rigtri.ops.taking.made_names import frame_of, span
 from rigtri.ops.taking.notices import moves
 from rigtri.ops.taking.sameness import MISSED
 from rigtri.pose import sample
@@ -32,6 +33,8 @@ class Clock:
         self.shift = 0.0
         # Where the clip may be moved to when its start and its length are others: to RIG's start first.
         self.choices: tuple[float, ...] = ()
+        # Where it may be moved to by less than that: Blender's NLA tracks come out one frame late.
+        self.beside: tuple[float, ...] = ()
         self._known = {clip_times.tobytes(): clip_times for clip_times in _times_of(taken.home)}
         self._told: dict[int, tuple[Floats, Floats]] = {}
         frame = frame_of(taken.clip)
@@ -44,6 +47,8 @@ class Clock:
                     self.shift = -late
                 else:
                     self.choices = (-late, 0.0, last - end * self.factor)
+            elif abs(late) > MISSED * rig.per_second:
+                self.beside = (0.0, -late)
 
     def settle(self, shift: float) -> None:
         """Move EDITED's times by so much of the rig's unit."""
@@ -125,11 +130,16 @@ def ranges(
     def differ() -> bool:
         return any(abs(a - b) > near for a, b in zip(clock.times(np.array(there)), ours, strict=True))
 
-    if not clock.choices and not differ():
+    if not clock.choices and not clock.beside and not differ():
         return None
     moving = {(t.node, t.path) for t in taken.home.clip.tracks if t.path != "weights" and moves(t)}
     shared = [(was, now) for was, now in pairs() if (was.node, was.path) in moving]
     most = 2 * len(shared) >= len(moving)
+    if clock.beside:
+        found = [_agreeing(clock, shift, shared, same) for shift in clock.beside]
+        clock.settle(clock.beside[int(np.argmax(found))])
+        if not differ():
+            return None
     if clock.choices:
         found = [_agreeing(clock, shift, shared, same) for shift in clock.choices]
         inside = ours[0] - near <= theirs[0] and theirs[1] <= ours[1] + near

@@ -6,6 +6,9 @@ So two tracks are compared at the keys of the edited one.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 
 from rigtri.ops.taking.transfer import one_way_round
@@ -23,6 +26,8 @@ _GAP = 1.5
 # Exporters leave out all keys between the first and the last where no number moves by more than this,
 # in EDITED's units: Blender's does, unless it is told to keep them.
 _STILL = 1e-4
+# Tangents that differ by less, as a share of the larger, are one: float32, twice divided by a frame rate.
+SAME_TANGENT = 1e-3
 # How much steeper than a natural spline the tangents may be that a DCC makes of keys.
 _STEEPER = 1.5
 
@@ -123,11 +128,42 @@ def _nearest(known: Floats, times: Floats) -> Floats:
     return np.asarray(nearer[:, np.newaxis])
 
 
-def same_knots(was: Track, now: Track, bound: Floats) -> float | None:
+def tangents_dropped(pairs: Iterable[tuple[Track, Track]]) -> bool:
+    """Whether none of the splines of a clip came back with a tangent that it had, though some were not flat.
+
+    A DCC keeps tangents or drops them all, and makes its own; a hand moves some. Two, at least, tell.
+    """
+    told = 0
+    for was, now in pairs:
+        if was.interpolation != "CUBICSPLINE" or now.interpolation != "CUBICSPLINE":
+            continue
+        if not 2 < len(was.times) == len(now.times) or np.abs(was.times - now.times).max() > MISSED:
+            continue
+        a, b = was.values[1:-1], now.values[1:-1]
+        if was.path == "rotation":  # q and −q are one rotation
+            both = a[:, 1] * b[:, 1]
+            b = np.where((both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3] < 0)[:, None, None], -b, b)
+        for side in (0, 2):
+            large = np.maximum(np.abs(a[:, side]).max(axis=1), np.abs(b[:, side]).max(axis=1))
+            apart = np.abs(a[:, side] - b[:, side]).max(axis=1)
+            if (apart[large > 0] <= SAME_TANGENT * large[large > 0]).any():
+                return False
+            told += int((large > 0).sum()) if side == 0 else 0
+    return told > 1
+
+
+def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) -> float | None:
     """Of a spline that a DCC has replaced by a key a frame: how far it is off between its own keys.
 
-    None where it is off at its keys too, or farther between them than curves through the same keys go.
+    dropped: it may as well have replaced the tangents alone. None where it is off at its keys too, or farther
+    between them than curves through the same keys go.
     """
+    if dropped and now.interpolation == "CUBICSPLINE" and len(now.times) > 2:
+        shares = (0.25, 0.5, 0.75)
+        between = [now.times[:-1] + share * np.diff(now.times) for share in shares]
+        times = np.unique(np.concatenate([now.times, *between]))
+        bound = np.interp(times, now.times, bound)
+        now = Track(now.node, now.path, "LINEAR", times, sample(_on_one_side(now), times))
     if was.interpolation != "CUBICSPLINE" or now.interpolation == "CUBICSPLINE" or len(now.times) < 3:
         return None
     knots = was.times[(was.times >= now.times[0]) & (was.times <= now.times[-1])]
@@ -148,6 +184,15 @@ def same_knots(was: Track, now: Track, bound: Floats) -> float | None:
     np.maximum.at(bulge, segment, apart(was.path, sample(was, now.times), sample(chord, now.times)))
     swing = np.maximum(0.5 * reach, _swing(was))
     return None if (far > bound + bulge[segment] + swing[segment]).any() else float(far.max())
+
+
+def _on_one_side(track: Track) -> Track:
+    """A spline of turns without keys that jump to −q: Blender writes such, and shows them without."""
+    if track.path != "rotation":
+        return track
+    keys = key_values(track)
+    flipped = (one_way_round(keys) != keys).any(axis=1)
+    return replace(track, values=np.where(flipped[:, None, None], -track.values, track.values))
 
 
 def _bends(track: Track) -> Floats:

@@ -35,6 +35,7 @@ class Bake(StepModel):
     do: Literal["bake"]
     to: Literal["joints", "controls"] = "joints"
     described: File | None = option("rig", None)
+    names: Assignments = option("as", ())
     clips: Names = option("clip", ())
     fps: Above | None = None
     between: Tolerance = 1e-3

@@ -1,0 +1,94 @@
+"""Controls that somebody has posed without keys, or whose keys an exporter dropped as they are all alike.
+
+Where a clip has keys of a node, a DCC stores as the node's rest what the current frame shows. What no clip
+has keys of stands as it stood all the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.following import Parts
+from rigtri.ops.taking.notices import some
+from rigtri.pose import sample
+from rigtri.quaternions import conjugate, multiply, turn_angle
+from rigtri.records import Path, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.solve.posed import Posed
+from rigtri.timelines import placed, single, timelines
+from rigtri.trigonometry import Floats
+
+# What went through another program's float32; moves as a share of the size.
+_ROUNDED = 1e-5
+# A track is looked at so often, and comes past what is so near, as a share of its values.
+_LOOKS, _NEAR = 1001, 1e-4
+_PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+
+
+def held(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
+    """``rested`` with a key in each clip for what no clip moves of controls that stand otherwise in ``rig``.
+
+    rested: the same rig with its controls at rest. described: the rig that a DCC was given; ``of``: the
+    nodes of ``rig`` by its. What one of its clips moves past where a node stands is
+    left over from a frame of that.
+    """
+    keyed = {(track.node, track.path) for clip in rig.clips for track in clip.tracks}
+    moving = [replace(t, node=of[t.node]) for clip in described.clips for t in clip.tracks if t.node in of]
+    fresh: list[tuple[int, Path, Floats]] = []
+    for node, note in rested.notes.items():
+        if note.get("type") == "control":
+            now = Posed(rig).part(node)
+            moved = _otherwise(now, Posed(rested).part(node), rested)
+            fresh += [
+                (node, path, value)
+                for path, value in moved.items()
+                if (node, path) not in keyed
+                and not any((t.node, t.path) == (node, path) and _passes(t, value) for t in moving)
+            ]
+    done = rested
+    for timeline in timelines(rested):
+        times = [track.times[:1] for track in timeline.clip.tracks if len(track.times)]
+        if times:
+            start = np.min(times, axis=0)
+            tracks = [Track(node, path, "STEP", start, single(value)) for node, path, value in fresh]
+            done = placed(done, timeline, tracks)
+    if done is not rested:
+        names = some(dict.fromkeys(rested.title(node) for node, _, _ in fresh))
+        text = f"No clip moves {names}, posed otherwise than in the file of --rig: held so in all clips"
+        report.warn("held-without-keys", text)
+    return done
+
+
+def _passes(track: Track, value: Floats) -> bool:
+    """Whether a track that moves comes past a value, (1, c), on its way."""
+    times = np.union1d(track.times, np.linspace(track.times[0], track.times[-1], _LOOKS))
+    way = sample(track, times)
+    if np.abs(way - way[0]).max() <= _ROUNDED:
+        return False
+    if track.path == "rotation":
+        way = way * np.where(_dot(way, value) < 0, -1.0, 1.0)[:, np.newaxis]
+    step, gone = way[1:] - way[:-1], value - way[:-1]
+    whole = _dot(step, step)
+    share = np.clip(_dot(gone, step) / np.where(whole > 0, whole, 1.0), 0.0, 1.0)
+    off = gone - share[:, np.newaxis] * step
+    return bool(np.sqrt(_dot(off, off)).min() <= _NEAR * float(np.abs(way).max()))
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.asarray(sum((a * b).T))
+
+
+def _otherwise(now: Parts, rest: Parts, rig: Rig) -> dict[Path, Floats]:
+    """What of a node is not as at rest."""
+    size = float(np.abs(rig.world[:, 3, :3]).max(initial=0.0)) or 1.0
+    turned = float(turn_angle(multiply(conjugate(rest.rotation), now.rotation))[0])
+    apart: dict[Path, float] = {
+        "translation": float(np.abs(now.translation - rest.translation).max()) / size,
+        "rotation": turned,
+        "scale": float(np.abs(now.scale - rest.scale).max()),
+    }
+    return {path: now[_PATHS.index(path)] for path, far in apart.items() if far > _ROUNDED}

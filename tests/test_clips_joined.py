@@ -1,0 +1,181 @@
+"""Clips that exporters split, merge or name anew are known again: by take-clips, and by bake --rig alike."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from engines import blender_edit
+from places import SAMPLES
+from rigs import chain
+from test_bake import run
+from test_take_clips import split
+
+from rigtri import pose
+from rigtri.errors import NameNotFoundError
+from rigtri.formats import read
+from rigtri.ops.joined import joined
+from rigtri.ops.take_clips import Options, take_clips
+from rigtri.records import Clip, Track
+from rigtri.report import Report
+from rigtri.rig import Rig
+
+JOINTS = 3
+
+
+def playing(name: str = "walk", seconds: float = 1.0, far: float = 0.1) -> Clip:
+    times = np.linspace(0.0, seconds, 25)
+    values = [np.stack([far * (k + 1) * times**2, np.ones(25), 0 * times], axis=1) for k in range(JOINTS)]
+    tracks = (Track(k, "translation", "LINEAR", times, values[k]) for k in range(JOINTS))
+    return Clip(name, tuple(tracks))
+
+
+def rig_with(*clips: Clip) -> Rig:
+    return replace(chain((0, 0, 0), (0, 1, 0), (0, 2, 0)), clips=clips)
+
+
+RIG = rig_with(playing(), playing("run", 2.0))
+
+
+def known(edited: Rig, rig: Rig = RIG, **names: str) -> tuple[dict[str, int], dict[str, str]]:
+    """The tracks of each clip after joining, which are those that take-clips finds, and the notices."""
+    report = Report()
+    done = joined(edited, rig, names=names, report=report)
+    notices = {notice.code: notice.text for notice in report.warnings}
+    taken = Report()
+    take_clips(rig, edited, options=Options(names=names), report=taken)
+    assert {clip.name for clip in done.clips} == {entry["clip"] for entry in taken.added}
+    for code in ("split-clip", "clip-paired"):
+        assert notices.get(code) == next((n.text for n in taken.warnings if n.code == code), None)
+    return {clip.name: len(clip.tracks) for clip in done.clips}, notices
+
+
+@pytest.mark.parametrize("pattern", ["walk_{}", "{}|walk", "{}Action", "{}Action.001", "{}"])
+def test_parts_named_after_objects_are_the_clip_of_the_same_times(pattern: str) -> None:
+    assert known(split(rig_with(playing()), "walk", pattern.format)) == ({"walk": JOINTS}, {})
+
+
+def test_what_was_merged_is_the_one_clip_of_its_times() -> None:
+    found, notices = known(rig_with(playing("Animation")))
+    assert found == {"walk": JOINTS}
+    assert "the only one with its times" in notices["clip-paired"]
+    assert known(rig_with(playing("Animation")), Animation="Animation")[0] == {"Animation": JOINTS}
+
+
+def test_parts_that_fit_no_clip_but_each_other_are_one_and_the_user_may_say_which() -> None:
+    edited = split(rig_with(playing(seconds=10.0)), "walk", "{}".format)
+    first = edited.clips[0].name
+    found, notices = known(edited)
+    assert found == {first: JOINTS}
+    assert f"--as '{first}=CLIP'" in notices["split-clip"]
+    assert known(edited, **{first: "run"})[0] == {"run": JOINTS}
+    assert known(edited, **{"*": "#1"})[0] == {"run": JOINTS}
+
+
+def test_a_part_of_no_length_goes_with_the_others() -> None:
+    walk = playing()
+    still = tuple(replace(t, times=t.times[:1], values=t.values[:1]) for t in walk.tracks[2:])
+    edited = split(rig_with(replace(walk, tracks=(*walk.tracks[:2], *still))), "walk", "{}Action".format)
+    assert known(edited) == ({"walk": JOINTS}, {})
+
+
+def test_clips_that_drive_the_same_are_no_parts_of_one_when_joined() -> None:
+    edited, report = rig_with(playing(), playing("walk.001", far=0.5)), Report()
+    assert joined(edited, RIG, report=report) is edited
+    assert [notice.code for notice in report.warnings] == ["two-parts"]
+
+
+def test_an_unedited_clip_that_came_back_a_frame_late_has_not_changed() -> None:
+    """Blender's Animation Mode "NLA Tracks" begins at frame 1."""
+    clip = playing()
+    late = tuple(replace(track, times=track.times + 1 / 24) for track in clip.tracks)
+    assert take_clips(RIG, rig_with(replace(clip, tracks=late))) is RIG
+    moved = replace(late[1], values=late[1].values + np.array([0.0, 0.5, 0.0]))
+    home = take_clips(RIG, rig_with(replace(clip, tracks=(late[0], moved, late[2]))))
+    now = home.clips[0].tracks[1]
+    assert now.times[[0, -1]] == pytest.approx([0.0, 1.0])
+    assert now.values[0, 1] == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("said", ["#2", "#9"])
+def test_a_number_that_no_clip_has_is_an_error(said: str) -> None:
+    with pytest.raises(NameNotFoundError, match=f"'{said}'.*'#0', 'walk', '#1', 'run'"):
+        take_clips(RIG, RIG, options=Options(names={"walk": said}))
+    with pytest.raises(NameNotFoundError, match=f"'{said}'"):
+        take_clips(RIG, RIG, options=Options(clips=(said,)))
+    with pytest.raises(NameNotFoundError):
+        take_clips(RIG, RIG, options=Options(names={said: "walk"}))
+
+
+def test_numbers_choose_clips_of_edited() -> None:
+    edited = rig_with(playing(far=0.5), playing("run", 2.0, 0.5))
+    assert take_clips(RIG, edited, options=Options(clips=("#1",))).clips[0] is RIG.clips[0]
+    home = take_clips(RIG, edited, options=Options(names={"#0": "new"}))
+    assert [clip.name for clip in home.clips] == ["walk", "run", "new"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["bake", "IN", "--clip", "#9"],
+        ["pose", "IN", "--at", "#9@0"],
+        ["snap", "IN", "--all-limbs", "--to", "fk", "--at", "#9@0"],
+        ["take-clips", "IN", "--from", "IN", "--clip", "#9"],
+        ["take-clips", "IN", "--from", "IN", "--as", "walk=#9"],
+        ["bake", "IN", "--rig", "IN", "--as", "walk=#9"],
+    ],
+    ids=lambda words: f"{words[0]} {words[-2]}",
+)
+def test_every_command_refuses_it(words: list[str], app: click.Group, up: Path, tmp_path: Path) -> None:
+    given = [str(up) if word == "IN" else word for word in words]
+    done = CliRunner().invoke(app, [*given, "-o", str(tmp_path / "out.glb")])
+    assert (done.exit_code, "'#9'" in done.output) == (4, True), done.output
+
+
+def test_as_without_a_rig_says_what_is_missing(app: click.Group, up: Path, tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["bake", str(up), "-o", str(tmp_path / "o.glb"), "--as", "walk=run"])
+    assert done.exit_code == 2
+    assert "--rig" in done.output
+
+
+@pytest.fixture(scope="module")
+def up(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The biped with its motion on its controls."""
+    folder = tmp_path_factory.mktemp("joined")
+    rig, up = folder / "rig.glb", folder / "up.glb"
+    assert run("add-controls", SAMPLES / "biped.glb", "-o", rig, "--whole-character").exit_code == 0
+    assert run("bake", rig, "-o", up, "--to", "controls").exit_code == 0
+    return up
+
+
+@pytest.mark.slow
+def test_modes_of_blenders_exporter_bake_to_the_same_motion(up: Path, tmp_path: Path) -> None:
+    """Whatever the exporter calls it and into however many clips it splits it. Its frames: 24 a second."""
+    modes = ["ACTIONS", "split", "ACTIVE_ACTIONS", "NLA_TRACKS", "SCENE"]
+    files = {mode: tmp_path / f"{mode}.glb" for mode in modes}
+    job = {"source": str(up), "clip": "walk", "moves": {}, "keys": []}
+    jobs = [job | {"mode": mode, "target": str(file)} for mode, file in files.items()]
+    blender_edit(*jobs, folder=tmp_path)
+    rig, places = read(up).rig, {}
+    for mode, file in files.items():
+        said = ["--as", "biped=walk"] if mode == "SCENE" else []
+        out = tmp_path / f"baked-{mode}.glb"
+        done = run("bake", file, "-o", out, "--to", "joints", "--rig", up, "--clip", "walk", *said)
+        assert done.exit_code == 0, done.output
+        assert ("known as 'walk'" in done.output) == (mode in ("split", "ACTIVE_ACTIONS", "SCENE"))
+        names = Options(names={"biped": "walk"} if said else {})
+        if mode != "SCENE":  # it has the scene's frames, from the second on
+            assert take_clips(rig, read(file).rig, options=names) is rig
+        baked = read(out).rig
+        start = 1 / 24 if mode == "NLA_TRACKS" else 0.0
+        times = np.arange(1, 25) / 24
+        moved = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), times + start))
+        places[mode] = moved[:, [baked.find(rig.names[n]) for n in np.flatnonzero(rig.is_joint)], 3, :3]
+    size = np.linalg.norm(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0))
+    for mode in modes[1:]:
+        apart = np.linalg.norm(places[mode] - places["ACTIONS"], axis=-1).max() / size
+        assert apart < 1e-4, (mode, apart)
