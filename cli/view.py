@@ -87,8 +87,8 @@ def command(source: str, **values: Any) -> None:
         for notice in notices:
             click.echo(f"warning: {plain(notice, one_line=True)}", err=True)
         click.echo(f"{plain(target)}: {len(text) / 1e6:.1f} MB", err=True)
-    if values["opens"]:
-        click.launch(Path(target).resolve().as_uri())
+    if values["opens"] and click.launch(Path(target).resolve().as_uri()) != 0:
+        click.echo(f"warning: no browser could be started; open {plain(target)} in one", err=True)
 
 
 def _check(source: str, values: dict[str, Any]) -> None:

@@ -257,6 +257,20 @@ def test_a_page_never_replaces_what_it_shows(view: Any, samples: Path, tmp_path:
     assert source.read_bytes() == (samples / "biped.glb").read_bytes()
 
 
+def test_a_page_is_opened_where_that_is_asked_and_a_missing_browser_is_told(
+    view: Any, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(click, "launch", lambda uri: asked.append(uri) or len(asked) - 1)
+    target = tmp_path / "a page.html"
+    assert "no browser" not in view(samples / "arm.gltf", "-o", target, "--open").stderr
+    assert (
+        "no browser could be started"
+        in view(samples / "arm.gltf", "-o", target, "--open", "--overwrite").stderr
+    )
+    assert asked == [target.resolve().as_uri()] * 2
+
+
 def test_streams_work_both_ways(view: Any, samples: Path) -> None:
     result = view("-", "-o", "-", stdin=(samples / "biped.glb").read_bytes())
     page = Page(result.stdout)

@@ -1,14 +1,15 @@
 // node browser.mjs CHROMIUM FOLDER JOBS: open pages in Chromium, do steps in each, print what came of it.
 //
 // FOLDER/node_modules has playwright-core. JOBS is a JSON file: a list of {page, options, steps}. A step is
-// {evaluate: JavaScript}, {press: key}, {hover: [x, y]}, {click: selector}, {wait: JavaScript},
+// {evaluate: JavaScript}, {press: key}, {hover: JavaScript of [x, y]}, {click: selector}, {wait: JavaScript},
 // {seen: selector}: how many colours an element's picture has.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
 const [chromium, folder, jobs] = process.argv.slice(2);
-const playwright = createRequire(`${folder}/node_modules/`)('playwright-core');
+const playwright = createRequire(join(resolve(folder), 'node_modules', '_'))('playwright-core');
 const browser = await playwright.chromium.launch({
   executablePath: chromium,
   args: ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox'],
@@ -35,7 +36,7 @@ async function until(page, condition) {
 async function taken(page, step) {
   if (step.evaluate) return page.evaluate(step.evaluate);
   if (step.press) return page.keyboard.press(step.press);
-  if (step.hover) return page.mouse.move(...step.hover);
+  if (step.hover) return page.mouse.move(...(await page.evaluate(step.hover)));
   if (step.click) return page.click(step.click);
   if (step.wait) return until(page, step.wait);
   const picture = await page.locator(step.seen).screenshot();

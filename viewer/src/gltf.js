@@ -17,22 +17,17 @@ export async function loadGltf(model, tell) {
   if (model.meshopt) loader.setMeshoptDecoder((await import('meshoptimizer/decoder')).MeshoptDecoder);
   loader.register((parser) => new NoBasis(parser, tell));
   const gltf = await loader.parseAsync(bytesOf(model.data).buffer, '');
-  const root = gltf.scene ?? (await withoutScene(gltf.parser));
-  const objects = new Map();
-  for (const [object, place] of gltf.parser.associations) {
-    if (place?.nodes !== undefined && object.isObject3D) objects.set(place.nodes, object);
-  }
-  return { root, clips: gltf.animations, object: (key) => objects.get(key) };
+  const objects = await everyNode(gltf.parser);
+  // All that no other node holds, whatever scene it is in: rigtri reads all nodes, too.
+  const known = new Set(objects);
+  const root = new Group();
+  for (const object of objects) if (!known.has(object.parent)) root.add(object);
+  return { root, clips: gltf.animations, object: (key) => objects[key] };
 }
 
-/** The nodes that no other node holds, of a file without scenes. */
-async function withoutScene(parser) {
-  const nodes = parser.json.nodes ?? [];
-  const below = new Set(nodes.flatMap((node) => node.children ?? []));
-  const tops = nodes.map((_, k) => k).filter((k) => !below.has(k));
-  const group = new Group();
-  group.add(...(await Promise.all(tops.map((k) => parser.getDependency('node', k)))));
-  return group;
+/** The objects of all nodes; where scenes share nodes, the loader puts copies into some of them. */
+function everyNode(parser) {
+  return Promise.all((parser.json.nodes ?? []).map((_, k) => parser.getDependency('node', k)));
 }
 
 /** In the place of a decoder of Draco: meshes without points, so that joints and clips are seen. */

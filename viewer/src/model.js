@@ -28,8 +28,12 @@ const MOMENTS = [0, 0.25, 0.5, 0.75, 1];
 export class Model {
   /** Load what the page carries of one file. tell: what cannot be shown. */
   static async load(facts, tell) {
-    const loaded = await (facts.kind === 'usd' ? loadUsd(facts) : loadGltf(facts, tell));
-    return new Model(facts, loaded);
+    try {
+      const loaded = await (facts.kind === 'usd' ? loadUsd(facts) : loadGltf(facts, tell));
+      return new Model(facts, loaded);
+    } catch (error) {
+      throw new Error(`three.js cannot show ${facts.name}: ${error.message}`, { cause: error });
+    }
   }
 
   constructor(facts, { root, clips, object, finish }) {

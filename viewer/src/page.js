@@ -111,7 +111,7 @@ async function start() {
   html.dataset.bones = String(models[0].joints.length);
   html.dataset.clips = String(models[0].clips.length);
   html.dataset.points = String(models[0].points.count);
-  window.rigtri = { state, act, models, worlds };
+  window.rigtri = { state, act, models, worlds, spots: () => overlay.spots };
   frame(performance.now());
   panel.status('');
   html.dataset.state = 'ready';
