@@ -22,6 +22,7 @@ from pathlib import Path
 
 from bake import tables
 from size import differences, growth, large_files
+from warm import BLENDER, measured
 
 ROOT = Path(__file__).resolve().parent.parent
 SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
@@ -77,27 +78,6 @@ def warm(source: Path, folder: Path) -> Callable[[], None]:
         document.write(orient_joints(document.rig), part, target)
 
     return run
-
-
-BLENDER = """
-import bpy, sys, time
-source, target, runs = sys.argv[-3], sys.argv[-2], int(sys.argv[-1])
-best = []
-for _ in range(runs + 1):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    start = time.perf_counter()
-    bpy.ops.import_scene.gltf(filepath=source)
-    rig = next(o for o in bpy.data.objects if o.type == "ARMATURE")
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    for bone in rig.data.edit_bones:
-        if len(bone.children) == 1:
-            bone.tail = bone.children[0].head
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.ops.export_scene.gltf(filepath=target)
-    best.append(time.perf_counter() - start)
-print("SECONDS", sorted(best[1:])[runs // 2])
-"""
 
 
 def blender_rows(source: Path, folder: Path, runs: int) -> list[Row]:
@@ -206,7 +186,8 @@ def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
     lines += character(ROOT / "samples" / "biped.glb", folder, runs)
     usd = [ROOT / "samples" / "biped.usdz"]
     if assets:
-        lines += character(next(assets.rglob("*CesiumMan*.glb")), folder, runs)
+        man = next(assets.rglob("*CesiumMan*.glb"))
+        lines += [*character(man, folder, runs), *measured(man, folder, 60, runs)]
         usd += list(assets.rglob("*CesiumMan*.usdz"))
     lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
     lines += [f"| {path.name} | {median_of(runs, cold(path, folder)):.3f} |" for path in usd]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -15,16 +14,16 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, UsageError
 
-from . import failures
+from . import batch_engine, batch_job, failures
 from .build import assigned, set_option, spec_option
 from .options import Tolerance, dry_run_option, json_option, quiet_option
 from .progress import Progress
 from .words import counted, plain
 
 if TYPE_CHECKING:
-    from rigtri.batch.engine import Local
+    from rigtri.batch.engine import Engine
     from rigtri.batch.entries import Entry, Found
     from rigtri.batch.run import Plan, Run, Tasks
     from rigtri.batch.shards import Shard
@@ -82,6 +81,15 @@ class Bytes(click.ParamType[int]):
 @click.option(
     "--max-memory", type=Bytes(), metavar="SIZE", help="Give a file up that takes more, as 2G (Linux)."
 )
+@click.option(
+    "--dask", metavar="tcp://HOST:PORT", help="Let the workers of a Dask scheduler do it. [this machine]"
+)
+@click.option(
+    "--emit-openjd",
+    metavar="DIR",
+    type=click.Path(),
+    help="Write a job for render farms (Open Job Description) instead.",
+)
 @click.option("--shard", metavar="i/n", help="Do the i-th of n parts. [of a SLURM array: its own part]")
 @click.option("--fail-fast", is_flag=True, help="Begin no other file when one has failed.")
 @click.option(
@@ -123,12 +131,16 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
     from rigtri.batch import manifest
-    from rigtri.batch.engine import Local, processors
     from rigtri.batch.run import Run
 
-    out_dir = Path(values["out_dir"]) if values["out_dir"] else None
+    if values["emit_openjd"]:
+        batch_job.refuse(values)
+    out_dir = _place(values["out_dir"])
     found = _found(inputs, values, out_dir, tasks)
     whole = _manifest(values, out_dir)
+    if values["emit_openjd"]:
+        batch_job.emit(values, found.entries, whole)
+        return 0
     shard = _shard(values)
     folder = os.path.abspath(whole.parent)
     chosen = found.entries if shard is None else shard.of(found.entries, folder)
@@ -136,6 +148,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         _tell_chosen(found, chosen, shard, values)
     own = manifest.place(whole, shard)
     with ExitStack() as stack:
+        engine = stack.enter_context(batch_engine.engine(values, folder, chosen))
         kept = None
         if not values["dry_run"]:
             own.parent.mkdir(parents=True, exist_ok=True)
@@ -143,16 +156,12 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         known = [own, *manifest.others(whole, own)] if kept is None else manifest.others(whole, own)
         others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
         log = stack.enter_context(_log(values["log"]))
-        limits = {"seconds": values["timeout"], "memory": values["max_memory"]}
-        jobs = max(1, min(values["jobs"] or processors(), len(chosen)))
-        most = 0 if values["fail_fast"] else values["max_errors"]
-        engine = Local(jobs, folder, **limits, dry_run=values["dry_run"], max_errors=most)
         engines = [engine]
-        heard = stack.enter_context(_signals(engines, quiet=values["quiet"]))
+        heard = stack.enter_context(batch_engine.signals(engines, quiet=values["quiet"]))
         session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
         plan = session.plan(chosen, lambda: bool(heard))
         if len(plan.assignments) > 1 and not plan.settled and not heard:
-            engines.append(Local(jobs, folder, **limits, dry_run=True))
+            engines.append(batch_engine.local(values, folder, len(chosen), dry_run=True))
             _try_out(plan, engines[1])
         _work(session, plan, engine, log, values, str(shard) if shard else None)
         if kept is not None:
@@ -180,21 +189,30 @@ def _tasks(values: dict[str, Any]) -> Tasks:
     return task
 
 
-def _found(inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | None, tasks: Tasks) -> Found:
+def _place(name: str | None) -> Path | str | None:
+    """A folder that an option names: a path, or as text a URL."""
+    from rigtri.batch import urls
+
+    return urls.known(name) if name and urls.is_url(name) else Path(name) if name else None
+
+
+def _found(
+    inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | str | None, tasks: Tasks
+) -> Found:
     """The entries, which can go together; the spec is right for the first of them."""
     from rigtri.batch import targets
     from rigtri.batch.entries import entries
 
-    job, base = (Path(values[name]) if values[name] else None for name in ("job", "base"))
+    job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
     found = entries(inputs, job=job, out_dir=out_dir, base=base)
     task = tasks(found.entries[0].variables)
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
-    targets.check(found.entries, layers=task.layers, beside=task.beside)
+    targets.check(found.entries, layers=task.layers, beside=task.beside, relink=task.relink)
     return found
 
 
-def _manifest(values: dict[str, Any], out_dir: Path | None) -> Path:
+def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
     from rigtri.batch.manifest import NAME
 
     if values["manifest"]:
@@ -202,6 +220,10 @@ def _manifest(values: dict[str, Any], out_dir: Path | None) -> Path:
         if not path.parent.is_dir():
             raise FileError(f"There is no folder {path.parent} to write --manifest {path.name} into")
         return path
+    if isinstance(out_dir, str):
+        raise UsageError(
+            f"-O {out_dir} is elsewhere: say with --manifest FILE.sqlite where it is kept what was done"
+        )
     return (out_dir or Path(values["job"]).parent) / NAME
 
 
@@ -211,14 +233,14 @@ def _shard(values: dict[str, Any]) -> Shard | None:
     return parse(values["shard"]) if values["shard"] else of_slurm(os.environ)
 
 
-def _try_out(plan: Plan, engine: Local) -> None:
+def _try_out(plan: Plan, engine: Engine) -> None:
     from rigtri.batch.run import try_out
 
     try_out(plan, engine)
 
 
 def _work(
-    session: Run, plan: Plan, engine: Local, log: IO[str] | None, values: dict[str, Any], shard: str | None
+    session: Run, plan: Plan, engine: Engine, log: IO[str] | None, values: dict[str, Any], shard: str | None
 ) -> None:
     """Do the files, and tell each as it is done."""
     began = datetime.now(UTC).isoformat(timespec="seconds")
@@ -281,30 +303,3 @@ def _log(path: str | None) -> Iterator[IO[str] | None]:
         raise FileError(f"--log {path} cannot be written: {error.strerror}") from error
     with file:
         yield file
-
-
-@contextmanager
-def _signals(engines: list[Local], *, quiet: bool) -> Iterator[list[int]]:
-    """Meanwhile an interrupt lets the files end that are begun, and a second one gives them up.
-
-    Gives the signals that were heard.
-    """
-    heard: list[int] = []
-
-    def hear(number: int, _frame: object) -> None:
-        heard.append(number)
-        for engine in engines:
-            if len(heard) > 1:
-                engine.kill()
-            else:
-                engine.stop()
-        if len(heard) == 1 and not quiet:
-            os.write(2, b"\nending: files that are begun are finished; once more gives them up\n")
-
-    kinds = [signal.SIGINT, signal.SIGTERM]
-    before: list[Any] = [signal.signal(kind, hear) for kind in kinds]
-    try:
-        yield heard
-    finally:
-        for kind, old in zip(kinds, before, strict=True):
-            signal.signal(kind, old)

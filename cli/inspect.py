@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
+import sys
 from typing import Any
 
 import click
@@ -14,7 +17,11 @@ from .options import (
     source_argument,
     tell_root,
 )
-from .words import plain
+from .words import colored, plain
+
+_COLORS = {"x": "red", "y": "green", "z": "blue"}
+# The arrows of a joint's axes, such as x→y↑z⊙.
+_ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←↙↓↘⊙⊗·"), re.M)
 
 
 @click.command("inspect")
@@ -25,7 +32,8 @@ from .words import plain
 def command(source: str, **values: Any) -> None:
     """Show the joints of a file: axes, lengths, bends, skins, clips, warnings.
 
-    Every joint is shown with the names by which other commands find it.
+    Every joint is shown with the names by which other commands find it, and with arrows for its axes, in
+    colour on a terminal (NO_COLOR and FORCE_COLOR decide it). Narrow terminals have fewer columns.
 
     \b
     Example:
@@ -43,8 +51,22 @@ def command(source: str, **values: Any) -> None:
             found = {"file": source} | as_json(rig) | {"warnings": warnings}
             click.echo(json.dumps(found, indent=2, ensure_ascii=False))
             return
-        click.echo(plain(describe(rig)))
+        width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+        _tell(plain(describe(rig, width=width)))
         if not values["quiet"]:
             tell_root(source, values["root"])
             for notice in document.warnings:
                 click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
+
+
+def _tell(text: str) -> None:
+    """Print the description; the arrows in the colours of their axes where the terminal may have colours."""
+    if not colored(sys.stdout):
+        click.echo(text, color=False)
+        return
+
+    def painted(found: re.Match[str]) -> str:
+        word = found.group()
+        return "".join(click.style(word[k : k + 2], fg=_COLORS[word[k]]) for k in (0, 2, 4))
+
+    click.echo(_ARROWS.sub(painted, text), color=True)

@@ -33,6 +33,7 @@ COMMANDS = {
     "take-clips": "Take the motion of an edited file home into the rig it was made of.",
     "pose": "Print the pose of one moment, evaluated, or make it the rest pose.",
     "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
+    "export-blender": "Write a script that sets controls, IK and constraints up in Blender.",
     "strip": "Take out again what rigtri has put into a file.",
     "build": "Build a rig by a spec: the steps that a file lists, in one go.",
     "batch": "Do what a spec says to many files, in several processes.",
@@ -43,6 +44,8 @@ COMMANDS = {
     "completion": "Print the lines by which bash, zsh or fish complete commands and options.",
     "verify": "Measure how far two files look apart, in every pose.",
     "diff": "Say in rig terms and in file terms what differs between two files.",
+    "draw": "Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.",
+    "explain": "Show the vectors and triangles of three points, or of a limb, step by step.",
 }
 
 

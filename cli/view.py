@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from rigtri.errors import UsageError
 
+from . import pictures
 from .options import (
     Number,
     check_streams,
-    overwrite_option,
+    json_option,
     quiet_option,
     read_options,
     reading_options,
@@ -20,8 +24,12 @@ from .options import (
 from .words import plain
 
 if TYPE_CHECKING:
+    from rigtri.report import Report
     from rigtri.rig import Rig
     from rigtri.viewer.page import Shown
+
+# Warnings that the page shows, too: they are of what is seen there.
+_ON_PAGE = ("no-joints", "not-shown")
 
 
 @click.command("view")
@@ -57,9 +65,10 @@ if TYPE_CHECKING:
 )
 @click.option("--open", "opens", is_flag=True, help="Show the page in the browser, too.")
 @reading_options
-@overwrite_option
+@click.option("--overwrite", is_flag=True, help="Replace the page where it exists.")
 @quiet_option
-def command(source: str, **values: Any) -> None:
+@json_option
+def command(source: str, target: str, **values: Any) -> None:
     """Write a page that shows a character: skinned, textured, moving, with its rig.
 
     Joints with their axes, limb triangles with their projection, pole vectors and controls follow every
@@ -71,39 +80,40 @@ def command(source: str, **values: Any) -> None:
         rigtri view hero.glb -o hero.html
         rigtri view out.glb --against hero.glb -o out.html --clip walk
     """
-    from pathlib import Path
-
-    _check(source, values)
-    shown, start, notices = _read(source, values)
+    from rigtri.report import Report
     from rigtri.viewer.page import page
 
-    text = page(shown, **start, notices=notices, limit=values["limit"])
-    target = values["target"]
-    if target == "-":
-        click.echo(text, nl=False)
-        return
-    _write(Path(target), text, source, values)
-    if not values["quiet"]:
-        for notice in notices:
-            click.echo(f"warning: {plain(notice, one_line=True)}", err=True)
-        click.echo(f"{plain(target)}: {len(text) / 1e6:.1f} MB", err=True)
+    sources = [source] if values["against"] is None else [source, values["against"]]
+    _check(sources, target, values)
+    report = Report()
+    shown, start = _read(sources, values, report)
+    notices = [notice.text for notice in report.warnings if notice.code in _ON_PAGE]
+    text = page(shown, **start, notices=notices, limit=values["limit"]).encode("utf-8", "backslashreplace")
+    _deliver(text, target)
+    if values["as_json"]:
+        click.echo(json.dumps(_told(shown, target, len(text), report), indent=2, ensure_ascii=False))
+    pictures.tell(report, target, values)
     if values["opens"] and click.launch(Path(target).resolve().as_uri()) != 0:
         click.echo(f"warning: no browser could be started; open {plain(target)} in one", err=True)
 
 
-def _check(source: str, values: dict[str, Any]) -> None:
-    """UsageError for options that contradict each other."""
-    if values["against"] is not None:
-        check_streams(values["against"], source)
+def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
+    """UsageError, before anything is read, for what cannot be written or contradicts itself."""
+    if len(sources) > 1:
+        check_streams(*sources)
     if values["clip"] is not None and values["pose"] is not None:
         raise UsageError("give --clip or --pose, not both")
-    if values["opens"] and values["target"] == "-":
-        raise UsageError("--open needs a page in a file; give OUT a name")
+    if target == "-":
+        if values["opens"] or values["as_json"]:
+            raise UsageError("--open and --json need a page in a file; give OUT a name")
+    elif Path(target).suffix.lower() not in (".html", ".htm"):
+        raise UsageError(f"{target} is to be a page: give a name that ends in .html")
+    else:
+        pictures.check_place(target, sources, overwrite=values["overwrite"])
 
 
-def _read(source: str, values: dict[str, Any]) -> tuple[list[Shown], dict[str, Any], list[str]]:
-    """The files of the page, how it begins, and what it cannot show."""
-    from contextlib import ExitStack
+def _read(sources: list[str], values: dict[str, Any], report: Report) -> tuple[list[Shown], dict[str, Any]]:
+    """The files of the page, and how it begins; what it cannot show is a warning of the report."""
     from dataclasses import replace
 
     from rigtri.formats import read
@@ -114,21 +124,21 @@ def _read(source: str, values: dict[str, Any]) -> tuple[list[Shown], dict[str, A
     options = replace(read_options(values), empty=True)
     shown: list[Shown] = []
     start: dict[str, Any] = {}
-    notices: list[str] = []
-    names = [source] if values["against"] is None else [source, values["against"]]
-    with ExitStack() as stack:
-        for name in names:
-            path = stack.enter_context(opened(name))
+    for name in sources:
+        with opened(name) as path:
             document = read(path, options)
             rig, embedded = document.rig, document.embedded()
             start = start or _start(rig, values)
             title = "standard input" if name == "-" else path.name
+            for notice in document.warnings:
+                report.warn(notice.code, f"{title}: {notice.text}")
             if not rig.is_joint.any():
-                notices.append(f"{title} has no joints; its nodes are shown")
-            notices += [f"{title}: {text}" for text in embedded.lacking]
+                report.warn("no-joints", f"{title} has no joints; its nodes are shown")
+            for text in embedded.lacking:
+                report.warn("not-shown", f"{title}: {text}")
             content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()
             shown.append(Shown(title, facts(rig), replace(embedded, content=content), clip_names(rig)))
-    return shown, start, notices
+    return shown, start
 
 
 def _start(rig: Rig, values: dict[str, Any]) -> dict[str, Any]:
@@ -138,26 +148,24 @@ def _start(rig: Rig, values: dict[str, Any]) -> dict[str, Any]:
 
     if values["clip"] is not None:
         return {"clip": clip_place(rig, rig.clip(values["clip"])), "time": None}
-    if values["pose"] is None:
-        return {"clip": -1, "time": None}
-    timeline, time = moment(rig, values["pose"])
+    timeline, time = moment(rig, values["pose"] or "rest")
     if timeline is None:
         return {"clip": -1, "time": None}
     return {"clip": clip_place(rig, timeline.clip), "time": time / rig.per_second}
 
 
-def _write(target: Any, text: str, source: str, values: dict[str, Any]) -> None:
-    """Write the page, and nothing over what it was made of."""
-    from pathlib import Path
+def _deliver(text: bytes, target: str) -> None:
+    from rigtri.outputs import write_bytes
 
-    from rigtri.outputs import spare, write_text
+    if target == "-":
+        sys.stdout.buffer.write(text)
+        sys.stdout.buffer.flush()
+    else:
+        write_bytes(Path(target), text)
 
-    if target.exists() and not values["overwrite"]:
-        raise UsageError(f"{target} exists; it is replaced only with --overwrite")
-    files = [
-        (Path(name), "a file that is shown")
-        for name in (source, values["against"])
-        if name not in (None, "-")
-    ]
-    spare(target, files)
-    write_text(target, text)
+
+def _told(shown: list[Shown], target: str, size: int, report: Report) -> dict[str, Any]:
+    """What was written, for machines."""
+    sides = [{"file": one.name, "joints": sum(node["joint"] for node in one.facts["nodes"])} for one in shown]
+    warnings = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+    return {"page": target, "bytes": size, "sides": sides, "warnings": warnings}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import unicodedata
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TextIO
 
 
 def plain(text: str, *, one_line: bool = False) -> str:
@@ -19,6 +20,18 @@ def plain(text: str, *, one_line: bool = False) -> str:
     if text.isprintable():
         return text
     return "".join(letter if letter in kept or not _controls(letter) else _escape(letter) for letter in text)
+
+
+def colored(stream: TextIO) -> bool:
+    """Whether to print in colours: NO_COLOR and FORCE_COLOR decide, else whether somebody looks.
+
+    Source: no-color.org and force-color.org: set and not empty.
+    """
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return os.environ["FORCE_COLOR"] != "0"
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
 
 
 def counted(count: int, noun: str) -> str:

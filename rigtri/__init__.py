@@ -34,6 +34,8 @@ _WHERE = {
     "verify": "rigtri.compare",
     "diff": "rigtri.difference",
     "check": "rigtri.checks",
+    "draw": "rigtri.drawing.picture",
+    "explain": "rigtri.explanation.steps",
     "register_usd_schemas": "rigtri.formats.usd.schemas",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
@@ -56,7 +58,9 @@ __all__ = [
     "constrain",
     "describe",
     "diff",
+    "draw",
     "edit",
+    "explain",
     "make_limb",
     "mirror",
     "orient_joints",
@@ -74,7 +78,9 @@ if TYPE_CHECKING:
     from rigtri.compare import verify
     from rigtri.describe import describe
     from rigtri.difference import diff
+    from rigtri.drawing.picture import draw
     from rigtri.errors import RigtriError
+    from rigtri.explanation.steps import explain
     from rigtri.formats import read
     from rigtri.formats.usd.schemas import register_usd_schemas
     from rigtri.ops.bake import bake

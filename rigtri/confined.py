@@ -8,6 +8,7 @@ ended and replaced, and its task becomes a FileError.
 from __future__ import annotations
 
 import contextlib
+import gc
 import multiprocessing
 import os
 import signal
@@ -26,6 +27,10 @@ T = TypeVar("T")
 
 # What the server of children has loaded already, so that a new child costs milliseconds.
 _PRELOADED = ["rigtri.pipeline", "rigtri.formats.gltf.document", "rigtri.formats.usd.document"]
+
+# How many more objects there must be before rings of them are looked for, and how often that must have
+# been so before older ones are looked at, too.
+_RINGS = 20_000, 5, 10
 
 
 class CrashError(FileError):
@@ -188,6 +193,10 @@ def _serve(pipe: Connection, memory: int | None) -> None:
         Confined.allowed = memory
         _limit(memory)
     Confined.parent = pipe
+    # Documents go as soon as nobody needs them; to look for rings after each few hundred of their parts
+    # costs more than it finds, and what was imported has none that go.
+    gc.freeze()
+    gc.set_threshold(*_RINGS)
     with contextlib.suppress(EOFError, ConnectionError):
         pipe.send("ready")
         while True:

@@ -34,14 +34,18 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
-def commit(part: Path, path: Path) -> None:
-    """Force a part to the disk and let it take the name, mode and owner of the file it replaces."""
+def commit(part: Path, path: Path, *, named: bool = True) -> None:
+    """Force a part to the disk and let it take the name, mode and owner of the file it replaces.
+
+    named: force the name to the disk, too; else that is for the caller, by `sync_folder`.
+    """
     sync(part)
     # Afterwards, for it may be that nobody may write it then; and some disks know no permissions.
     with suppress(OSError):
         _inherit(path, part)
     os.replace(part, path)
-    _sync_folder(path.parent)
+    if named:
+        sync_folder(path.parent)
 
 
 def same_file(one: Path, other: Path) -> bool:
@@ -96,8 +100,8 @@ def _inherit(old: Path, new: Path) -> None:
     shutil.copymode(old, new)
 
 
-def _sync_folder(folder: Path) -> None:
-    """Force the new name to the disk; some systems cannot, and have done it by themselves."""
+def sync_folder(folder: Path) -> None:
+    """Force new names to the disk; some systems cannot, and have done it by themselves."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

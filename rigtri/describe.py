@@ -7,12 +7,14 @@ have six significant digits.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from rigtri import pose
+from rigtri.columns import columns, fitting
 from rigtri.matrices import SKEW, determinant, skew
 from rigtri.quaternions import norm
 from rigtri.records import Booleans, Clip, Constraint, Skin
@@ -21,6 +23,7 @@ from rigtri.rig import Rig
 from rigtri.triangle import STRAIGHT_SINE, bend_angle, bend_sine
 from rigtri.trigonometry import Floats
 from rigtri.vectors import angle, length, normalise
+from rigtri.views import View, view_of
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.
 SAME_SCALE = 1e-4
@@ -30,24 +33,33 @@ _DEGREES = 180.0 / np.pi
 _LETTERS = "xyz"
 # Deeper nodes say how deep they are instead of being indented: else a chain of n joints has n² dots.
 _DEEPEST = 60
+# Columns of the tree that narrow terminals do without, the first of them first: the numbers of the
+# axes, the label, the length, the bend. Each number counts what is left.
+_SPARE = (3, 1, 3, 3)
 
 
-def describe(rig: Rig, *, report: Report | None = None) -> str:
+def describe(rig: Rig, *, report: Report | None = None, width: int | None = None) -> str:
     """A rig as text, without a newline at its end.
 
-    Joints as a tree: name, label, where their axes point in the world (``+x``
-    or numbers), the axis nearest to the child and how far it misses it, the
+    Joints as a tree: name, label, where their axes point as seen from the front (``x→y↑z⊙``) and
+    in the world (``+x`` or numbers), the axis nearest to the child and how far it misses it, the
     distance to the child, the bend between the bones, and what is unusual. Other
     nodes stand in brackets. Then skins, clips, what rigtri has noted on nodes,
-    and the warnings of ``report``.
+    and the warnings of ``report``. width: of the terminal; columns that make the tree wider are left out,
+    the numbers of the axes first.
     """
     seen = _Seen(rig)
+    kind = "joints" if rig.is_joint.any() else "nodes"
+    title = f"{kind} (arrows as seen from the front, ⊙ towards you, ⊗ away)"
     sections = [
         ("", [_heading(rig)]),
-        ("nodes" if not rig.is_joint.any() else "joints", _columns(list(_tree(seen)))),
-        ("skins", _columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
-        ("clips", _columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
-        ("notes", _columns([_note_words(seen, node) for node in sorted(rig.notes)])),
+        (
+            f"{title} (arrows as seen from the front, ⊙ towards you, ⊗ away)",
+            fitting(list(_tree(seen)), None if width is None else width - 2, _SPARE),
+        ),
+        ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
+        ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
+        ("notes", columns([_note_words(seen, node) for node in sorted(rig.notes)])),
         ("warnings", [f"{w.code}: {w.text}" for w in (report.warnings if report else ())]),
     ]
     blocks = []
@@ -94,6 +106,11 @@ class _Seen:
         for constraint in rig.constraints:
             self.follows.setdefault(constraint.node, []).append(_constraint_words(rig, constraint))
         self.size = float(length(np.ptp(points, axis=0))) if len(points) else 0.0
+
+    @cached_property
+    def front(self) -> View:
+        """How the character is seen from the front."""
+        return view_of(self.rig)
 
     def child(self, node: int) -> tuple[int, int, float] | None:
         """The child nearest to an axis, that axis (0–5: +x +y +z −x −y −z), the angle in degrees.
@@ -157,8 +174,14 @@ def _tree(seen: _Seen) -> Iterator[list[str]]:
         more = f"+{depth - _DEEPEST} " if depth > _DEEPEST else ""
         words = [f"{'. ' * min(depth, _DEEPEST)}{more}{title}", rig.labels[node]]
         if seen.counts[node]:
-            words += [_axes_words(seen.axes[node]), *_bone_words(seen, node)]
+            words += [_arrows(seen, node), _axes_words(seen.axes[node]), *_bone_words(seen, node)]
         yield [*words, ", ".join(_flags(seen, node))]
+
+
+def _arrows(seen: _Seen, node: int) -> str:
+    """``x→y↑z⊙``."""
+    pairs = zip(_LETTERS, seen.axes[node], strict=True)
+    return "".join(f"{letter}{seen.front.arrow(axis)}" for letter, axis in pairs)
 
 
 def _axes_words(axes: Floats) -> str:
@@ -320,19 +343,6 @@ def _clip_json(rig: Rig, clip: Clip) -> dict[str, Any]:
 
 
 # Words and numbers
-
-
-def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows of words as lines with aligned columns; the last word of a row widens no column."""
-    count = max(map(len, rows), default=0)
-    widths = [max((len(row[k]) for row in rows if k < len(row) - 1), default=0) for k in range(count)]
-    return ["  ".join(_padded(row, widths)).rstrip() for row in rows]
-
-
-def _padded(row: Sequence[str], widths: Sequence[int]) -> list[str]:
-    """The words of a row as wide as their columns; a column without any words is left out."""
-    words = [word.ljust(width) for word, width in zip(row[:-1], widths, strict=False) if width]
-    return [*words, row[-1]]
 
 
 def _direction(v: Floats) -> str:

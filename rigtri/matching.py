@@ -323,7 +323,7 @@ def _compare_track(track: Track, now: Track, of: str, news: _News) -> None:
         return
     if track.interpolation != now.interpolation:
         news.changed.append(f"{of} is {now.interpolation}, was {track.interpolation}")
-    if not np.array_equal(track.times, now.times):
+    if track.times.shape != now.times.shape or not (track.times == now.times).all():
         news.changed.append(f"{of} has other key times")
     # Morph weights move points of meshes that perhaps nobody can read: compare them here.
     if track.path == "weights" and track.values.shape == now.values.shape:

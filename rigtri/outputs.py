@@ -36,7 +36,8 @@ class Written:
     ) -> None:
         """shared: other files appear in the folder at the same time, and may need the same copies.
 
-        Copies of the source's files then are not ours to take back, and what killed runs have left is
+        Copies of the source's files then are not ours to take back, to force names to the disk is the
+        caller's, who does it while the next file is worked on, and what killed runs have left is
         for the caller to `recover`: who looks through a folder for each of its files is never done.
         """
         self.final, self.overwrite, self._needed, self._shared = final, overwrite, needed, shared
@@ -86,7 +87,7 @@ class Written:
     def finish(self) -> None:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""
         with as_file_error(self.final):
-            commit(self.part, self.final)
+            commit(self.part, self.final, named=not self._shared)
         # The new file is there; what cannot be tidied up any more is no reason to fail.
         with suppress(OSError):
             for _, backup in self.placed:
@@ -189,10 +190,15 @@ def destination(path: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a small text file beside and rename it, as `destination` says; FileError when that fails."""
+    """Write a small text file as `write_bytes` does, in UTF-8."""
+    # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
+    write_bytes(path, text.encode("utf-8", errors="backslashreplace"))
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a small file beside and rename it, as `destination` says; FileError when that fails."""
     path = destination(path)
     with as_file_error(path):
         discard_stale(path)
         with replacing(path) as part:
-            # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
-            part.write_text(text, encoding="utf-8", errors="backslashreplace")
+            part.write_bytes(content)

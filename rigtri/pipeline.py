@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import filecmp
+import os
 import shutil
 import sys
 import tempfile
@@ -10,7 +11,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -22,7 +23,7 @@ from rigtri.advice import why_near
 from rigtri.ahead import Ahead
 from rigtri.compare import TOLERANCE, Comparison, self_check
 from rigtri.compare import verify as compare
-from rigtri.delivery import same_file, sync
+from rigtri.delivery import same_file
 from rigtri.driven import Driven
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Document, Options, output_suffixes, read
@@ -111,7 +112,8 @@ def edit(
             place = folder / final.name
             written = Written(place, overwrite, needed, ahead, shared=ready is not None)
             try:
-                result = _deliver(document, path, rig, written, verify, tolerance, clock, report)
+                keep = not (to_stdout or dry_run)
+                result = _deliver(document, path, rig, written, verify, tolerance, clock, report, keep)
                 _hear(document, report, strict)  # meshes are read, and misread, while measuring
                 if to_stdout and not dry_run:
                     _to_stdout(written)
@@ -173,8 +175,9 @@ def _deliver(
     tolerance: float,
     clock: _Clock,
     report: Report,
+    keep: bool,
 ) -> Comparison | None:
-    """Write the part, re-open it, compare it with the source."""
+    """Write the part, re-open it, compare it with the source. keep: it is to last."""
     names = {str(written.part): str(written.final), written.part.name: written.final.name}
     with called(names), as_file_error(written.final):
         for companion in document.write(rig, written.part, written.final):
@@ -182,7 +185,7 @@ def _deliver(
     clock.lap("write")
     if not verify:
         return None
-    with _reaching_the_disk(written.part):
+    with _reaching_the_disk(written.part) if keep else nullcontext():
         result = _checked(document, path, rig, written, names, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
@@ -329,21 +332,20 @@ def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
 
 @contextmanager
 def _reaching_the_disk(path: Path) -> Iterator[None]:
-    """Meanwhile let the disk take a large file: the sync before the rename then finds it there."""
-    if path.stat().st_size < _LARGE:
-        yield
-        return
-    thread = threading.Thread(target=_try_sync, args=(path,))
-    thread.start()
-    try:
-        yield
-    finally:
-        thread.join()
+    """Meanwhile let the disk take a file: the sync before the rename then finds it there."""
+    with path.open("rb+") as file:
+        # The thread must not open it: it would wait for this one before it came to the sync.
+        thread = threading.Thread(target=_try_sync, args=(file.fileno(),))
+        thread.start()
+        try:
+            yield
+        finally:
+            thread.join()
 
 
-def _try_sync(path: Path) -> None:
+def _try_sync(file: int) -> None:
     with suppress(OSError):  # it comes again, and is told, with the sync that counts
-        sync(path)
+        os.fsync(file)
 
 
 class _Clock:

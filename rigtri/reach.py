@@ -220,10 +220,18 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
         return
     skin = rig.skins[mesh.skin]
     into = multiply(mesh.bind, skin.inverse_bind)
-    for column in range(mesh.joints.shape[1]):
-        live = np.flatnonzero(mesh.weights[:, column])
-        joint = mesh.joints[live, column]
-        _raise(reach, skin.joints[joint], transform_points(mesh.points[live], into[joint]), world)
+    with np.errstate(invalid="ignore", over="ignore"):
+        # From a point to its direction from each joint, as the joint stands: rows, components, joints.
+        seen = transform_directions(into[..., :3], world[skin.joints][:, np.newaxis]).transpose(1, 2, 0)
+        rows, joints = np.nonzero(mesh.weights.T)[1], mesh.joints.T[mesh.weights.T != 0]
+        square = np.zeros(len(rows))
+        for axis in range(3):
+            along = seen[3, axis][joints]
+            for k in range(3):
+                along += mesh.points[:, k][rows] * seen[k, axis][joints]
+            square += along * along
+        far = np.sqrt(square)
+    np.maximum.at(reach, skin.joints[joints], np.where(np.isfinite(far), far, 0.0))
     if mesh.box is not None:
         corners = np.broadcast_to(mesh.box.reshape(2, -1, 3), (2, len(skin.joints), 3))
         for picked in np.ndindex(2, 2, 2):

@@ -124,6 +124,12 @@ class Reference:
         """World to each node's own space, (n, 4, 4)."""
         return inverse(self.world)
 
+    @cached_property
+    def places(self) -> list[list[float]]:
+        """Where each node is, as plain numbers."""
+        found: list[list[float]] = self.world[:, 3, :3].tolist()
+        return found
+
     def position(self, node: int) -> Floats:
         return np.asarray(self.world[node, 3, :3])
 

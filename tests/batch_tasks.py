@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import sys
@@ -22,7 +23,7 @@ from rigtri.rig import Rig
 class Turn:
     """Turn the joints of a file. Its name says what goes wrong.
 
-    die, hang, eat, refuse, fault, warn, slow: `go_wrong`; late, spoil: ``run``.
+    die, slay, hang, eat, refuse, fault, warn, slow: `go_wrong`; late, spoil: ``run``.
     """
 
     label: str = ""
@@ -94,6 +95,11 @@ def go_wrong(name: str, report: Report) -> None:
     """What the name of a file asks for."""
     if name.startswith("die"):
         os.kill(os.getpid(), signal.SIGSEGV)
+    if name.startswith("slay"):
+        parent = multiprocessing.parent_process()
+        assert parent is not None
+        os.kill(parent.pid or 0, signal.SIGKILL)
+        time.sleep(600)
     if name.startswith("hang"):
         time.sleep(600)
     if name.startswith("eat"):

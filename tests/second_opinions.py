@@ -22,6 +22,8 @@ SCHEMAS = (
     "batch-report",
     "check",
     "diff",
+    "draw",
+    "explain",
     "error",
     "frames",
     "mirror",

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(
 # Each module may import from lines above its own, and from its own line what the comment says.
 ORDER = """
 errors
-bounds
+bounds columns
 trigonometry
 vectors
 quaternions
@@ -39,6 +39,7 @@ lengths
 naming
 limbs
 stature
+views
 skeleton bend
 matching
 playing
@@ -48,7 +49,10 @@ compare describe description changes
 advice stilled intended
 delivery
 ahead ops formats
+bridge
 inputs outputs
+drawing
+explanation
 viewer
 checks pipeline difference
 steps

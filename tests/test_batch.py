@@ -101,6 +101,31 @@ def test_a_second_run_does_nothing_and_changes_nothing(batch: Batch) -> None:
     assert {path: path.stat().st_mtime_ns for path in Path("out").rglob("*.glb")} == before
 
 
+def test_a_name_is_on_the_disk_before_it_is_put_down_as_done(
+    batch: Batch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rigtri.batch import run
+    from rigtri.batch.manifest import Manifest
+
+    steps: list[tuple[str, str]] = []
+    sync, done = run.sync_folder, Manifest.done
+
+    def synced(folder: Path) -> None:
+        steps.append(("disk", str(folder)))
+        sync(folder)
+
+    def noted(manifest: Manifest, entry: Any, *rest: Any) -> None:
+        steps.append(("done", str(Path(entry.target).parent)))
+        done(manifest, entry, *rest)
+
+    monkeypatch.setattr(run, "sync_folder", synced)
+    monkeypatch.setattr(Manifest, "done", noted)
+    batch()
+    assert steps
+    assert [kind for kind, _ in steps] == ["disk", "done"] * (len(steps) // 2)
+    assert all(one[1] == other[1] for one, other in zip(steps[::2], steps[1::2], strict=True))
+
+
 def test_only_what_has_changed_is_done_again(batch: Batch, samples: Path) -> None:
     shutil.copy(samples / "biped.gltf", "in/sub/g.gltf")
     shutil.copy(samples / "biped.bin", "in/sub/biped.bin")

@@ -227,6 +227,21 @@ def test_inspect_prints_what_a_reviewer_has_read(name: str, run: Any, samples: P
     golden.check(f"inspect_{name}.txt", run("inspect", samples / name).stdout)
 
 
+def test_inspect_colours_arrows_where_asked_to_and_says_the_same_words(
+    run: Any, samples: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = samples / "biped.glb"
+    monkeypatch.delenv("FORCE_COLOR", raising=False)
+    words = run("inspect", source).stdout
+    assert "\x1b" not in words
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    painted = run("inspect", source).stdout
+    assert "\x1b[31mx⊗\x1b[0m\x1b[32my↖\x1b[0m\x1b[34mz↗\x1b[0m" in painted
+    assert click.unstyle(painted) == words
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert run("inspect", source).stdout == words
+
+
 def test_inspect_speaks_json(run: Any, samples: Path) -> None:
     told = json.loads(run("inspect", samples / "biped.glb", "--json").stdout)
     assert told["file"].endswith("biped.glb")
@@ -360,6 +375,8 @@ def _line(name: str, file: Path, target: Path) -> list[str]:
         "add-posereader": ["--driver", "hand_l", "--target", "rest"],
         "add-rivet": ["--mesh", "body", "--at", "0,0,0"],
     }
+    if name == "view":
+        target = target.with_suffix(".html")
     return [name, str(file), "-o", str(target), *more.get(name, [])]
 
 

@@ -356,8 +356,9 @@ def test_reports_appear_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.
     assert report.read_bytes() == rb'"\ud800"'
 
 
+@pytest.mark.parametrize("verify", [True, False])
 def test_the_new_name_is_forced_to_the_disk_after_the_content(
-    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verify: bool
 ) -> None:
     steps: list[str] = []
     sync, rename = os.fsync, os.replace
@@ -372,8 +373,9 @@ def test_the_new_name_is_forced_to_the_disk_after_the_content(
 
     monkeypatch.setattr(os, "fsync", synced)
     monkeypatch.setattr(os, "replace", renamed)
-    edit(samples / "biped.glb", tmp_path / "out.glb", orient)
-    assert steps == ["file", "rename", "folder"]
+    edit(samples / "biped.glb", tmp_path / "out.glb", orient, verify=verify)
+    # The disk takes the content while it is looked at, and is asked again whether it has.
+    assert steps == [*["file"] * (1 + verify), "rename", "folder"]
 
 
 def test_a_dead_process_with_our_own_number_left_what_bears_it(tmp_path: Path) -> None:

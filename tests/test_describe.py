@@ -20,7 +20,7 @@ from rigtri.reframe import reframe
 from rigtri.report import Report
 from rigtri.rig import Rig
 
-WORLD = ("x:+x", "y:+y", "z:+z")
+WORLD = ("x→y↑z⊙", "x:+x", "y:+y", "z:+z")
 
 
 def line(rig: Rig, name: str) -> str:
@@ -79,6 +79,25 @@ def test_a_joint_tells_axis_child_length_and_bend() -> None:
     assert line(arm(), "c").split() == [".", ".", "c", "#2", *WORLD]
 
 
+def test_arrows_of_a_joint_are_those_of_its_axes_seen_from_where_the_character_looks() -> None:
+    turned = replace(arm(), facing=(0.0, 0.0, -1.0), rotation=np.tile([0.0, 0, 0, 1], (3, 1)))
+    turned.rotation[2] = from_axis_angle([0, 0, 1], np.radians(45))
+    assert "x←y↑z⊗" in line(turned, "a")
+    assert "x↖y↗z⊗" in line(turned, "c")
+
+
+def test_a_narrow_terminal_has_fewer_columns_and_every_joint() -> None:
+    rig = character().rig
+    whole = describe(rig).split("\n\n")[1].splitlines()
+    for width in (100, 70, 40):
+        tree = describe(rig, width=width).split("\n\n")[1].splitlines()
+        assert len(tree) == len(whole)
+        assert [row.split("  ")[1] for row in tree[1:]] == [row.split("  ")[1] for row in whole[1:]]
+        assert "x:" not in "".join(tree)
+    assert max(map(len, tree[1:])) < 70
+    assert describe(rig, width=1000) == describe(rig)
+
+
 def test_axes_off_the_world_are_told_in_numbers() -> None:
     rotation = np.tile([0.0, 0, 0, 1], (3, 1))
     rotation[0] = from_axis_angle([0, 0, 1], np.radians(30))
@@ -131,7 +150,7 @@ def test_bones_of_no_length_have_no_direction() -> None:
 
 def test_without_a_skin_every_node_is_shown_as_a_joint() -> None:
     text = describe(replace(arm(), skins=()))
-    assert "\nnodes\n" in text
+    assert "\nnodes (arrows" in text
     assert "[" not in text
 
 

@@ -18,6 +18,8 @@ import rigtri
 # Modules that only measure or print; nothing of theirs reaches a file but a report.
 MEASURING = {"compare", "describe", "matching", "moving", "watched", "pipeline", "report"}
 MEASURING |= {"driven", "changes", "diff", "difference", "scenery", "attached"}
+# This one runs in Blender, which computes with float32.
+MEASURING |= {"setup_in_blender"}
 # Functions of the writing modules that only measure: module.function → why it may.
 _POINTS = "points are measured, never written"
 ALLOWED = {
@@ -147,3 +149,14 @@ def test_outputs_have_the_bytes_they_had(
         HASHES.write_text(text + "\n", "utf-8", newline="\n")
     else:
         assert known.get(name) == digest
+
+
+def test_pictures_have_the_bytes_they_had(app: Group, tmp_path: Path, pytestconfig: pytest.Config) -> None:
+    """The golden is a picture: where it changes on purpose, look at it."""
+    target, path = tmp_path / "biped.svg", GOLDENS / "draw_biped.svg"
+    arguments = ["draw", str(SAMPLES / "biped.glb"), "-o", str(target), "--pose", "walk@0.4"]
+    result = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    if pytestconfig.getoption("--update-golden"):
+        path.write_bytes(target.read_bytes())
+    assert target.read_bytes() == path.read_bytes()

@@ -70,3 +70,28 @@ def test_exit_codes_are_those_of_the_errors() -> None:
     said = {int(code) for code in re.findall(r"^\| (\d) \|", README, re.M)}
     kinds = [k for k in vars(errors).values() if isinstance(k, type) and issubclass(k, errors.RigtriError)]
     assert {kind.exit_code for kind in kinds} | {0, SOME_FAILED} == said
+
+
+@pytest.mark.parametrize("page", ["pictures.md", "explain.md"])
+def test_pictures_of_the_documents_are_what_their_commands_make(
+    page: str,
+    app: click.Group,
+    samples: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    pytestconfig: pytest.Config,
+) -> None:
+    """Where they change on purpose: pytest --update-golden, and look at them."""
+    (tmp_path / "samples").symlink_to(samples)
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs" / page).read_text("utf-8")
+    (commands,) = re.findall(r"```sh\n(.*?)```", text, re.S)
+    for line in commands.splitlines():
+        result = CliRunner().invoke(app, line.removeprefix("rigtri ").split())
+        assert result.exit_code == 0, result.output
+    for name in re.findall(r"\]\((pictures/.*?)\)", text):
+        path = ROOT / "docs" / name
+        made = (tmp_path / path.name).read_bytes()
+        if pytestconfig.getoption("--update-golden"):
+            path.write_bytes(made)
+        assert made == path.read_bytes()

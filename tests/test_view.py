@@ -227,7 +227,8 @@ def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(
         (("--clip", "nod"), 4, "No clip is named 'nod'"),
         (("--clip", "walk", "--pose", "walk@1"), 2, "give --clip or --pose, not both"),
         (("--limit", "0.001"), 2, "Allow it with --limit"),
-        (("-o", "-", "--open"), 2, "--open needs a page in a file"),
+        (("-o", "-", "--open"), 2, "--open and --json need a page in a file"),
+        (("-o", "page.glb"), 2, "give a name that ends in .html"),
         (("--against", "nobody.glb"), 3, "There is no file nobody.glb"),
     ],
 )
@@ -251,10 +252,23 @@ def test_a_page_that_is_there_is_kept_unless_it_may_go(view: Any, samples: Path,
 
 
 def test_a_page_never_replaces_what_it_shows(view: Any, samples: Path, tmp_path: Path) -> None:
-    source = tmp_path / "a.glb"
+    source, target = tmp_path / "a.glb", tmp_path / "a.html"
     shutil.copy(samples / "biped.glb", source)
-    assert "would be lost" in view(source, "-o", source, "--overwrite", code=2).stderr
+    target.symlink_to(source)
+    assert "would be lost" in view(source, "-o", target, "--overwrite", code=2).stderr
     assert source.read_bytes() == (samples / "biped.glb").read_bytes()
+
+
+def test_what_was_written_is_told_to_machines(view: Any, samples: Path, tmp_path: Path) -> None:
+    target = tmp_path / "a.html"
+    told = json.loads(view(samples / "arm.gltf", "-o", target, "--json").stdout)
+    assert told["page"] == str(target)
+    assert told["bytes"] == target.stat().st_size
+    assert told["sides"] == [{"file": "arm.gltf", "joints": 0}]
+    assert told["warnings"][-1] == {
+        "code": "no-joints",
+        "text": "arm.gltf has no joints; its nodes are shown",
+    }
 
 
 def test_a_page_is_opened_where_that_is_asked_and_a_missing_browser_is_told(

@@ -8,6 +8,9 @@ import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from rigtri.batch import urls
+from rigtri.errors import FileError
+
 # What stands for a file that is not there.
 ABSENT = ""
 # A file of which others may need the hash soon, as they may a texture, is worth remembering it.
@@ -39,6 +42,10 @@ class Hashes:
             self._known[name] = state, found
         return found
 
+    def now(self, name: str, folder: str, like: str) -> str:
+        """The hash of a file, by its name as seen from ``folder``, of the kind that ``like`` is."""
+        return urls.content(name, like) if urls.is_url(name) else self.of(os.path.join(folder, name))
+
     def of_all(self, paths: Iterable[Path | str], folder: str) -> dict[str, str]:
         """The hashes of files, by their names as seen from ``folder``."""
         return {seen_from(folder, os.fspath(path)): self.of(path) for path in paths}
@@ -46,13 +53,15 @@ class Hashes:
     def same(self, known: Mapping[str, str], folder: str) -> bool:
         """Whether all of these files are what they were."""
         try:
-            return all(self.of(os.path.join(folder, name)) == value for name, value in known.items())
-        except OSError:
+            return all(self.now(name, folder, value) == value for name, value in known.items())
+        except (OSError, FileError):
             return False
 
 
 def seen_from(folder: str, path: str) -> str:
-    """A path as a manifest in ``folder`` has it: relative with forward slashes, whole on another drive."""
+    """A path as a manifest in ``folder`` has it: relative with forward slashes, whole elsewhere."""
+    if urls.is_url(path):
+        return path
     whole = os.path.abspath(path)
     try:
         return os.path.relpath(whole, folder).replace(os.sep, "/")

@@ -1,4 +1,4 @@
-"""Who works on the files of a batch. Here: processes of this machine."""
+"""Who works on the files of a batch. Here: processes of this machine; `rigtri.batch.cluster` has others."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import os
 import queue
 import tempfile
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
+from rigtri.batch.fetched import Fetched, is_elsewhere
 from rigtri.batch.work import Assignment, Record, work
 from rigtri.confined import Confined, CrashError
 from rigtri.errors import RigtriError
+from rigtri.formats import references
 from rigtri.outputs import recover
 
 # What work and most tasks need, so that a new process has it.
@@ -57,6 +59,8 @@ class Local:
 
     seconds, memory: what one file may take, as `rigtri.confined.Confined` understands them.
     folder: where the manifest is. max_errors: once more files than that have failed, no other is begun.
+    at: the folder that relative paths are seen from, where it is not this process's own.
+    preload: further modules that processes need.
     """
 
     def __init__(
@@ -68,11 +72,14 @@ class Local:
         memory: int | None = None,
         dry_run: bool = False,
         max_errors: int | None = None,
+        at: str = "",
+        preload: Sequence[str] = (),
     ) -> None:
         self._folder, self._max_errors, self._failed = folder, max_errors, 0
-        self._dry_run = dry_run
+        self._dry_run, self._at = dry_run, at
         self._scratch = ""
-        self._children = [Confined(seconds=seconds, memory=memory, preload=_PRELOADED) for _ in range(jobs)]
+        modules = (*_PRELOADED, *preload)
+        self._children = [Confined(seconds=seconds, memory=memory, preload=modules) for _ in range(jobs)]
         self._stopped, self._killed = threading.Event(), threading.Event()
         self._lock = threading.Lock()
         self._results: queue.SimpleQueue[tuple[Assignment, Record] | BaseException | None] = (
@@ -147,10 +154,27 @@ class Local:
                 self._stopped.set()
 
     def _done(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
-        """One file, whatever becomes of the child."""
+        """One file, wherever it is."""
+        if not is_elsewhere(assignment.entry):
+            return self._near(child, assignment, heard)
         name = assignment.entry.source
         try:
-            place = self._folder, self._scratch, self._dry_run
+            return Fetched(
+                assignment,
+                self._folder,
+                self._scratch,
+                references=lambda path: child(name, references, Path(path)),
+                near=lambda one, told: self._near(child, one, told),
+                dry_run=self._dry_run,
+            ).done(heard)
+        except CrashError as error:
+            return Record("crashed", error.kind, str(error), error.exit_code)
+
+    def _near(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
+        """One file of this machine, whatever becomes of the child."""
+        name = assignment.entry.source
+        try:
+            place = self._folder, self._scratch, self._dry_run, self._at
             return child(name, work, assignment, *place, heard=lambda told: heard(assignment, told))
         except CrashError as error:
             record = Record("crashed", error.kind, str(error), error.exit_code)
@@ -160,5 +184,5 @@ class Local:
             record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
         if not self._dry_run:
             with suppress(OSError):  # it is told that the file has failed, and the next run tries again
-                recover(Path(assignment.entry.target), alone=True)
+                recover(Path(self._at, assignment.entry.target), alone=True)
         return record

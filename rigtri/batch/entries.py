@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rigtri.batch import urls
 from rigtri.errors import FileError, UsageError
 
 _WILD = re.compile(r"[*?\[]")
@@ -51,11 +52,13 @@ def entries(
     words: Sequence[str],
     *,
     job: Path | None = None,
-    out_dir: Path | None = None,
-    base: Path | None = None,
+    out_dir: Path | str | None = None,
+    base: Path | str | None = None,
     layers: bool = False,
 ) -> Found:
-    """The files that ``words`` name: paths, patterns with ``**``, ``@list`` (``@-`` is standard input).
+    """The files that ``words`` name: paths, URLs, patterns with ``**``, ``@list`` (``@-`` is standard input).
+
+    out_dir, base: a path, or as text a URL (`rigtri.batch.urls.known`).
 
     job: a file of JSON lines, each ``{"input", "output", "variables"}``, seen from its own folder.
     out_dir: outputs keep their place in the tree below ``base``; without that it is the fixed part
@@ -81,10 +84,13 @@ def _named(words: Sequence[str]) -> list[tuple[_Input, bool]]:
     plain, found = [], []
     for word in words:
         for name in _listed(word[1:]) if word.startswith("@") and not os.path.exists(word) else [word]:
-            if _WILD.search(name) and not os.path.exists(name):
-                start = _WILD.search(name)
-                fixed = os.path.dirname(name[: start.start()]) if start else ""
-                found += [(_Input(path, fixed), True) for path in _expanded(name)]
+            if urls.is_url(name):
+                name = urls.known(name)
+            start = _WILD.search(name)
+            if start and not (urls.is_web(name) or _exists(name)):
+                fixed = os.path.dirname(name[: start.start()])
+                every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
+                found += [(_Input(path, fixed), True) for path in every]
             else:
                 plain.append(name)
     base = _shared(plain)
@@ -113,10 +119,21 @@ def _expanded(pattern: str) -> list[str]:
     return found
 
 
+def _exists(name: str) -> bool:
+    return urls.exists(name) if urls.is_url(name) else os.path.exists(name)
+
+
 def _shared(names: Sequence[str]) -> str:
     """The deepest folder that holds all of these files."""
     if not names:
         return ""
+    away = [name for name in names if urls.is_url(name)]
+    if away:
+        if len(away) < len(names):
+            raise UsageError("some files are URLs and some are paths; give each kind a batch of its own")
+        if lacking := urls.absent(away):
+            raise FileError(f"There is no file {lacking[0]}")
+        return urls.shared(away)
     for name in names:
         if os.path.isdir(name):
             raise UsageError(
@@ -128,33 +145,46 @@ def _shared(names: Sequence[str]) -> str:
         raise UsageError("the files lie on several drives; give each drive a batch of its own") from None
 
 
-def _without_outputs(named: list[tuple[_Input, bool]], out_dir: Path | None) -> tuple[list[_Input], int]:
+def _without_outputs(
+    named: list[tuple[_Input, bool]], out_dir: Path | str | None
+) -> tuple[list[_Input], int]:
     if out_dir is None:
         return [item for item, _ in named], 0
-    place = os.path.join(os.path.realpath(out_dir), "")
+    place = os.path.join(_real(out_dir), "")
     # A pattern that finds what an earlier run has written is not meant so.
-    kept = [
-        item
-        for item, by_pattern in named
-        if not by_pattern or not os.path.join(os.path.realpath(item.source)).startswith(place)
-    ]
+    kept = [item for item, by_pattern in named if not by_pattern or not _real(item.source).startswith(place)]
     return kept, len(named) - len(kept)
 
 
-def _below(item: _Input, base: Path) -> _Input:
-    relative = os.path.relpath(os.path.abspath(item.source), os.path.abspath(base))
+def _real(name: Path | str) -> str:
+    return str(name) if urls.is_url(name) else os.path.realpath(name)
+
+
+def _relative(source: str, base: Path | str) -> str:
+    """Where a file is below a folder; both are URLs or both are not."""
+    if urls.is_url(source) != urls.is_url(base):
+        raise UsageError(f"--base {base} is no folder that {source} can lie in")
+    if urls.is_url(source):
+        return os.path.relpath(source, base)
+    return os.path.relpath(os.path.abspath(source), os.path.abspath(base))
+
+
+def _below(item: _Input, base: Path | str) -> _Input:
+    relative = _relative(item.source, base)
     if relative.split(os.sep)[0] == os.pardir and item.output is None:
         raise UsageError(f"{item.source} does not lie below --base {base}")
     return _Input(item.source, str(base), item.output, item.variables)
 
 
-def _entry(item: _Input, out_dir: Path | None, layers: bool) -> Entry:
+def _entry(item: _Input, out_dir: Path | str | None, layers: bool) -> Entry:
     """Where an input goes."""
     if item.output is not None:
         return Entry(item.source, item.output, item.variables)
     if out_dir is None:
         raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
-    relative = os.path.relpath(os.path.abspath(item.source), os.path.abspath(item.base or "."))
+    relative = _relative(item.source, item.base or ".")
+    if isinstance(out_dir, str):
+        return Entry(item.source, urls.beside(out_dir, relative.replace(os.sep, "/")), item.variables)
     target = out_dir / relative
     if layers and target.suffix.lower() == ".usdz":
         target = target.with_suffix(".usda")
@@ -198,8 +228,12 @@ def _job_input(line: Any, folder: Path) -> _Input:
     variables = line.get("variables", {})
     if not isinstance(variables, dict):
         raise ValueError("'variables' is an object of names and values")
-    output = str(folder / line["output"]) if "output" in line else None
-    return _Input(str(folder / line["input"]), "", output, tuple(_texts(variables)))
+    output = _seen_from(folder, line["output"]) if "output" in line else None
+    return _Input(_seen_from(folder, line["input"]), "", output, tuple(_texts(variables)))
+
+
+def _seen_from(folder: Path, name: str) -> str:
+    return urls.known(name) if urls.is_url(name) else str(folder / name)
 
 
 def _texts(variables: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -252,7 +252,7 @@ def place(path: Path, shard: Shard | None) -> Path:
     """Where the manifest of a part of a batch is: each has its own, for machines cannot share one."""
     if shard is None or shard.count == 1:
         return path
-    return path.with_name(f"{path.stem}-{shard.number}-of-{shard.count}{path.suffix}")
+    return path.with_name(f"{path.stem}-{shard.numbers}-of-{shard.count}{path.suffix}")
 
 
 def others(path: Path, own: Path) -> list[Path]:

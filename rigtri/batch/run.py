@@ -14,11 +14,13 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from rigtri.batch import urls
 from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
 from rigtri.batch.manifest import Known, Manifest, look_up, name_of
 from rigtri.batch.work import Assignment, Record, Task, reason
+from rigtri.delivery import sync_folder
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
 from rigtri.outputs import as_file_error, recover
 
@@ -114,6 +116,8 @@ class Run:
                 record = told  # it was killed when its work was done
             record = self._alone(entry, record)
             if self._manifest is not None:
+                if record.made:  # as long as its name is not on the disk it is not done
+                    sync_folder(Path(entry.target).parent)
                 self._manifest.done(entry, self._keys[entry.variables], record)
             self.counts[record.status] += 1
             yield entry, record
@@ -149,6 +153,7 @@ class Run:
             for entry in entries:
                 task, record = waiting.get(self._name(entry), ("", None))
                 if record is not None and self._stands(record):
+                    sync_folder(Path(entry.target).parent)
                     manifest.done(entry, task, record)
                     found[entry.target] = record
             here = {self._name(entry) for entry in entries}
@@ -161,7 +166,7 @@ class Run:
         if known is not None and self._is_done(entry, known):
             return appeared.get(entry.target) or Record("skipped", deviation=known.deviation)
         mine = known is not None and self._is_ours(known)
-        if os.path.lexists(entry.target) and not mine and not self._overwrite:
+        if not mine and not self._overwrite and _stands(entry.target):
             return "lost"
         return Assignment(entry, self._tasks(entry.variables), overwrite=mine or self._overwrite)
 
@@ -186,7 +191,7 @@ class Run:
         """Whether what stands there is what an earlier run has written, or is gone."""
         try:
             return bool(known.made) and all(
-                self._hashes.of(os.path.join(self._folder, name)) in (value, ABSENT)
+                self._hashes.now(name, self._folder, value) in (value, ABSENT)
                 for name, value in known.made.items()
             )
         except OSError:
@@ -227,10 +232,16 @@ def try_out(plan: Plan, engine: Engine) -> None:
         raise UsageError(text) if kinds == {"usage"} else MisfitError(text)
 
 
+def _stands(target: str) -> bool:
+    return urls.exists(target) if urls.is_url(target) else os.path.lexists(target)
+
+
 def _clear(entries: Sequence[Entry]) -> None:
     """Remove what killed runs have left beside the outputs; each folder is looked through once."""
     names: dict[str, set[str]] = {}
     for entry in entries:
+        if urls.is_url(entry.target):
+            continue  # nothing is written there under another name
         folder, name = os.path.split(entry.target)
         names.setdefault(folder, set()).add(name)
     for folder, own in names.items():

@@ -1,4 +1,4 @@
-"""The part of a batch that one machine does: one of n, by the names of the outputs alone."""
+"""The part of a batch that one machine does: one or some of n, by the names of the outputs alone."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from rigtri.batch import urls
 from rigtri.batch.entries import Entry
 from rigtri.errors import UsageError
 
 
 @dataclass(frozen=True)
 class Shard:
-    """The ``number``-th of ``count`` parts, from 1 on."""
+    """The ``number``-th of ``count`` parts, from 1 on; or all from there to the ``last``-th."""
 
     number: int
     count: int
+    last: int = 0
 
     def of(self, entries: Sequence[Entry], folder: str) -> tuple[Entry, ...]:
         """The entries of this part.
@@ -27,26 +29,36 @@ class Shard:
         """
         if self.count == 1:
             return tuple(entries)
-        return tuple(e for e in entries if _place(e.target, folder) % self.count == self.number - 1)
+        own = range(self.number - 1, max(self.number, self.last))
+        return tuple(e for e in entries if _place(e.target, folder) % self.count in own)
+
+    @property
+    def numbers(self) -> str:
+        """The parts as text: 3, or 3-5."""
+        return f"{self.number}-{self.last}" if self.last > self.number else str(self.number)
 
     def __str__(self) -> str:
-        return f"{self.number}/{self.count}"
+        return f"{self.numbers}/{self.count}"
 
 
 def _place(target: str, folder: str) -> int:
     try:
-        name = os.path.relpath(os.path.abspath(target), os.path.abspath(folder))
+        name = (
+            target
+            if urls.is_url(target)
+            else os.path.relpath(os.path.abspath(target), os.path.abspath(folder))
+        )
     except ValueError:  # another drive
         name = os.path.abspath(target)
     return int.from_bytes(hashlib.sha256(os.fsencode(name.replace(os.sep, "/"))).digest()[:8], "big")
 
 
 def parse(text: str) -> Shard:
-    """``i/n``. UsageError for anything else."""
-    found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", text)
-    if not found or not 1 <= int(found[1]) <= int(found[2]):
+    """``i/n`` or ``i-j/n``. UsageError for anything else."""
+    found = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?/([0-9]{1,9})", text)
+    if not found or not 1 <= int(found[1]) <= int(found[2] or found[1]) <= int(found[3]):
         raise UsageError(f"--shard {text}: give i/n, a number from 1 to n and how many parts there are")
-    return Shard(int(found[1]), int(found[2]))
+    return Shard(int(found[1]), int(found[3]), int(found[2] or 0))
 
 
 def of_slurm(environment: Mapping[str, str]) -> Shard | None:

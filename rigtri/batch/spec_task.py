@@ -43,6 +43,11 @@ class SpecTask:
         """As `rigtri.batch.work.Task.beside`."""
         return SUFFIX if self.spec.model.sidecar else ""
 
+    @property
+    def relink(self) -> bool:
+        """As `rigtri.batch.work.Task.relink`."""
+        return self.spec.reading.relink
+
     def files(self) -> Sequence[Path]:
         """As `rigtri.batch.work.Task.files`: what steps read; what the spec itself says is in the key."""
         own = set(self.spec.sources)

@@ -9,16 +9,24 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
+from rigtri.batch import urls
 from rigtri.batch.entries import MOST, Entry
+from rigtri.batch.fetched import is_elsewhere
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
 
 
-def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "") -> None:
+def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", relink: bool = False) -> None:
     """UsageError or FileError for inputs and outputs that cannot go together, with the first few of them.
 
     layers: outputs are layers over their inputs. beside: the suffix of a file that goes with each output.
+    relink: outputs refer to files of their inputs.
     """
+    away = [entry for entry in entries if is_elsewhere(entry)]
+    if layers or relink:
+        _refuse(_names(away), "what is elsewhere cannot be referred to from there; copy", UsageError)
+    _refuse(_loose_layers(away), "of USD only .usdz is fetched, which holds all it needs", UsageError)
+    _refuse([e.target for e in away if urls.is_web(e.target)], "nothing can be written there", UsageError)
     known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
     _refuse(_no_files(entries), "there is no such file to read", FileError)
     _refuse(_strange(entries), f"no rig file, as its name does not end with one of {known}", UsageError)
@@ -42,7 +50,17 @@ def _strange(entries: Sequence[Entry]) -> list[str]:
 
 
 def _no_files(entries: Sequence[Entry]) -> list[str]:
-    return [entry.source for entry in entries if not os.path.isfile(entry.source)]
+    near = (entry.source for entry in entries if not urls.is_url(entry.source))
+    return [name for name in near if not os.path.isfile(name)]
+
+
+def _names(entries: Sequence[Entry]) -> list[str]:
+    return [entry.source for entry in entries]
+
+
+def _loose_layers(entries: Sequence[Entry]) -> list[str]:
+    loose = tuple(suffix for suffix in USD_SUFFIXES if suffix != ".usdz")
+    return [entry.source for entry in entries if entry.source.lower().endswith(loose)]
 
 
 def _other_suffixes(entries: Sequence[Entry], layers: bool) -> list[str]:
@@ -66,7 +84,8 @@ def _clashes(entries: Sequence[Entry]) -> list[str]:
     for entry in entries:
         other = first.setdefault(_folded(entry.target), entry)
         if other is not entry and (
-            _real(other.target) == _real(entry.target) or _folds(_standing(entry.target))
+            _real(other.target) == _real(entry.target)
+            or (not urls.is_url(entry.target) and _folds(_standing(entry.target)))
         ):
             found.append(f"{entry.target} (of {other.source} and {entry.source})")
     return found
@@ -78,6 +97,8 @@ def _folded(path: str) -> str:
 
 def _real(path: str) -> str:
     """A path without links in its folder, which is looked up once for all of its files."""
+    if urls.is_url(path):
+        return path
     folder, name = os.path.split(os.path.abspath(path))
     return os.path.join(_real_folder(folder), name)
 
@@ -104,7 +125,8 @@ def _inputs_written(entries: Sequence[Entry]) -> list[str]:
     return [
         entry.source
         for entry in entries
-        if _real(entry.source) in targets or os.path.realpath(entry.source) in targets
+        if _real(entry.source) in targets
+        or (not urls.is_url(entry.source) and os.path.realpath(entry.source) in targets)
     ]
 
 
@@ -118,6 +140,7 @@ def _standing(target: str) -> str:
 
 def _shut(entries: Sequence[Entry]) -> list[str]:
     """Folders, there or above those to be made, that nothing can be written into."""
+    entries = [entry for entry in entries if not urls.is_url(entry.target)]
     folders = {os.path.dirname(os.path.abspath(entry.target)) for entry in entries}
     standing = {_standing(os.path.join(folder, "x")) for folder in folders}
     return sorted({*_not_open(standing), *_files_for_folders(entries)})

@@ -41,6 +41,10 @@ class Task(Protocol):
     def beside(self) -> str:
         """The suffix of a file that goes with each output, "" for none."""
 
+    @property
+    def relink(self) -> bool:
+        """Whether outputs refer to the files of their inputs where these are."""
+
     def key(self) -> str:
         """All that decides what becomes of a file, but for the contents of `files`, as text."""
 
@@ -121,13 +125,15 @@ def reason(record: Record, entry: Entry) -> str | None:
 _hashes = Hashes()
 
 
-def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool) -> Record:
+def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: str = "") -> Record:
     """Do one file. What is about to appear is told before it does (`rigtri.confined.tell`).
 
     folder: where the manifest is, from which it sees all files. scratch: a folder for temporary
-    files, which somebody else removes.
+    files, which somebody else removes. at: the folder that relative paths are seen from.
     """
     _outlive_signals()
+    if at:
+        os.chdir(at)
     tempfile.tempdir = scratch
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
     report, told = Report(), []

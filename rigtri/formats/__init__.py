@@ -144,6 +144,19 @@ def read(path: Path | str, options: Options | None = None) -> Document:
     raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
 
 
+def references(path: Path) -> list[str]:
+    """The files below its own folder that a glTF refers to, there or not, as paths with forward slashes.
+
+    None of USD, whose packages hold all that they need. FileError for a file that cannot be read.
+    """
+    if path.suffix.lower() not in GLTF_SUFFIXES:
+        return []
+    from rigtri.formats.gltf.container import open_container
+    from rigtri.formats.gltf.resources import names
+
+    return names(open_container(path).gltf, path)
+
+
 def write_blank(path: Path, *, up: str = "Y", unit: float = 0.01) -> None:
     """Write a file without anything in it, to build a rig in; its suffix says the format.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.ops.taking.notices import some
+from rigtri.quaternions import norm
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.between import MOST_A_SECOND
@@ -38,5 +39,5 @@ def _swinging(rig: Rig, clip: str, time: float) -> list[str]:
         if track.path == "rotation" and track.interpolation == "CUBICSPLINE":
             row = int(np.searchsorted(track.times, time, side="right"))
             pair = track.values[max(row - 1, 0) : row + 1, 1]
-            names += [rig.title(track.node)] if (pair[0] * pair[-1]).sum() < 0 else []
+            names += [rig.title(track.node)] if norm(pair[0] - pair[-1]) > norm(pair[0] + pair[-1]) else []
     return names

@@ -38,6 +38,7 @@ UNCHANGED = 2e-6
 UNCHANGED_PLANE = 2e-7
 # However poor the positions are, a turn of more than this (0.06°) is meant.
 MOST_NOISE = 1e-3
+_AXES = np.eye(3)
 # Axes copied from a file (--like) hold no positions: only the rounding of rotations.
 UNCHANGED_LIKE = 5e-7
 
@@ -164,7 +165,7 @@ class Plan:
         """``--snap`` and ``--offset``: after everything else."""
         if self.options.snap:
             turn = nearest_cardinal(turn)
-        for axis, angle_ in zip(np.eye(3), self.options.offset, strict=True):
+        for axis, angle_ in zip(_AXES, self.options.offset, strict=True):
             if angle_:
                 turn = multiply(turn, from_axis_angle(axis, angle_ * (np.pi / 180.0)))
         return turn

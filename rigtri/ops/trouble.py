@@ -91,7 +91,7 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
     sizes = np.abs(scale)
     most = sizes.max(axis=1)
     uneven = most - sizes.min(axis=1) - EVEN * most
-    mirrored = (scale < 0).sum(axis=1) % 2 == 1  # two are half a turn
+    mirrored = np.count_nonzero(scale < 0, axis=1) % 2 == 1  # two are half a turn
     if most.min() == 0:
         text = f"'{name}' is scaled to zero in {at(int(most.argmin()))}: so is its joint, with all below it"
         yield Notice("control-scale", text, name)

@@ -52,7 +52,7 @@ def clip_place(rig: Rig, clip: Clip) -> int:
 
 def clip_names(rig: Rig) -> list[dict[str, str]]:
     """The clips of the page by name where its loader has none: of USD, which plays all at once."""
-    names = [timeline.name for timeline in timelines(rig)] if rig.raw else []
+    names = [timeline.name for timeline in timelines(rig)] if _of_usd(rig) else []
     return [{"name": ", ".join(names)}] if names else []
 
 
@@ -137,7 +137,7 @@ def _limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
 def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
     """The lines that USD files draw at nodes of ours; those of glTF any loader reads."""
     for node in rig.notes:
-        lines = rig.lines(rig.keys[node]) if rig.raw else None
+        lines = rig.lines(rig.keys[node]) if _of_usd(rig) else None
         if lines is not None and node in place:
             segments = _numbers(lines.segments)
             yield {"node": place[node], "segments": segments, "color": list(lines.color)}
@@ -145,11 +145,16 @@ def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
 
 def _prim_tracks(rig: Rig) -> list[Track]:
     """What moves prims of USD files, whose ops say it in many ways; keys of joints the page reads."""
-    if not rig.raw:
+    if not _of_usd(rig):
         return []
     joints = {node for skin in rig.skins if _is_skeleton(skin) for node in skin.joints.tolist()}
     tracks = [track for clip in rig.clips if not clip.idle for track in clip.tracks]
     return [track for track in tracks if track.node not in joints and track.path != "weights"]
+
+
+def _of_usd(rig: Rig) -> bool:
+    """Whether nodes are prims and joints, and not entries of a list."""
+    return any(isinstance(key, tuple) for key in rig.keys)
 
 
 def _is_skeleton(skin: Skin) -> bool:

@@ -51,6 +51,25 @@ def blender_edit(*jobs: dict[str, Any], folder: Path) -> None:
     _call([python, str(_HERE / "blender_edit.py")], jobs, folder)
 
 
+def blender_setup(*jobs: dict[str, Any], folder: Path) -> list[Shown]:
+    """What scripts of ``export-blender`` do to scenes (`blender_setup.py`). Skips as `blender`."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    targets = [str(folder / f"setup-{number}.npz") for number in range(len(jobs))]
+    work = [job | {"target": target} for job, target in zip(jobs, targets, strict=True)]
+    _call([python, str(_HERE / "blender_setup.py")], work, folder)
+    return [dict(np.load(target)) for target in targets]
+
+
+def blender_trip(*jobs: dict[str, Any], folder: Path) -> None:
+    """Animate a control that a script has set up, and export (`blender_trip.py`). Skips as `blender`."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    _call([python, str(_HERE / "blender_trip.py")], jobs, folder)
+
+
 def blender_limbs(*paths: Path, folder: Path) -> list[Any]:
     """Where Blender's IK puts the limbs of each file over time (`blender_limbs.py`). Skips as `blender`."""
     return list(_told_by_blender("blender_limbs.py", paths, folder))

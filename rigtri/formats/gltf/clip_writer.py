@@ -378,7 +378,7 @@ def drop_empty_animations(draft: Draft) -> None:
 
 
 def _same(now: Floats, then: Floats) -> bool:
-    return now is then or np.array_equal(now, then)
+    return now is then or (now.shape == then.shape and bool((now == then).all()))
 
 
 def _place(track: Track) -> tuple[int, int]:

@@ -91,8 +91,9 @@ class NodeWriter:
         changed_kind = rig.has_matrix[old] != source.has_matrix[was]
         for key, now, then in zip(PARTS, _parts(rig), _parts(source), strict=True):
             differs = (now[old] != then[was]).any(axis=1) | changed_kind
+            shown = meant_unit(now) if key == "rotation" else now
             for node in old[differs & ~rig.has_matrix[old]].tolist():
-                self._write_part(node, key, now[node])
+                self._set_part(node, key, shown[node])
         differs = (rig.matrix[old] != source.matrix[was]).any(axis=(1, 2)) | changed_kind
         for node in old[differs & rig.has_matrix[old]].tolist():
             self._write_matrix(node, rig.matrix[node])
@@ -102,9 +103,12 @@ class NodeWriter:
             self._write_new(node)
 
     def _write_part(self, node: int, key: str, value: Floats) -> None:
+        self._set_part(node, key, meant_unit(value) if key == "rotation" else value)
+
+    def _set_part(self, node: int, key: str, value: Floats) -> None:
         holder = self._node(node)
         holder.pop("matrix", None)
-        holder[key] = _numbers(meant_unit(value) if key == "rotation" else value)
+        holder[key] = _numbers(value)
 
     def _write_matrix(self, node: int, matrix: Floats) -> None:
         holder = self._node(node)

@@ -48,6 +48,17 @@ def files(gltf: dict[str, Any], source: Path) -> Iterator[tuple[Path, str]]:
                 yield file_of(uri, source.parent, where, allow_external=True), f"{where} of {source}"
 
 
+def names(gltf: dict[str, Any], source: Path) -> list[str]:
+    """The files that a glTF refers to below its own folder, there or not, as paths from there."""
+    found: dict[str, None] = {}
+    for path, uri in uris(gltf):
+        if uri and is_file(uri):
+            with suppress(FileError):  # one outside, which reading tells where it matters
+                file = file_of(uri, source.parent, _spelled(path))
+                found[file.relative_to(source.parent).as_posix()] = None
+    return list(found)
+
+
 def accompany(gltf: dict[str, Any], source: Path, target: Path) -> list[Companion]:
     """Copies of the files that lie below the source's folder, for the target's folder.
 

@@ -15,6 +15,7 @@ from rigtri.formats.gltf.spelling import Spelling
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]  # of C, without a call around it
 _BLANK = re.compile(r"[ \t\n\r]*")
 _BLANKS = " \t\n\r"
+_BLANK_SOMEWHERE = re.compile(f"[{_BLANKS}]")
 
 
 class _Part(NamedTuple):
@@ -149,8 +150,9 @@ class _Splicer:
     def _numbers(self, at: int, old: list[Any], new: list[Any], depth: int) -> tuple[str, int]:
         """The text of a list that held numbers alone, and where the old one ends."""
         end = self.text.index("]", at)
-        said = self.text[at + 1 : end].split(",")
-        places = _places(old)
+        if not _BLANK_SOMEWHERE.search(self.text, at, end) and set(map(id, old)).isdisjoint(map(id, new)):
+            return f"[{','.join([self.spelling.fragment(item, depth + 1) for item in new])}]", end + 1
+        said, places = self.text[at + 1 : end].split(","), _places(old)
         items, last = [], len(said) - 1
         for number, item in enumerate(new):
             place = number if number < len(old) and old[number] is item else places.get(id(item), number)
@@ -212,5 +214,7 @@ def _in_order(old: list[Any], new: list[Any]) -> bool:
 
 
 def _skip(text: str, at: int) -> int:
+    if text[at] > " ":  # as nearly always in a text on one line
+        return at
     found = _BLANK.match(text, at)
     return found.end() if found else at

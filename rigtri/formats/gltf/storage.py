@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+import numpy as np
 from numpy.typing import NDArray
 
 from rigtri.errors import FileError
@@ -260,9 +261,9 @@ class Storage:
 
 
 def _set_bounds(accessor: dict[str, Any], rows: Numbers) -> None:
-    for key, bound in (("min", rows.min(axis=0)), ("max", rows.max(axis=0))):
+    for key, bound in (("min", np.minimum), ("max", np.maximum)):
         if key in accessor:
-            accessor[key] = [float(number) for number in bound]
+            accessor[key] = [float(number) for number in bound.reduce(rows, axis=0).tolist()]
 
 
 def _free_accessors(gltf: dict[str, Any], accessors: Accessors) -> set[int]:

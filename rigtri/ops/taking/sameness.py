@@ -148,7 +148,7 @@ def tangents_dropped(pairs: Iterable[tuple[Track, Track]]) -> bool:
             apart = np.abs(a[:, side] - b[:, side]).max(axis=1)
             if (apart[large > 0] <= SAME_TANGENT * large[large > 0]).any():
                 return False
-            told += int((large > 0).sum()) if side == 0 else 0
+            told += int(np.count_nonzero(large > 0)) if side == 0 else 0
     return told > 1
 
 

@@ -1,0 +1,173 @@
+"""Warm loops beside each other, in turns: a worker of a batch, glTF-Transform and Blender.
+
+See benchmarks/README.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from rigtri.batch.entries import Entry
+from rigtri.batch.spec_task import SpecTask
+from rigtri.batch.work import Assignment, work
+from rigtri.confined import Confined
+from rigtri.spec.loading import load
+
+ROOT = Path(__file__).resolve().parent.parent
+SPEC = "steps: [{do: orient-joints, aim: x, up: y}]\n"
+WARM_UP = 10
+
+BLENDER = """
+import bpy, sys, time
+source, target, runs = sys.argv[-3], sys.argv[-2], int(sys.argv[-1])
+best, used = [], []
+for _ in range(runs + 1):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    start, begin = time.perf_counter(), time.process_time()
+    bpy.ops.import_scene.gltf(filepath=source)
+    rig = next(o for o in bpy.data.objects if o.type == "ARMATURE")
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    for bone in rig.data.edit_bones:
+        if len(bone.children) == 1:
+            bone.tail = bone.children[0].head
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.export_scene.gltf(filepath=target)
+    best.append(time.perf_counter() - start)
+    used.append(time.process_time() - begin)
+print("SECONDS", sorted(best[1:])[runs // 2], sorted(used[1:])[runs // 2])
+"""
+
+# Seconds a file, and seconds of processors a file.
+Times = tuple[float, float]
+Loop = Callable[[int], Times]
+
+
+class Workers:
+    """Processes such as a batch has, each of which orients one file after another."""
+
+    def __init__(self, source: Path, folder: Path, *, verify: bool, jobs: int = 1) -> None:
+        folder.mkdir()
+        (folder / "rig.yaml").write_text(SPEC)
+        self._source, self._folder = shutil.copy(source, folder), folder
+        self._task = SpecTask(load(folder / "rig.yaml"), verify=verify)
+        self._children = [Confined(preload=["rigtri.batch.spec_task"]) for _ in range(jobs)]
+        self._made = 0
+
+    def __call__(self, count: int) -> Times:
+        """Of all processes together."""
+        self._run(WARM_UP)
+        start, used = time.perf_counter(), self._used()
+        self._run(count)
+        files = count * len(self._children)
+        return (time.perf_counter() - start) / files, (self._used() - used) / files
+
+    def _used(self) -> float:
+        return sum(child("clock", time.process_time) for child in self._children)
+
+    def _run(self, count: int) -> None:
+        threads = [
+            threading.Thread(target=self._serve, args=(child, self._made + k * count, count))
+            for k, child in enumerate(self._children)
+        ]
+        self._made += count * len(threads)
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+
+    def _serve(self, child: Confined, first: int, count: int) -> None:
+        folder = str(self._folder)
+        for number in range(first, first + count):
+            target = self._folder / f"{number:06}{Path(self._source).suffix}"
+            assignment = Assignment(Entry(str(self._source), str(target)), self._task)
+            record = child(target.name, work, assignment, folder, folder, False)
+            assert record.status in ("ok", "warned"), record.message
+            target.unlink()
+
+    def close(self) -> None:
+        for child in self._children:
+            child.close()
+
+
+def told(*command: str | Path) -> Times:
+    """The times that a program says."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    (line,) = (text for text in done.stdout.splitlines() if text.startswith("SECONDS"))
+    wall, used = line.split()[1:]
+    return float(wall), float(used)
+
+
+def transform(source: Path, folder: Path) -> Loop | None:
+    """glTF-Transform: read and write, nothing else; None where it is not installed."""
+    place, node = os.environ.get("RIGTRI_GLTF_TRANSFORM"), shutil.which("node")
+    if not place or not node:
+        return None
+    script = Path(__file__).with_name("rewrite.mjs")
+    return lambda count: told(node, script, place, source, folder / "transform.glb", str(count))
+
+
+def blender(source: Path, folder: Path) -> Loop | None:
+    """Blender: import, aim each bone at its child, export, in one process; None where it is not installed."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        return None
+    script = folder / "blender.py"
+    script.write_text(BLENDER)
+    # It takes as long for one as others for ten.
+    return lambda count: told(python, script, source, folder / "blender.glb", str(max(count // 10, 3)))
+
+
+def measured(source: Path, folder: Path, count: int, rounds: int) -> list[str]:
+    """A table of all loops over one file, each the median of its rounds, and what was asked for."""
+    workers = {
+        "rigtri, verified": Workers(source, folder / "verified", verify=True),
+        "rigtri, not verified": Workers(source, folder / "plain", verify=False),
+        "rigtri, verified, two processes": Workers(source, folder / "two", verify=True, jobs=2),
+    }
+    peers = {
+        "glTF-Transform: read, write": transform(source, folder),
+        "Blender: import, aim, export": blender(source, folder),
+    }
+    loops: dict[str, Loop] = workers | {name: loop for name, loop in peers.items() if loop is not None}
+    times: dict[str, list[Times]] = {name: [] for name in loops}
+    for _ in range(rounds):
+        for name, loop in loops.items():
+            times[name].append(loop(count))
+    for worker in workers.values():
+        worker.close()
+    base = min(used for _, used in times["rigtri, verified"])
+    lines = [f"## Warm, one file after another: {source.name}, {source.stat().st_size / 1e6:.2f} MB", ""]
+    lines += ["| loop | files/s | ms a file | ms of processors | ratio of these |", "|---|---|---|---|---|"]
+    for name, found in times.items():
+        wall, used = statistics.median(wall for wall, _ in found), min(used for _, used in found)
+        lines.append(
+            f"| {name} | {1 / wall:.1f} | {1000 * wall:.1f} | {1000 * used:.1f} | {used / base:.2f} |"
+        )
+    return [*lines, ""]
+
+
+def main() -> None:
+    """Measure, and print a table."""
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--file", type=Path, default=ROOT / "samples" / "biped.glb")
+    arguments.add_argument("--count", type=int, default=60, help="files of each loop in a round")
+    arguments.add_argument("--rounds", type=int, default=5)
+    given = arguments.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        print("\n".join(measured(given.file, Path(name), given.count, given.rounds)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

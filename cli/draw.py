@@ -1,0 +1,146 @@
+"""rigtri draw"""
+
+from __future__ import annotations
+
+import json
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from . import pictures
+from .options import (
+    Number,
+    check_streams,
+    json_option,
+    quiet_option,
+    read_options,
+    reading_options,
+    source_argument,
+)
+
+if TYPE_CHECKING:
+    from rigtri.drawing.picture import Options
+    from rigtri.rig import Rig
+
+
+@click.command("draw")
+@source_argument
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    required=True,
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="The picture to write, .svg or .png (extra rigtri[png]); - for SVG on standard output.",
+)
+@click.option(
+    "--against",
+    metavar="BEFORE",
+    type=click.Path(allow_dash=True),
+    help="Draw this file on the left, at the same scale: what IN was before.",
+)
+@pictures.view_option
+@click.option(
+    "--pose",
+    "at",
+    metavar="CLIP@TIME",
+    default="rest",
+    show_default=True,
+    help="The moment, in seconds (USD: time codes), or rest. Controls at work move their joints.",
+)
+@click.option("--joints", multiple=True, metavar="GLOB", help="Draw these joints alone, larger. Repeatable.")
+@click.option(
+    "--chain",
+    "chains",
+    nargs=2,
+    multiple=True,
+    metavar="START END",
+    help="Draw this chain alone. Repeatable.",
+)
+@click.option("--below", multiple=True, metavar="NAME", help="Draw this joint and all below it. Repeatable.")
+@click.option("--skin", metavar="NAME", help="Only joints of this skin.")
+@click.option("--exclude", multiple=True, metavar="GLOB", help="Leave these joints out.")
+@click.option("--names/--no-names", default=True, show_default=True, help="Write the joints' names.")
+@click.option(
+    "--axes",
+    "arrows",
+    type=Number(min=0, max=10),
+    default=0.35,
+    show_default=True,
+    help="Length of the axes' arrows as a share of the bone; 0 for none.",
+)
+@click.option("--mesh/--no-mesh", default=True, show_default=True, help="Draw the outline of the meshes.")
+@click.option(
+    "--size", metavar="WIDTHxHEIGHT", callback=pictures.size, help="In pixels. [1000x900; two: 1500x900]"
+)
+@reading_options
+@pictures.overwrite_picture_option
+@quiet_option
+@json_option
+def command(source: str, target: str, **values: Any) -> None:
+    """Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.
+
+    The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
+    Joints none of whose axes lies along their bone are orange. A limb is a yellow triangle with the
+    projection of its middle joint; the arrow from there says where it bends to. --json also prints
+    what is drawn: lines, arrows and triangles in space.
+
+    \b
+    Examples:
+        rigtri draw hero.glb -o hero.svg
+        rigtri draw out.glb --against hero.glb -o before-after.png
+        rigtri draw hero.glb -o hand.svg --below hand_L --view top --pose walk@0.5
+    """
+    from rigtri.drawing.marks import as_json
+    from rigtri.drawing.picture import draw, seen
+    from rigtri.formats import read
+    from rigtri.inputs import opened
+    from rigtri.report import Report
+
+    if values["as_json"] and target == "-":
+        raise UsageError("--json and -o - both want standard output; give the picture a name")
+    options, report = _asked(values), Report()
+    sources = [source] if values["against"] is None else [source, values["against"]]
+    if len(sources) > 1:
+        check_streams(*sources)
+    pictures.check_target(target, sources, overwrite=values["overwrite"])
+    with ExitStack() as stack:
+        rigs: list[Rig] = []
+        for name in sources:
+            document = read(stack.enter_context(opened(name)), read_options({**values, "empty": True}))
+            rigs.append(document.rig)
+            for notice in document.warnings:
+                report.warn(notice.code, notice.text)
+        titles = ["standard input" if name == "-" else Path(name).name for name in sources]
+        marked = [f"{when}: {title}" for when, title in zip(("after", "before"), titles, strict=False)]
+        svg = draw(
+            rigs[0],
+            against=rigs[1] if len(rigs) > 1 else None,
+            options=options,
+            title=marked[0] if len(rigs) > 1 else titles[0],
+            title_against=marked[-1],
+            report=report,
+        )
+        lines = [as_json(seen(rig, options)) for rig in rigs] if values["as_json"] else []
+    pictures.deliver(svg, target, report)
+    if values["as_json"]:
+        sides = [{"file": name, "marks": found} for name, found in zip(sources, lines, strict=True)]
+        warnings = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+        found = {"picture": target, "sides": sides, "warnings": warnings}
+        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+    pictures.tell(report, target, values)
+
+
+def _asked(values: dict[str, Any]) -> Options:
+    from rigtri.drawing.picture import Options
+    from rigtri.ops.select import Selection
+
+    selection = Selection(**{name: values[name] for name in ("joints", "chains", "below", "skin", "exclude")})
+    kept = {name: values[name] for name in ("at", "names", "arrows", "mesh", "size")}
+    view = {"view": values["view"]} if values["view"] is not None else {}
+    return Options(selection=selection, **kept, **view).checked()

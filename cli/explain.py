@@ -1,0 +1,120 @@
+"""rigtri explain"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from . import pictures
+from .options import json_option, quiet_option, read_options, reading_options
+from .words import plain
+
+if TYPE_CHECKING:
+    from rigtri.explanation.steps import Explanation
+
+
+@click.command("explain", context_settings={"ignore_unknown_options": True})
+@click.argument("points", metavar="A B C | IN [ROOT MIDDLE END]", nargs=-1, required=True)
+@click.option("--limb", metavar="JOINT", help="The limb of IN that has this joint: root, middle or end.")
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="Draw it, too: .svg or .png (extra rigtri[png]); - for SVG instead of words.",
+)
+@click.option("--view", metavar="X,Y,Z", help="Where the picture is seen from. [across the plane]")
+@reading_options
+@pictures.overwrite_picture_option
+@quiet_option
+@json_option
+def command(points: tuple[str, ...], **values: Any) -> None:
+    """Show the vectors and triangles of three points, or of a limb, step by step.
+
+    Each line has the notation of the talk "Rigging with Triangles", rigtri's own, and the numbers:
+    vectors, lengths, dot and cross product, the aim matrix, the projection and the pole vector.
+    Points are x,y,z each, or nine numbers in a row; negative ones need nothing around them.
+
+    \b
+    Examples:
+        rigtri explain 0,140,0 25,140,-5 50,140,0
+        rigtri explain 0 140 0 25 140 -5 50 140 0 -o arm.svg
+        rigtri explain hero.glb --limb forearm_L
+    """
+    from rigtri.explanation.picture import picture
+    from rigtri.explanation.words import text
+    from rigtri.report import Report
+
+    target, report = values["target"], Report()
+    if values["as_json"] and target == "-":
+        raise UsageError("--json and -o - both want standard output; give the picture a name")
+    if target is not None:
+        pictures.check_target(target, [points[0]], overwrite=values["overwrite"])
+    found = _explained(points, values)
+    if target is not None:
+        pictures.deliver(picture(found, view=values["view"]), target, report)
+    if values["as_json"]:
+        click.echo(json.dumps(found.as_json(), indent=2, ensure_ascii=False))
+    elif target != "-":
+        wide = shutil.get_terminal_size().columns if sys.stdout.isatty() else 120
+        click.echo(plain(text(found, width=wide)))
+    if target is not None:
+        pictures.tell(report, target, values)
+
+
+def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
+    """What is to be explained: numbers as they are given, or a limb of a file."""
+    from rigtri.explanation.steps import explain
+
+    unknown = [word for word in points if word.startswith("--") and len(word) > 2]
+    if unknown:
+        raise UsageError(f"there is no option {unknown[0]}; see: rigtri explain --help")
+    numbers = _numbers(points)
+    if numbers is None:
+        return _of_file(points, values)
+    if values["limb"] is not None:
+        raise UsageError("--limb names a joint of a file; give the file instead of points")
+    return explain(numbers[:3], numbers[3:6], numbers[6:])
+
+
+def _numbers(words: tuple[str, ...]) -> list[float] | None:
+    """Nine numbers; None where the first word is no number but a file. UsageError for other counts."""
+    parts = [part for word in words for part in word.replace(";", ",").split(",")]
+    try:
+        float(parts[0])
+    except ValueError:
+        return None
+    if Path(words[0]).is_file():
+        return None
+    found = []
+    for part in parts:
+        try:
+            found.append(float(part))
+        except ValueError:
+            raise UsageError(f"'{part}' is no number: give three points as x,y,z x,y,z x,y,z") from None
+    if len(found) != 9:
+        raise UsageError(f"three points are nine numbers, not {len(found)}: give x,y,z x,y,z x,y,z")
+    return found
+
+
+def _of_file(words: tuple[str, ...], values: dict[str, Any]) -> Explanation:
+    """A limb of a file: the one that --limb names a joint of, or three joints."""
+    from rigtri.explanation.limbs import explain_limb, limb_with
+    from rigtri.formats import read
+    from rigtri.inputs import opened
+
+    named = words[1:]
+    if bool(named) == (values["limb"] is not None) or len(named) not in (0, 3):
+        raise UsageError("say which limb of the file: --limb JOINT, or its joints ROOT MIDDLE END")
+    with opened(words[0]) as path:
+        rig = read(path, read_options({**values, "empty": True})).rig
+        joints = tuple(map(rig.find, named)) if named else limb_with(rig, values["limb"])
+        return explain_limb(rig, joints)

@@ -1,0 +1,87 @@
+"""rigtri export-blender"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from .options import (
+    json_option,
+    overwrite_option,
+    quiet_option,
+    read_options,
+    reading_options,
+    source_argument,
+    tell_warnings,
+)
+
+
+@click.command("export-blender")
+@source_argument
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    required=True,
+    metavar="SETUP.py",
+    type=click.Path(allow_dash=True, dir_okay=False),
+    help="The script to write; - for standard output.",
+)
+@overwrite_option
+@reading_options
+@quiet_option
+@json_option
+def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: bool, **values: Any) -> None:
+    """Write a script that sets controls, IK and constraints up in Blender.
+
+    Import IN in Blender and run the script there (Text Editor, Run Script), or let the script import
+    IN: blender --python SETUP.py. Bones follow controls by Blender's own constraints; nothing moves at rest.
+    docs/blender.md says what becomes of what, and of the way back.
+
+    \b
+    Example:
+        rigtri add-controls hero.glb -o rigged.glb --whole-character
+        rigtri export-blender rigged.glb -o setup.py
+    """
+    from rigtri.bridge.blender import blender_setup
+    from rigtri.formats import GLTF_SUFFIXES, read
+    from rigtri.inputs import opened
+    from rigtri.outputs import write_text
+    from rigtri.report import Report
+
+    path = Path(target)
+    if target == "-" and as_json:
+        raise UsageError("--json and -o - are both for standard output: give -o a file")
+    if target != "-" and path.exists() and not overwrite:
+        raise UsageError(f"{target} exists; it is replaced only with --overwrite")
+    report = Report()
+    with opened(source) as file:
+        document = read(file, read_options(values))
+        gltf = file.suffix.lower() in GLTF_SUFFIXES
+        meters = 1.0 if gltf else float(document.scenery().whole["metersPerUnit"])
+        name = "" if source == "-" else Path(source).name
+        made = blender_setup(document.rig, gltf=gltf, meters=meters, file=name, report=report)
+    if not quiet:
+        tell_warnings(report)
+    if target == "-":
+        click.echo(made.script, nl=False)
+        return
+    write_text(path, made.script)
+    told = {
+        "file": source,
+        "script": target,
+        "nodes": len(made.plan["nodes"]),
+        "constraints": len(made.plan["constraints"]),
+        "limbs": len(made.plan["limbs"]),
+        "warnings": [{"code": notice.code, "text": notice.text} for notice in report.warnings],
+    }
+    if as_json:
+        click.echo(json.dumps(told, indent=2, ensure_ascii=False))
+    elif not quiet:
+        click.echo(f"{told['constraints']} constraints, {told['limbs']} limbs with IK", err=True)
+        click.echo(f"Wrote {target}", err=True)

@@ -1,0 +1,277 @@
+"""What there is to see of a rig in a pose: its bones, axes, limbs, controls and constraints as marks.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018: a matrix is a red, a green and a blue arrow, a
+limb a triangle (slides "Transformation Matrix" and "Pole Vector").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from rigtri import pose
+from rigtri.drawing.marks import Mark
+from rigtri.limbs import recognise
+from rigtri.matrices import transform_points
+from rigtri.naming import without_prefix
+from rigtri.ops.select import Selection, chosen
+from rigtri.rig import Rig
+from rigtri.skeleton import ZERO_LENGTH, Skeleton, skeleton
+from rigtri.solve.posed import Posed
+from rigtri.triangle import bend_angle, bend_direction, pole_position
+from rigtri.trigonometry import Floats
+from rigtri.vectors import angle, length, normalise, project
+
+_DEGREES = 180.0 / np.pi
+# An axis farther than this from its bone, in degrees, is one that somebody sees to be off.
+AIMED = 1.0
+# A joint's dot and the corner of a right angle, as shares of the bone; bones of no length are as long
+# as this share of the figure, and no arrow is longer than the other.
+_DOT, _CORNER, _SHORT, _LONG = 0.06, 0.08, 0.02, 0.12
+_LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
+
+
+def worlds(rig: Rig, posed: Posed) -> Floats:
+    """World matrices, (n, 4, 4), of a pose of one row."""
+    if not posed.parts:
+        return rig.world
+    local = rig.local.copy()
+    for node in posed.parts:
+        local[node] = posed.local(node)[0]
+    return pose.worlds(rig, local)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A rig as it stands: world (n, 4, 4). joints: those to be seen, of all that ``tree`` has."""
+
+    rig: Rig
+    world: Floats
+    tree: Skeleton
+    joints: tuple[int, ...]
+
+    @staticmethod
+    def of(rig: Rig, posed: Posed, selection: Selection) -> Scene:
+        """The joints that a selection names; all nodes of a rig without joints.
+
+        Raises NameNotFoundError and UsageError as `chosen` does.
+        """
+        world = worlds(rig, posed)
+        if not len(rig):
+            return Scene(rig, world, Skeleton(rig, (), {}, {}, np.zeros(0, dtype=bool)), ())
+        known = rig.is_joint.any() or "hips" in rig.humanoid
+        every = [node for node in range(len(rig)) if node not in rig.own and node not in rig.aside]
+        tree = skeleton(rig) if known else skeleton(rig, joints=every or range(len(rig)))
+        return Scene(rig, world, tree, tuple(chosen(tree, selection)))
+
+    @property
+    def places(self) -> Floats:
+        """Where the nodes stand, (n, 3)."""
+        place: Floats = self.world[:, 3, :3]
+        return place
+
+    @property
+    def all(self) -> bool:
+        """Whether nothing of the rig is left out."""
+        return len(self.joints) == len(self.tree.joints)
+
+    def size(self) -> float:
+        """The diagonal of the box of the joints seen, in file units; 1 for none and for a point."""
+        points = self.places[list(self.joints)]
+        points = points[np.isfinite(points).all(axis=1)]
+        size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
+        return size or 1.0
+
+    def reach(self, joint: int, size: float) -> float:
+        """How long the bone of a joint counts: to the nearest joint below it, else from the one above."""
+        near = [k for k in self.tree.below[joint] if k not in self.rig.own or k in self.joints]
+        around = [self._far(joint, k) for k in near]
+        found = min((far for far in around if far > ZERO_LENGTH * size), default=0.0)
+        above = self.tree.above[joint]
+        if not found and above >= 0:
+            found = self._far(above, joint)
+        return found if np.isfinite(found) and found > ZERO_LENGTH * size else _SHORT * size
+
+    def _far(self, a: int, b: int) -> float:
+        return float(length(self.places[b] - self.places[a]))
+
+    def miss(self, joint: int, size: float) -> tuple[float, str, int] | None:
+        """How far the nearest axis of a joint is from a bone, in degrees, which axis, and to which joint.
+
+        None where no bone begins at the joint, or its axes have no direction.
+        """
+        with np.errstate(invalid="ignore"):
+            axes = normalise(self.world[joint, :3, :3])
+        best: tuple[float, str, int] | None = None
+        for child in self.tree.below[joint]:
+            bone = self.places[child] - self.places[joint]
+            if not length(bone) > ZERO_LENGTH * size:
+                continue
+            # Rounded, so that equal angles stay equal: the file's order decides, not the last bit.
+            off = np.round(angle(np.concatenate([axes, -axes]), bone) * _DEGREES, 3)
+            if np.isfinite(off).all() and (best is None or off.min() < best[0]):
+                k = int(np.argmin(off))
+                best = (float(off[k]), f"{'-' if k > 2 else '+'}{_LETTERS[k % 3]}", child)
+        return best
+
+    def aimed(self, joint: int, size: float) -> tuple[float, str, int] | None:
+        """The same for joints whose axes are there for a bone: a root's say how the whole stands."""
+        return self.miss(joint, size) if self.tree.above[joint] >= 0 and self.rig.is_joint[joint] else None
+
+
+def marks(scene: Scene, *, arrows: float = 0.35) -> list[Mark]:
+    """All that is to be seen of a scene, far things first where order matters.
+
+    arrows: the length of the axes as a share of the joint's bone; 0 leaves them out.
+    """
+    size = scene.size()
+    found = [*_follows(scene), *_limbs(scene), *_bones(scene)]
+    for joint, name in zip(scene.joints, _names(scene), strict=True):
+        found += _joint(scene, joint, name, size, arrows)
+    return [mark for mark in [*found, *_controls(scene)] if mark.clear]
+
+
+def _names(scene: Scene) -> list[str]:
+    """What to call the joints in a picture: without what all names of the skeleton begin with."""
+    rig = scene.rig
+    joints = [node for node in scene.tree.joints if rig.names[node]]
+    short = dict(zip(joints, without_prefix([rig.names[node] for node in joints]), strict=True))
+    return [short.get(node) or rig.names[node] or rig.labels[node] for node in scene.joints]
+
+
+def _joint(scene: Scene, joint: int, name: str, size: float, arrows: float) -> Iterator[Mark]:
+    """The dot of a joint and the arrows of its axes; an axis without direction has none."""
+    rig, place, reach = scene.rig, scene.places[joint], scene.reach(joint, size)
+    known, address = bool(rig.is_joint[joint]) or not rig.is_joint.any(), rig.address(joint)
+    miss = scene.miss(joint, size)
+    told = rig.title(joint)
+    if miss is not None:
+        told += f": {miss[1]} is {miss[0]:.1f}° off the bone to {rig.title(miss[2])}"
+    long = min(arrows * reach, _LONG * size)
+    with np.errstate(invalid="ignore"):
+        axes = normalise(scene.world[joint, :3, :3])
+    for letter, axis in zip(_LETTERS, axes, strict=True):
+        if arrows > 0 and np.isfinite(axis).all():
+            yield Mark("arrow", letter, np.stack([place, place + axis * long]), address, size=long)
+    yield Mark(
+        "dot",
+        "joint" if known else "node",
+        place[np.newaxis],
+        address,
+        name,
+        told,
+        _DOT * min(reach, _LONG * size / 0.35),
+        crooked=(aimed := scene.aimed(joint, size)) is not None and aimed[0] > AIMED,
+    )
+
+
+def _bones(scene: Scene) -> Iterator[Mark]:
+    """A bone from each joint to every joint below it, one of which is to be seen."""
+    rig, seen = scene.rig, set(scene.joints)
+    for joint in scene.tree.joints:
+        above = scene.tree.above[joint]
+        if above >= 0 and (joint in seen or above in seen):
+            ends = scene.places[[above, joint]]
+            bone = bool(rig.is_joint[joint] and rig.is_joint[above])
+            yield Mark("bone" if bone else "line", "bone" if bone else "link", ends, rig.address(above))
+
+
+def _limbs(scene: Scene) -> Iterator[Mark]:
+    """The triangles of the limbs that names or pole vectors tell of."""
+    rig, seen = scene.rig, set(scene.joints)
+    poles = {}
+    for node, note in sorted(rig.notes.items()):
+        if note.get("type") == "poleVector":
+            chain = [rig.known(name) for name in note.get("chain", ())]
+            if len(chain) >= 3 and None not in chain:
+                poles[chain[0], chain[1], chain[-1]] = node
+    triples = dict.fromkeys([*poles, *(limb.triple for limb in recognise(rig))])
+    for triple in triples:
+        if triple[1] in seen and None not in triple:
+            root, middle, end = (k for k in triple if k is not None)
+            yield from triangle(*scene.places[[root, middle, end]], node=rig.address(middle))
+            pole = poles.get(triple)
+            if pole is None:
+                yield from pole_arrow(*scene.places[[root, middle, end]], node=rig.address(middle))
+            else:
+                yield from _located(scene, middle, pole)
+
+
+def _located(scene: Scene, middle: int, pole: int) -> Iterator[Mark]:
+    """A pole vector that the file has, and the way to it from the joint that bends towards it."""
+    ends, address = scene.places[[middle, pole]], scene.rig.address(pole)
+    far = float(length(ends[1] - ends[0]))
+    name = scene.rig.names[pole] or scene.rig.labels[pole]
+    yield Mark("arrow", "pole", ends, address, size=far)
+    told = f"pole vector {scene.rig.title(pole)}"
+    yield Mark("dot", "locator", ends[1:], address, name, told, size=_DOT * min(far, scene.size() * _LONG))
+
+
+def triangle(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:
+    """A limb as the talk draws it: triangle, chord, the projection of the middle and its right angle."""
+    yield Mark("face", "limb", np.stack([a, b, c]), node, closed=True)
+    yield Mark("line", "chord", np.stack([a, c]), node)
+    foot, side = project(b, a, c), bend_direction(a, b, c)
+    if not np.isfinite(side).all():  # three points on one line, which have no side
+        return
+    yield Mark("line", "upright", np.stack([foot, b]), node)
+    corner = min(_CORNER * float(length(c - a)), 0.5 * float(length(b - foot)))
+    along = normalise(c - a) * corner
+    square = np.stack([foot + along, foot + along + side * corner, foot + side * corner])
+    yield Mark("line", "square", square, node)
+    told = f"projection of the middle joint on the chord; the limb bends by {_bend(a, b, c)}"
+    yield Mark("dot", "foot", foot[np.newaxis], node, told=told, size=0.2 * corner)
+
+
+def pole_arrow(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:
+    """Where a limb's pole vector stands by the talk's rule, half the limb's length off the middle joint."""
+    ends = np.stack([b, pole_position(a, b, c)])
+    yield Mark("arrow", "pole", ends, node, size=float(length(ends[1] - ends[0])))
+
+
+def _bend(a: Floats, b: Floats, c: Floats) -> str:
+    return f"{float(bend_angle(a, b, c)) * _DEGREES:.1f}°"
+
+
+def _controls(scene: Scene) -> Iterator[Mark]:
+    """The lines that the file draws at controls, poles and what else rigtri has put there."""
+    rig = scene.rig
+    for node in sorted(set(rig.notes) | set(rig.shapes)) if scene.all else ():
+        drawn = rig.shapes.get(node) or rig.lines(rig.keys[node])
+        if drawn is None:
+            continue
+        told = f"{rig.notes.get(node, {}).get('type', 'shape')} {rig.title(node)}"
+        for strip in strips(transform_points(drawn.segments, scene.world[node])):
+            color = tuple(map(float, drawn.color))
+            yield Mark("line", "control", strip, rig.address(node), told=told, color=color)
+
+
+def strips(segments: Floats) -> Iterator[Floats]:
+    """Lines, (s, 2, 3), as few strips, (k, 3): each goes on while a line begins where the last one ends."""
+    strip: list[Floats] = []
+    for start, end in segments:
+        if strip and not np.array_equal(strip[-1], start):
+            yield np.stack(strip)
+            strip = []
+        strip += [end] if strip else [start, end]
+    if strip:
+        yield np.stack(strip)
+
+
+def _follows(scene: Scene) -> Iterator[Mark]:
+    """A line from what a node follows to the node, of the file's constraints and of ours."""
+    rig = scene.rig
+    pairs: list[tuple[str, int, int]] = [(c.kind, c.source, c.node) for c in rig.constraints]
+    for note in rig.notes.values():
+        if note.get("type") == "constraint":
+            child = rig.known(note.get("child"))
+            drivers: Sequence[object] = note.get("drivers", ())
+            known = [rig.known(name) for name in drivers]
+            pairs += [(str(note["kind"]), k, child) for k in known if k is not None and child is not None]
+    for kind, source, node in pairs if scene.all else ():
+        if kind != "length" and source != node:
+            told = f"{rig.title(node)} follows {rig.title(source)} ({kind})"
+            yield Mark("line", "follows", scene.places[[source, node]], rig.address(node), told=told)

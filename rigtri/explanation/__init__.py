@@ -1,0 +1,1 @@
+"""Three points explained step by step: numbers, words and a picture."""

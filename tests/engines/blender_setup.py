@@ -1,0 +1,154 @@
+"""What the script of ``export-blender`` does to a scene: ``python blender_setup.py JOBS.json`` with ``bpy``.
+
+JOBS is a list of objects. ``source`` is imported (with ``alone`` the script does that), ``script`` is run
+twice, each of ``poses`` gives controls their channels as the file has them (translation, rotation xyzw,
+scale; IK is off in those of ``only_fk``), and what the script has made is taken out. The .npz ``target`` gets
+``points|WORD``, the vertices of all meshes in the world as imported, set up, set up again and removed;
+``joints|POSE``, world matrices of the bones, posed; ``names`` of the bones; ``counts`` of things after each;
+``clip|NAME|SHARE|WORD``, the vertices of clips before the script, and after it while nothing drives.
+"""
+
+import contextlib
+import json
+import runpy
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+from blender_scene import load
+
+SHARES = (0.0, 0.37, 1.0)
+
+
+def silence():
+    """No clip plays, every bone is in its rest pose, every control is zero."""
+    for thing in bpy.data.objects:
+        if thing.animation_data:
+            thing.animation_data.action = None
+            for track in thing.animation_data.nla_tracks:
+                track.mute = True
+        for bone in thing.pose.bones if thing.pose else ():
+            bone.matrix_basis.identity()
+
+
+def vertices():
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    found = []
+    for thing in sorted(bpy.data.objects, key=lambda thing: thing.name):
+        if thing.type == "MESH" and thing.data.polygons:
+            seen = thing.evaluated_get(graph)
+            mesh = seen.to_mesh()
+            points = np.array([vertex.co for vertex in mesh.vertices], dtype=np.float64).reshape(-1, 3)
+            world = np.array(seen.matrix_world, dtype=np.float64)
+            found.append(points @ world[:3, :3].T + world[:3, 3])
+            seen.to_mesh_clear()
+    return np.concatenate(found) if found else np.zeros((0, 3))
+
+
+def skeleton():
+    return next(
+        thing for thing in bpy.data.objects if thing.type == "ARMATURE" and "rigtri_setup" not in thing
+    )
+
+
+def joints():
+    bpy.context.view_layer.update()
+    seen = skeleton().evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return np.array([np.array(seen.matrix_world @ bone.matrix) for bone in seen.pose.bones])
+
+
+def clips(word, found):
+    spans = {}
+    for thing in bpy.data.objects:
+        for track in thing.animation_data.nla_tracks if thing.animation_data else ():
+            for strip in track.strips:
+                spans[track.name] = (strip.frame_start, strip.frame_end)
+    for name, (first, last) in sorted(spans.items()):
+        for thing in bpy.data.objects:
+            if thing.animation_data:
+                thing.animation_data.action = None
+                for track in thing.animation_data.nla_tracks:
+                    track.mute = track.name != name
+        for share in SHARES:
+            frame = first + (last - first) * share
+            bpy.context.scene.frame_set(int(frame), subframe=frame - int(frame))
+            found[f"clip|{name}|{share}|{word}"] = vertices()
+    silence()
+
+
+def run(script, *options):
+    """Run a script as Blender does; what its nodes are in the scene, by name."""
+    sys.argv = [script, "--", *options]
+    made = runpy.run_path(script, run_name="__main__")
+    nodes, _ = made["find"]()
+    return {about["title"]: thing for about, thing in zip(made["RIG"]["nodes"], nodes, strict=True)}
+
+
+def pose(nodes, controls, is_gltf):
+    """Give controls their channels; what they had."""
+    before = []
+    for name, channels in controls.items():
+        thing, _ = nodes.get(name) or (bpy.data.objects[name], "")
+        before.append((thing, thing.matrix_basis.copy()))
+        move, (x, y, z, w), size = (channels[word] for word in ("translation", "rotation", "scale"))
+        thing.rotation_mode = "QUATERNION"
+        thing.location = (move[0], -move[2], move[1]) if is_gltf else move
+        thing.rotation_quaternion = (w, x, -z, y) if is_gltf else (w, x, y, z)
+        thing.scale = (size[0], size[2], size[1]) if is_gltf else size
+    return before
+
+
+def switch(value):
+    """Let IK move all limbs, or none."""
+    for thing in bpy.data.objects:
+        if "rigtri_ik" in thing:
+            thing["rigtri_ik"] = value
+            thing.update_tag()
+
+
+def count():
+    bones = [bone for thing in bpy.data.objects if thing.pose for bone in thing.pose.bones]
+    drivers = [len(t.animation_data.drivers) for t in bpy.data.objects if t.animation_data]
+    constraints = sum(len(one.constraints) for one in (*bones, *bpy.data.objects))
+    return [len(bpy.data.objects), len(bpy.data.collections), constraints, sum(drivers)]
+
+
+def work(job):
+    found, counts = {}, []
+    if job.get("alone"):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    else:
+        load(Path(job["source"]), guess_original_bind_pose=False)
+        clips("before", found)
+        silence()
+        found["points|imported"] = vertices()
+        counts.append(count())
+    for word in ("set up", "again"):
+        nodes = run(job["script"])
+        silence()
+        found[f"points|{word}"] = vertices()
+        counts.append(count())
+    found["names"] = np.array([bone.name for bone in skeleton().pose.bones])
+    found["joints|rest"] = joints()
+    for number, controls in enumerate(job.get("poses", ())):
+        before = pose(nodes, controls, Path(job["source"]).suffix in (".glb", ".gltf", ".vrm"))
+        switch(0.0 if number in job.get("only_fk", ()) else 1.0)
+        found[f"joints|{number}"] = joints()
+        for thing, basis in before:
+            thing.matrix_basis = basis
+    switch(1.0)
+    if not job.get("alone"):
+        run(job["script"], "--drive", "0")
+        clips("after", found)
+        run(job["script"], "--remove")
+        found["points|removed"] = vertices()
+        counts.append(count())
+    np.savez(job["target"], counts=np.array(counts), **found)
+
+
+if __name__ == "__main__":
+    with contextlib.redirect_stdout(sys.stderr):
+        for each in json.loads(Path(sys.argv[1]).read_text()):
+            work(each)

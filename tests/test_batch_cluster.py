@@ -1,0 +1,279 @@
+"""A batch on a Dask cluster is the batch of one machine, whatever becomes of the workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import click
+import pytest
+from batch_tasks import Turn
+from click.testing import CliRunner
+
+from rigtri import edit, orient_joints
+from rigtri.batch import cluster
+from rigtri.batch.entries import Entry
+from rigtri.batch.on_worker import Message
+from rigtri.batch.work import Assignment, Record
+from rigtri.errors import FileError
+
+# Tasks travel by the name of their module, which workers must find, too.
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
+POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+pytestmark = [POSIX, pytest.mark.xdist_group("cluster")]
+Begin = Callable[..., "subprocess.Popen[str]"]
+
+
+class Machines:
+    """A scheduler and its workers, as processes."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.workers = folder, list[subprocess.Popen[bytes]]()
+        self.scheduler = self._start("scheduler", "--port", "0", "--host", "127.0.0.1")
+        known = folder / "scheduler.json"
+        wait(known.exists)
+        self.address = str(json.loads(known.read_text())["address"])
+
+    def add_worker(self, *words: str) -> None:
+        kind = words or ("--no-nanny",)
+        self.workers.append(self._start("worker", "--nthreads", "1", "--local-directory", "scratch", *kind))
+
+    def _start(self, kind: str, *words: str) -> subprocess.Popen[bytes]:
+        program = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--no-dashboard"]
+        with (self.folder / f"{kind}.log").open("ab") as log:
+            return subprocess.Popen(
+                [*program, "--scheduler-file", str(self.folder / "scheduler.json"), *words],
+                cwd=self.folder,
+                env=ENVIRONMENT,
+                stdout=log,
+                stderr=log,
+            )
+
+    def end(self) -> None:
+        for process in (*self.workers, self.scheduler):
+            process.terminate()
+        for process in (*self.workers, self.scheduler):
+            try:
+                process.wait(timeout=5)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+def wait(what: Callable[[], object], seconds: float = 30) -> None:
+    end = time.monotonic() + seconds
+    while not what():
+        assert time.monotonic() < end, "it did not come"
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def machines(tmp_path: Path) -> Iterator[Machines]:
+    place = tmp_path / "machines"
+    place.mkdir()
+    found = Machines(place)
+    yield found
+    found.end()
+
+
+@pytest.fixture
+def begin(tmp_path: Path, samples: Path) -> Iterator[Begin]:
+    """Starts a batch over in/ to out/ in a process of its own; what is done is `Turn`."""
+    (tmp_path / "in").mkdir()
+    begun: list[subprocess.Popen[str]] = []
+
+    def start(*words: str) -> subprocess.Popen[str]:
+        given = ["batch", "in/*.glb", "--spec", "rig.yaml", "-O", "out", "--json", *words]
+        process = subprocess.Popen(
+            [sys.executable, "-c", "import sys, batch_tasks as t; t.run_program(sys.argv[1:])", *given],
+            cwd=tmp_path,
+            env=ENVIRONMENT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        begun.append(process)
+        return process
+
+    yield start
+    for process in begun:
+        process.kill()
+        process.communicate()
+
+
+def add(folder: Path, sample: Path, *names: str) -> None:
+    for name in names:
+        shutil.copy(sample, folder / "in" / f"{name}.glb")
+
+
+def statuses(told: str) -> dict[str, str]:
+    """The status of each file, which was told once."""
+    found = [json.loads(line) for line in told.splitlines()]
+    assert len({line["file"] for line in found}) == len(found)
+    return {Path(line["file"]).stem: line["status"] for line in found}
+
+
+def outputs(folder: Path) -> dict[str, bytes]:
+    return {p.stem: p.read_bytes() for p in (folder / "out").iterdir() if not p.name.startswith("rigtri-")}
+
+
+def test_a_killed_worker_and_a_killed_submitter_lose_nothing_and_do_nothing_twice(
+    tmp_path: Path, samples: Path, machines: Machines, begin: Begin
+) -> None:
+    names = [f"slow{k:02}" for k in range(24)]
+    add(tmp_path, samples / "biped.glb", *names, "refuse", "die")
+    for _ in range(2):
+        machines.add_worker()
+    first = begin("--dask", machines.address)
+    out = tmp_path / "out"
+    wait(lambda: len(list(out.glob("slow*.glb"))) >= 5)
+    machines.workers[0].send_signal(signal.SIGKILL)
+    wait(lambda: len(list(out.glob("slow*.glb"))) >= 9)
+    first.kill()
+    first.communicate()
+    time.sleep(1)  # what a worker is at may appear; nothing else does
+    before = {path: path.stat().st_mtime_ns for path in out.glob("slow*.glb")}
+    assert 9 <= len(before) < 24
+    second = begin("--dask", machines.address)
+    told, said = second.communicate(timeout=60)
+    assert second.returncode == 7, said
+    found = statuses(told)
+    assert found.pop("refuse") == "error"
+    assert found.pop("die") == "crashed"
+    assert set(found) == set(names)
+    assert set(found.values()) <= {"ok", "skipped"}
+    assert {path: path.stat().st_mtime_ns for path in before} == before, "done twice"
+    edit(samples / "biped.glb", tmp_path / "alone.glb", lambda rig, report: orient_joints(rig, report=report))
+    whole = (tmp_path / "alone.glb").read_bytes()
+    assert outputs(tmp_path) == dict.fromkeys(names, whole)
+
+
+@pytest.mark.slow
+def test_a_file_that_takes_its_worker_along_is_named_and_costs_no_other(
+    tmp_path: Path, samples: Path, machines: Machines, begin: Begin
+) -> None:
+    names = [f"a{k}" for k in range(6)]
+    add(tmp_path, samples / "biped.glb", "hang", *names, "slay")
+    machines.add_worker("--nanny")
+    process = begin("--dask", machines.address, "--timeout", "2", "-j", "1")
+    told, said = process.communicate(timeout=60)
+    assert process.returncode == 7, said
+    assert statuses(told) == dict.fromkeys(names, "ok") | {"hang": "crashed", "slay": "crashed"}
+    assert "slay.glb: 3 workers of the cluster died on this file" in said
+    assert "hang.glb: took longer than 2 s" in said
+    assert set(outputs(tmp_path)) == set(names)
+
+
+def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
+    tmp_path: Path, samples: Path, app: click.Group, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "REACHED", 0.3)
+    monkeypatch.chdir(tmp_path)
+    Path("in").mkdir()
+    add(tmp_path, samples / "biped.glb", "a")
+    address = f"tcp://127.0.0.1:{free_port()}"
+    Path("rig.yaml").write_text("steps: [{do: orient-joints}]")
+    words = ["batch", "in/*.glb", "--spec", "rig.yaml", "-O", "out", "--dask", address]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 3, result.stderr
+    assert f"no Dask scheduler answers at {address}" in result.stderr
+    assert not Path("out").exists()
+
+
+class Silent:
+    """A client whose chunks end when their messages have been read."""
+
+    status = "finished"
+
+    def nthreads(self) -> dict[str, int]:
+        return {}
+
+    def submit(self, *_: object, **__: object) -> Silent:
+        return self
+
+    def add_done_callback(self, _: object) -> None:
+        pass
+
+    def result(self, **_: object) -> list[tuple[int, Record]]:
+        return []
+
+    def cancel(self, _: object) -> None:
+        pass
+
+
+def test_only_what_three_workers_died_on_is_named_and_comes_last_till_then(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster.Cluster, "_answer", lambda _, __, what: answers.append(what))
+    answers: list[tuple[list[int], None]] = []
+    engine = cluster.Cluster("", str(tmp_path))
+    engine._client = Silent()
+    assignments = [Assignment(Entry(name, f"out/{name}"), Turn()) for name in ("a", "b", "c")]
+    monkeypatch.setattr(cluster, "_chunks", lambda count, _: [list(range(count))])
+
+    def begin(attempt: str) -> None:
+        engine._inbox.put(Message("begin", 1, attempt))
+
+    def done(attempt: str, number: int) -> None:
+        engine._inbox.put(Message("done", 1, attempt, assignment=number, record=Record("ok")))
+
+    begin("1st")  # with a, b, c; a worker dies on a
+    begin("2nd")
+    done("1st", 2)  # whoever has been given up is not heard any more
+    done("2nd", 1)  # b, and it dies on c
+    begin("3rd")  # it dies on a
+    begin("4th")
+    done("4th", 2)  # c, and it dies on a
+    begin("5th")
+    engine._inbox.put(1)
+    found = [(a.entry.source, r.status, r.message) for a, r in engine.run(assignments, lambda *_: None)]
+    died = "a: 3 workers of the cluster died on this file"
+    assert found == [("b", "ok", None), ("c", "ok", None), ("a", "crashed", died)]
+    assert answers == [([0, 1, 2], None), ([1, 2, 0], None), ([0, 2], None), ([2, 0], None), ([], None)]
+
+
+class Asked(Silent):
+    """A client of two workers, the second of which says something else about one question."""
+
+    def __init__(self, question: str, answer: object) -> None:
+        self._question, self._answer = question, answer
+
+    def run(self, what: Callable[..., object], of: str, on_error: str) -> dict[str, object]:
+        first = what(of)
+        return {"tcp://a": first, "tcp://b": self._answer if what.__name__ == self._question else first}
+
+
+@pytest.mark.parametrize(
+    ("question", "answer", "said"),
+    [
+        ("version", "0.0.1", "the worker tcp://b has rigtri 0.0.1 (1 of 2 workers)"),
+        ("version", ModuleNotFoundError("rigtri"), "the worker tcp://b has no rigtri (1 of 2 workers)"),
+        ("isdir", False, "the worker tcp://b does not see"),
+        ("isfile", PermissionError(), "a.glb (1 of 2 workers); workers need the same file system"),
+    ],
+)
+def test_a_worker_that_cannot_do_it_is_named_before_anything_is_done(
+    tmp_path: Path, question: str, answer: object, said: str
+) -> None:
+    (tmp_path / "a.glb").touch()
+    engine = cluster.Cluster("", str(tmp_path))
+    engine._client = Asked(question, answer)
+    with pytest.raises(FileError, match=re.escape(said)):
+        engine.check([Entry(str(tmp_path / "a.glb"), "out/a.glb")])
+    if not question.startswith("v"):
+        engine.check([Entry("memory://in/a.glb", "memory://out/a.glb")])

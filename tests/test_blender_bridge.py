@@ -1,0 +1,359 @@
+"""The script of ``export-blender``: bones follow controls in Blender as they do in rigtri."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from engines import Shown, blender_setup, blender_trip
+from places import NO_ASSETS, ROOT, SAMPLES, asset_files
+
+from rigtri.bridge import blender
+from rigtri.bridge.blender import blender_setup as exported
+from rigtri.bridge.plan import named
+from rigtri.following import Parts
+from rigtri.formats import read
+from rigtri.matrices import inverse, multiply
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.posed import Posed, sampled
+from rigtri.trigonometry import Floats
+
+# Of the size. At rest and with FK it is Blender's float32; its IK is iterative, and rarely off by more.
+STILL, FK, IK = 1e-5, 1e-5, 1e-3
+ONE = {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}
+
+
+def turn(axis: str, degrees: float) -> list[float]:
+    half = np.radians(degrees) / 2.0
+    return [*(np.sin(half) * np.eye(3)["xyz".index(axis)]).tolist(), float(np.cos(half))]
+
+
+def script_for(path: Path, folder: Path, **more: Any) -> Path:
+    rig = read(path).rig
+    target = folder / f"{path.stem}{path.suffix[1:]}.py"
+    target.write_text(exported(rig, gltf=path.suffix == ".glb", file=path.name, **more).script, "utf-8")
+    return target
+
+
+def expected(rig: Rig, controls: dict[str, Any], only_fk: bool) -> dict[str, Floats]:
+    """The turn and move in the world, (4, 4), that controls give each joint."""
+    parts = {
+        rig.find(name): Parts(*(np.array([channels[word]]) for word in ONE))
+        for name, channels in controls.items()
+    }
+    fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
+    solver = Solver(rig, fk if only_fk else None)
+    posed, rest = solver.run(parts), solver.reference.world
+    joints = np.flatnonzero(rig.is_joint).tolist()
+    return {named(rig, k): multiply(inverse(rest[k]), posed.world(k)[0]) for k in joints}
+
+
+def apart(
+    rig: Rig,
+    found: Shown,
+    number: int,
+    controls: dict[str, Any],
+    *,
+    only_fk: bool = False,
+    y_up: bool = True,
+    meters: float = 1.0,
+) -> float:
+    """The farthest that a joint, or a tip of its axes of a tenth of the size, is from where rigtri has it."""
+    up = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]) if y_up else np.eye(4)
+    wanted = expected(rig, controls, only_fk)
+    places = rig.world[np.flatnonzero(rig.is_joint), 3, :3]
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    tips = np.concatenate([np.zeros((1, 3)), np.eye(3) * 0.1 * size])
+    worst = 0.0
+    for k, name in enumerate(found["names"]):
+        rest, now = (found[f"joints|{word}"][k].T.copy() for word in ("rest", number))
+        rest[3, :3], now[3, :3] = rest[3, :3] / meters, now[3, :3] / meters
+        start = rest[3, :3] + tips
+        seen = _moved(start, inverse(rest) @ now)
+        mine = _moved(start, inverse(up) @ wanted[str(name)] @ up)
+        worst = max(worst, float(np.abs(seen - mine).max()) / size)
+    return worst
+
+
+def _moved(points: Floats, matrix: Floats) -> Floats:
+    return np.asarray(points @ matrix[:3, :3] + matrix[3, :3])
+
+
+def checked(found: Shown) -> None:
+    """The laws: nothing moves, the second run changes nothing, nothing is left, clips play on."""
+    points = found["points|imported"]
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    for word in ("set up", "again", "removed"):
+        assert np.abs(found[f"points|{word}"] - points).max() <= STILL * size, word
+    before, once, twice, removed = found["counts"].tolist()
+    assert once == twice
+    assert once > before == removed
+    clips = [key for key in found if key.startswith("clip") and key.endswith("before")]
+    for key in clips:
+        assert np.abs(found[key] - found[key.replace("before", "after")]).max() <= STILL * size
+
+
+@pytest.fixture(scope="module")
+def rigged(app: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("rigged")
+    made = {}
+    for name in ("biped.glb", "biped.usda"):
+        made[name] = folder / name
+        line = ["add-controls", SAMPLES / name, "-o", made[name], "--whole-character", "-q"]
+        assert CliRunner().invoke(app, list(map(str, line))).exit_code == 0
+    return made
+
+
+# What FK controls do while IK is off.
+FK_POSE = {
+    "hips_root_ctl": ONE | {"translation": [0.2, 0.0, 0.1], "rotation": turn("y", 35)},
+    "spine_ctl": ONE | {"rotation": turn("x", 25)},
+    "clavicle_L_ctl": ONE | {"rotation": turn("z", 15)},
+    "upper_arm_L_ctl": ONE | {"rotation": turn("y", 60)},
+    "forearm_L_ctl": ONE | {"rotation": turn("x", -20)},
+    "head_ctl": ONE | {"rotation": turn("y", 40), "scale": [1.5, 1.5, 1.5]},
+    "fingers_R_ctl": ONE | {"rotation": turn("y", -35), "translation": [0.01, 0.02, 0.0]},
+}
+IK_POSE = {
+    "hand_L_ik_ctl": ONE | {"translation": [0.05, 0.1, 0.12], "rotation": turn("y", 50)},
+    "foot_R_ik_ctl": ONE | {"translation": [0.02, 0.15, 0.1]},
+    "shin_R_pole": None,  # given in the test: a pole is not at zero
+    "hips_ctl": ONE | {"translation": [0.0, -0.05, 0.03], "rotation": turn("z", 10)},
+}
+# FK controls of a limb on top of its IK.
+BOTH = {
+    "hand_L_ik_ctl": ONE | {"translation": [0.0, 0.1, 0.1]},
+    "upper_arm_L_ctl": ONE | {"rotation": turn("y", 20)},
+    "forearm_L_ctl": ONE | {"rotation": turn("x", 12)},
+    "fingers_L_ctl": ONE | {"rotation": turn("z", 30)},
+    "hips_root_ctl": ONE | {"translation": [0.2, 0.0, 0.1], "rotation": turn("y", 35)},
+}
+
+
+def poses_for(rig: Rig) -> list[dict[str, Any]]:
+    pole = rig.find("shin_R_pole")
+    place = rig.translation[pole] + np.array([0.3, 0.0, 0.0])
+    return [FK_POSE, IK_POSE | {"shin_R_pole": ONE | {"translation": place.tolist()}}, BOTH]
+
+
+def compared(path: Path, folder: Path, **more: Any) -> tuple[Shown, list[float]]:
+    """What the script does to a file, and how far off its joints are in each pose."""
+    rig = read(path).rig
+    poses = poses_for(rig)
+    script = str(script_for(path, folder, **more))
+    (found,) = blender_setup(
+        {"source": str(path), "script": script, "poses": poses, "only_fk": [0]}, folder=folder
+    )
+    y_up = path.suffix == ".glb" or rig.up[1] > 0
+    off = [apart(rig, found, k, pose, only_fk=not k, y_up=y_up) for k, pose in enumerate(poses)]
+    return found, off
+
+
+@pytest.mark.parametrize("name", ["biped.glb", pytest.param("biped.usda", marks=pytest.mark.slow)])
+def test_bones_follow_controls_in_blender_as_in_rigtri(
+    name: str, rigged: dict[str, Path], tmp_path: Path
+) -> None:
+    found, (fk, *ik) = compared(rigged[name], tmp_path)
+    checked(found)
+    assert fk <= FK
+    assert max(ik) <= IK
+
+
+RULES = """
+add-twist --limb upper_arm_L forearm_L hand_L
+constrain --type aim --child head --driver hand_R_ik_ctl
+constrain --type aim --child toe_R --driver foot_L_ik_ctl --driver shin_L_pole=2 --world-up none --aim-axis z
+constrain --type aim --child fingers_R --driver hand_L_ik_ctl --world-up objectrotation --up-object hips_ctl
+constrain --type point --child shin_L_pole --driver foot_L_ik_ctl
+constrain --type orient --child neck --driver hand_L_ik_ctl
+constrain --type orient --child fingers_L --driver toe_L_ctl --space local
+constrain --type orient --child clavicle_L --driver spine_ctl --roll-axis x
+constrain --type scale --child toe_L --driver spine_ctl
+constrain --type parent --child hand_R_ik_ctl_offset --driver spine --driver hips=2
+constrain --type polevector --child forearm_R --driver clavicle_R_ctl
+"""
+RULED = {
+    "hips_root_ctl": ONE | {"translation": [0.1, 0.0, 0.1], "rotation": turn("y", 20)},
+    "hips_ctl": ONE | {"translation": [0.0, -0.03, 0.02], "rotation": turn("z", 10)},
+    "spine_ctl": ONE | {"rotation": turn("x", 15), "scale": [1.1, 1.1, 1.1]},
+    "hand_L_ik_ctl": ONE | {"translation": [-0.05, 0.05, 0.1], "rotation": turn("x", 50)},
+    "foot_L_ik_ctl": ONE | {"translation": [0.03, 0.1, 0.05]},
+    "toe_L_ctl": ONE | {"rotation": turn("z", 25)},
+    "head_ctl": ONE | {"rotation": turn("y", 20)},
+    "clavicle_R_ctl": ONE | {"rotation": turn("z", 10)},
+}
+
+
+@pytest.fixture(scope="module")
+def ruled(rigged: dict[str, Path], app: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with rules of every kind, and twist joints."""
+    folder, source = tmp_path_factory.mktemp("ruled"), rigged["biped.glb"]
+    for number, line in enumerate(RULES.strip().splitlines()):
+        name, *options = line.split()
+        target = folder / f"{number}.glb"
+        result = CliRunner().invoke(app, [name, str(source), "-o", str(target), *options, "-q"])
+        assert result.exit_code == 0, result.stderr
+        source = target
+    return source
+
+
+@pytest.mark.slow
+def test_constraints_and_twist_move_in_blender_as_in_rigtri(ruled: Path, tmp_path: Path) -> None:
+    rig = read(ruled).rig
+    script = str(script_for(ruled, tmp_path))
+    job = {"source": str(ruled), "script": script, "poses": [RULED]}
+    (found,) = blender_setup(job, folder=tmp_path)
+    checked(found)
+    assert apart(rig, found, 0, RULED) <= IK
+
+
+@pytest.mark.slow
+def test_controls_animated_in_blender_come_back_as_joint_keys(
+    app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The commands of docs/blender.md."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(SAMPLES / "biped.glb", "hero.glb")
+    for line in block("to blender"):
+        assert CliRunner().invoke(app, line).exit_code == 0
+    by = [0.05, -0.12, 0.1]
+    names = {"script": str(tmp_path / "setup.py"), "target": str(tmp_path / "edited.glb")}
+    blender_trip(names | {"control": "hand_L_ik_ctl", "by": by}, folder=tmp_path)
+    for line in block("and back"):
+        result = CliRunner().invoke(app, line)
+        assert result.exit_code == 0, result.stderr
+    rig, final = read(tmp_path / "rigged.glb").rig, read(tmp_path / "final.glb").rig
+    assert not [name for name in final.names if name.startswith("rigtri ")]
+    moved = {"hand_L_ik_ctl": ONE | {"translation": [by[0], by[2], -by[1]]}}
+    (clip,) = final.clips
+    end = max(float(track.times[-1]) for track in clip.tracks)
+    posed = Posed(final, sampled(final, clip, np.array([end])))
+    for name, matrix in expected(rig, moved, False).items():
+        place = multiply(rig.world[rig.find(name)], matrix)[3, :3]
+        assert np.abs(posed.world(final.find(name))[0, 3, :3] - place).max() < IK, name
+
+
+def block(mark: str) -> list[list[str]]:
+    """The commands of a marked block of docs/blender.md."""
+    page = (ROOT / "docs" / "blender.md").read_text("utf-8")
+    found = re.search(rf"<!-- {mark} -->\n```sh\n(.*?)```", page, re.S)
+    assert found, mark
+    return [line.split()[1:] for line in found.group(1).strip().splitlines()]
+
+
+NASTY = 'x\'); import os; os.abort() #\n"""</script>\\ \u2028\ud800é'
+
+
+def test_names_cannot_become_code(rigged: dict[str, Path]) -> None:
+    rig = read(rigged["biped.glb"]).rig
+    names = [NASTY if name == "head_ctl" else name for name in rig.names]
+    script = exported(replace(rig, names=names), gltf=True, file='it\'s "one"\n.glb').script
+    assert script.isascii()
+    tree = ast.parse(script)
+    literal = next(
+        node.value.args[0]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.AnnAssign)
+        and ast.unparse(node.target) == "RIG"
+        and isinstance(node.value, ast.Call)
+    )
+    assert isinstance(literal, ast.Constant)
+    assert isinstance(literal.value, str)
+    plan = json.loads(literal.value)
+    assert plan["file"] == 'it\'s "one"\n.glb'
+    assert NASTY in [node["name"] for node in plan["nodes"]]
+    template = Path(blender.__file__).parent / "setup_in_blender.py"
+    literal.value = "{}"
+    assert ast.dump(tree) == ast.dump(ast.parse(template.read_text("utf-8")))
+
+
+@pytest.mark.slow
+def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp_path: Path) -> None:
+    """The script of one character on the scene of another, of which most bones have the same names."""
+    plan = exported(read(rigged["biped.glb"]).rig, gltf=True).plan
+    (head,) = [node for node in plan["nodes"] if node["name"] == "head"]
+    head.update(name="haed", title="haed")
+    script = tmp_path / "other.py"
+    script.write_text(blender.script(plan), "utf-8")
+    job = {"source": str(rigged["biped.glb"]), "script": str(script)}
+    with pytest.raises(AssertionError, match=r"nothing is set up[^^]*no bone is 'haed'"):
+        blender_setup(job, folder=tmp_path)
+
+
+def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(app: Any, tmp_path: Path) -> None:
+    plain, script = str(SAMPLES / "biped.glb"), str(tmp_path / "setup.py")
+    result = CliRunner().invoke(app, ["export-blender", plain, "-o", script])
+    assert result.exit_code == 5
+    assert "add-controls" in result.stderr
+    soft = str(tmp_path / "soft.glb")
+    line = ["add-controls", plain, "-o", soft, "--limbs", "auto", "--soft", "0.1", "--stretch"]
+    assert CliRunner().invoke(app, line).exit_code == 0
+    result = CliRunner().invoke(app, ["export-blender", soft, "-o", script, "--json"])
+    told = json.loads(result.stdout)
+    assert (told["limbs"], told["script"]) == (4, script)
+    assert {warning["code"] for warning in told["warnings"]} == {"blender-left-out"}
+    assert any("softness of 'hand_L_ik_ctl'" in warning["text"] for warning in told["warnings"])
+    again = CliRunner().invoke(app, ["export-blender", soft, "-o", script])
+    assert again.exit_code == 2
+    assert "--overwrite" in again.stderr
+    streamed = CliRunner().invoke(app, ["export-blender", soft, "-o", "-", "-q"])
+    assert streamed.stdout == Path(script).read_text("utf-8")
+
+
+def test_left_out_rules_are_named(rigged: dict[str, Path], app: Any, tmp_path: Path) -> None:
+    out = str(tmp_path / "out.glb")
+    line = ["constrain", str(rigged["biped.glb"]), "-o", out, "--type", "point", "--child", "head"]
+    assert CliRunner().invoke(app, [*line, "--driver", "hips", "--skip", "ty"]).exit_code == 0
+    report = Report()
+    exported(read(Path(out)).rig, gltf=True, report=report)
+    assert [notice.code for notice in report.warnings] == ["blender-left-out"]
+    assert "'head'" in report.warnings[0].text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["kaykit_Barbarian.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda"]
+)
+def test_bones_of_real_characters_follow_controls(name: str, app: Any, tmp_path: Path) -> None:
+    """Straight limbs, bones scaled by their armature, centimetres and z up."""
+    path = next((path for path in asset_files() if path.name == name), None)
+    if path is None:
+        pytest.skip(NO_ASSETS)
+    rigged = tmp_path / name
+    line = ["add-controls", str(path), "-o", str(rigged), "--whole-character", "-q"]
+    assert CliRunner().invoke(app, line).exit_code == 0
+    document = read(rigged)
+    rig, meters = document.rig, document.scenery().whole.get("metersPerUnit", 1.0)
+    ends, fk = (
+        [rig.names[node] for node, note in rig.notes.items() if (note["type"], note.get("kind")) == wanted]
+        for wanted in (("control", "ik"), ("control", "fk"))
+    )
+    size = float(np.linalg.norm(np.ptp(rig.world[np.flatnonzero(rig.is_joint), 3, :3], axis=0)))
+    move = (0.03 * size * np.array([1.0, 1.0, 0.5])).tolist()
+    poses = [
+        {control: ONE | {"rotation": turn("xyz"[k % 3], 12)} for k, control in enumerate(fk[::3])},
+        {control: ONE | {"translation": move, "rotation": turn("y", 20)} for control in ends[:2]},
+    ]
+    is_gltf = path.suffix in (".glb", ".vrm")
+    script = tmp_path / "setup.py"
+    script.write_text(exported(rig, gltf=is_gltf, meters=meters, file=name).script, "utf-8")
+    (found,) = blender_setup(
+        {"source": str(rigged), "script": str(script), "poses": poses, "only_fk": [0]}, folder=tmp_path
+    )
+    checked(found)
+    y_up = is_gltf or rig.up[1] > 0
+    off = [
+        apart(rig, found, k, pose, only_fk=not k, y_up=y_up, meters=meters) for k, pose in enumerate(poses)
+    ]
+    assert off[0] <= FK
+    assert off[1] <= IK

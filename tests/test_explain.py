@@ -1,0 +1,177 @@
+"""Three points explained: the talk's numbers, ours beside them, and what is said where there are none."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from hypothesis import given
+from places import SAMPLES
+from second_opinions import validator
+from strategies import vectors
+
+import rigtri
+from rigtri.errors import GeometryError
+from rigtri.explanation.picture import picture
+from rigtri.explanation.steps import Explanation, explain
+from rigtri.explanation.words import text
+from rigtri.trigonometry import Floats
+
+ARM = ([0, 140, 0], [25, 140, -5], [50, 140, 0])
+
+
+def value(found: Explanation, ours: str) -> Any:
+    (step,) = [step for step in found.steps if step.ours == ours]
+    return step.value
+
+
+def test_the_arm_of_the_example_has_the_numbers_that_one_can_check_by_hand() -> None:
+    found = explain(*ARM)
+    assert value(found, "b - a") == (25, 0, -5)
+    assert value(found, "length(AC)") == 50
+    assert value(found, "dot(AB, AC)") == 1250
+    assert value(found, "cross(AB, AC)") == (0, -250, 0)
+    assert value(found, "length(cross(AB, AC)) / 2") == 125
+    assert value(found, "dot(AB, AC) / dot(AC, AC)") == 0.5
+    assert value(found, "project(B, A, C)") == (25, 140, 0)
+    assert value(found, "length(PB)") == 5
+    assert value(found, "bend_direction(A, B, C)") == (0, 0, -1)
+    assert value(found, "bend_angle(A, B, C)") == pytest.approx(2 * np.degrees(np.arctan(5 / 25)))
+    assert value(found, "pole_position(A, B, C)") == pytest.approx((25, 140, -5 - np.sqrt(650)))
+
+
+def test_the_point_of_the_slide_is_subtracted_as_on_the_slide() -> None:
+    """Slide "Subtracting": from [2,3,1] to [5,4,3] it is [3,1,2]."""
+    assert value(explain([2, 3, 1], [5, 4, 3], [0, 0, 0]), "b - a") == (3, 1, 2)
+
+
+@given(vectors, vectors, vectors)
+def test_what_the_talk_derives_step_by_step_is_what_our_functions_give(
+    a: Floats, b: Floats, c: Floats
+) -> None:
+    found = explain(a, b, c)
+    rows = [value(found, f"frame(AB, AC)[{k}]") for k in range(3)]
+    if None in rows:
+        assert found.trouble
+        return
+    x, y, z = np.array(rows)
+    normal = np.cross(x, (c - a) / np.linalg.norm(c - a))
+    assert np.allclose(z, normal / np.linalg.norm(normal), atol=1e-4)
+    assert np.allclose(y, np.cross(z, x), atol=1e-9)
+    foot = np.array(value(found, "project(B, A, C)"))
+    assert abs(np.dot(b - foot, c - a)) <= 1e-6 * max(1.0, np.dot(c - a, c - a))
+
+
+@pytest.mark.parametrize(
+    ("points", "told"),
+    [
+        (([0, 0, 0], [1, 0, 0], [2, 0, 0]), "on one line: the limb is straight"),
+        (([0, 0, 0], [2, 0, 0], [1, 0, 0]), "folded back"),
+        (([1, 1, 1], [1, 1, 1], [2, 0, 0]), "A and B are the same point"),
+        (([1, 1, 1], [2, 0, 0], [1, 1, 1]), "A and C are the same point"),
+        (([1, 1, 1], [1, 1, 1], [1, 1, 1]), "one point"),
+        (([0, 0, 0], [1, 0.001, 0], [2, 0, 0]), "nearly straight"),
+    ],
+)
+def test_points_that_make_no_triangle_are_explained(points: Any, told: str) -> None:
+    found = explain(*points)
+    assert told in found.trouble
+    assert told in text(found)
+    assert "nan" not in text(found).lower()
+    validator("explain").validate(found.as_json())
+    ElementTree.fromstring(picture(found))
+    if "nearly" not in told:
+        assert value(found, "pole_position(A, B, C)") is None
+        assert value(found, "hinge(A, B, C)") is None
+
+
+def test_numbers_too_large_or_none_are_told_not_shown() -> None:
+    with pytest.raises(GeometryError):
+        explain([0, 0, 0], [float("nan"), 0, 0], [1, 0, 0])
+    huge = explain([0, 0, 0], [1e300, 0, 0], [0, 1e300, 0])
+    assert value(huge, "length(AC)") is None
+
+
+def test_the_picture_shows_the_points_the_projection_and_the_pole() -> None:
+    svg = picture(explain(*ARM, names=("<b>", "elbow", "wrist")))
+    words = {e.text for e in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")}
+    assert {"A <b>", "B elbow", "C wrist", "P", "pole vector"} <= words
+
+
+def test_lines_fit_the_terminal_where_they_can() -> None:
+    assert max(map(len, text(explain(*ARM), width=200).splitlines())) <= 200
+    assert max(map(len, text(explain(*ARM), width=90).splitlines())) <= 90
+
+
+@pytest.fixture
+def run(app: click.Group, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words: object, code: int = 0) -> Result:
+        result = CliRunner().invoke(app, ["explain", *map(str, words)])
+        assert result.exit_code == code, result.output
+        return result
+
+    return call
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["0,140,0", "25,140,-5", "50,140,0"],
+        ["0", "140", "0", "25", "140", "-5", "50", "140", "0"],
+        ["0,140,0,25,140,-5,50,140,0"],
+        ["--", "0,140,0", "25,140,-5", "50,140,0"],
+    ],
+)
+def test_points_are_given_as_people_write_them(words: list[str], run: Any) -> None:
+    assert run(*words).stdout.rstrip("\n") == text(explain(*ARM))
+
+
+def test_negative_numbers_need_nothing_around_them(run: Any) -> None:
+    found = json.loads(run("-1,-2e-1,-.5", "-1", "0", "-0", "--json", "-3,0,0").stdout)
+    validator("explain").validate(found)
+    assert [found["points"][k]["position"] for k in "ABC"] == [[-1, -0.2, -0.5], [-1, 0, 0], [-3, 0, 0]]
+
+
+def test_a_limb_of_a_file_is_found_by_any_of_its_joints_or_by_all(run: Any) -> None:
+    source = SAMPLES / "biped.glb"
+    whole = run(source, "upper_arm_L", "forearm_L", "hand_L").stdout
+    for joint in ("upper_arm_L", "forearm_L", "hand_L"):
+        assert run(source, "--limb", joint).stdout == whole
+    assert "C = (0.593341, 1.10706, 0.0219779)  hand_L" in whole
+    assert "B = " in run(source, "--limb", "chest").stdout  # no limb that anybody knows: its neighbours
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "told"),
+    [
+        (["0,0,0", "1,0,0"], 2, "nine numbers, not 6"),
+        (["0,0,0", "1,0,x", "2,0,0"], 2, "'x' is no number"),
+        (["0,0,0", "1,0,0", "2,0,0", "--nothing"], 2, "no option --nothing"),
+        (["0,0,0", "1,0,0", "2,0,0", "--limb", "a"], 2, "of a file"),
+        (["0,0,0", "1,0,0", "nan,0,0"], 5, "not all of their coordinates are numbers"),
+        (["missing.glb", "--limb", "a"], 3, "no file"),
+        ([SAMPLES / "biped.glb"], 2, "--limb JOINT"),
+        ([SAMPLES / "biped.glb", "--limb", "elbo"], 4, "elbo"),
+        ([SAMPLES / "biped.glb", "--limb", "fingers_L"], 2, "middle of no limb"),
+        (["0,0,0", "1,0,0", "2,1,0", "-o", "-", "--json"], 2, "standard output"),
+    ],
+)
+def test_a_mistake_gets_one_line(words: list[Any], code: int, told: str, run: Any) -> None:
+    result = run(*words, code=code)
+    assert told in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_the_picture_is_written_beside_the_words(run: Any, tmp_path: Path) -> None:
+    assert "Pole Vector" in run("0,140,0", "25,140,-5", "50,140,0", "-o", "arm.svg").stdout
+    assert (tmp_path / "arm.svg").read_bytes().decode() == picture(rigtri.explain(*ARM))
+    assert run("0,140,0", "25,140,-5", "50,140,0", "-o", "-").stdout == picture(explain(*ARM))
