@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 SOME_FAILED = 7
 # Failures that are told while a batch runs; the summary counts all, and the manifest has each.
 MOST_TOLD = 20
+# Names that files have not which are told at the end.
+MOST_MISSING = 10
 
 
 class Bytes(click.ParamType[int]):
@@ -288,6 +290,11 @@ def _tell_end(session: Run, left: int, values: dict[str, Any]) -> None:
     counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
     words = [*counts, *([f"{left} not begun"] if left else [])]
     click.echo(f"{counted(session.counts.total() + left, 'file')}: {', '.join(words)}", err=True)
+    for what, count in session.missing.most_common(MOST_MISSING):
+        click.echo(plain(f"in {count} of them: {what}", one_line=True), err=True)
+    if len(session.missing) > MOST_MISSING:
+        more = len(session.missing) - MOST_MISSING
+        click.echo(f"{counted(more, 'name')} more that files have not; rigtri batch-report tells", err=True)
     if values["dry_run"]:
         click.echo("Nothing was written (--dry-run).", err=True)
 

@@ -64,6 +64,10 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
     yield from _table(
         "errors", [(row["files"], row["kind"], row["reason"], row["example"]) for row in found["errors"]]
     )
+    yield from _table(
+        f"what files have not (of {found['files']})",
+        [(row["files"], row["what"], row["example"]) for row in found["missing"]],
+    )
     yield from _table("warnings", [(row["files"], row["code"], row["example"]) for row in found["warnings"]])
     yield from _axes(found["axes"])
 

@@ -29,4 +29,6 @@ def command(ctx: click.Context, shell: str, as_json: bool) -> None:
     if known is None:
         raise UsageError(f"click knows no completion for {shell}")
     program = ctx.find_root().command
-    click.echo(known(program, {}, "rigtri", "_RIGTRI_COMPLETE").source())
+    lines = known(program, {}, "rigtri", "_RIGTRI_COMPLETE").source()
+    # For fish, click cuts what it says of a choice at the first comma.
+    click.echo(lines.replace('string split "," ', 'string split --max 1 "," '))

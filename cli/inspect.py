@@ -39,7 +39,7 @@ def command(source: str, **values: Any) -> None:
     Example:
         rigtri inspect hero.glb
     """
-    from rigtri.describe import as_json, describe
+    from rigtri.descriptions import as_json, describe
     from rigtri.formats import read
     from rigtri.inputs import opened
 

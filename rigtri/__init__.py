@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _WHERE = {
-    "read": "rigtri.formats",
+    "read": "rigtri.library",
+    "write": "rigtri.library",
+    "from_pygltflib": "rigtri.in_memory",
+    "to_pygltflib": "rigtri.in_memory",
     "edit": "rigtri.pipeline",
     "build": "rigtri.spec.building",
     "orient_joints": "rigtri.ops.orient",
@@ -30,19 +33,21 @@ _WHERE = {
     "take_pose": "rigtri.ops.posing",
     "snap": "rigtri.ops.snap",
     "strip": "rigtri.ops.strip",
-    "describe": "rigtri.describe",
-    "verify": "rigtri.compare",
+    "describe": "rigtri.descriptions",
+    "verify": "rigtri.library",
     "diff": "rigtri.difference",
     "check": "rigtri.checks",
     "draw": "rigtri.drawing.picture",
     "explain": "rigtri.explanation.steps",
     "register_usd_schemas": "rigtri.formats.usd.schemas",
+    "Options": "rigtri.formats",
     "Rig": "rigtri.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
 }
 
 __all__ = [
+    "Options",
     "Report",
     "Rig",
     "RigtriError",
@@ -61,6 +66,7 @@ __all__ = [
     "draw",
     "edit",
     "explain",
+    "from_pygltflib",
     "make_limb",
     "mirror",
     "orient_joints",
@@ -70,19 +76,22 @@ __all__ = [
     "strip",
     "take_clips",
     "take_pose",
+    "to_pygltflib",
     "verify",
+    "write",
 ]
 
 if TYPE_CHECKING:
     from rigtri.checks import check
-    from rigtri.compare import verify
-    from rigtri.describe import describe
+    from rigtri.descriptions import describe
     from rigtri.difference import diff
     from rigtri.drawing.picture import draw
     from rigtri.errors import RigtriError
     from rigtri.explanation.steps import explain
-    from rigtri.formats import read
+    from rigtri.formats import Options
     from rigtri.formats.usd.schemas import register_usd_schemas
+    from rigtri.in_memory import from_pygltflib, to_pygltflib
+    from rigtri.library import read, verify, write
     from rigtri.ops.bake import bake
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls

@@ -68,7 +68,7 @@ def part_of(rig: Rig, wanted: Integers) -> tuple[Rig, Integers]:
     for node in range(len(rig) - 1, -1, -1):
         if keep[node] and rig.parents[node] >= 0:
             keep[rig.parents[node]] = True
-    if 4 * int(keep.sum()) >= 3 * len(rig):  # to pose the rest costs less than to leave it out
+    if 5 * int(keep.sum()) >= 4 * len(rig):  # to pose the rest costs less than to leave it out
         return rig, np.arange(len(rig))
     place = np.where(keep, np.cumsum(keep) - 1, -1)
     return rig.part(np.flatnonzero(keep).tolist())[0], place

@@ -66,6 +66,7 @@ def edit(
     target: Path | str,
     step: Step,
     *,
+    document: Document | None = None,
     options: Options | None = None,
     report: Report | None = None,
     overwrite: bool = False,
@@ -81,7 +82,8 @@ def edit(
 
     ``-`` is standard input or output. The file about to be delivered is re-opened and
     compared with the source first: over ``tolerance`` (a share of the bounding-box
-    diagonal) DeviationError is raised and nothing is written. ``strict`` makes
+    diagonal) DeviationError is raised and nothing is written. ``document``: the source, where it was
+    read already, with the same ``options``. ``strict`` makes
     any warning a GeometryError. ``side_files`` are what the caller will write besides, ``ahead``
     the copies that it has begun (`rigtri.ahead`). ``ready`` is called when the output has passed and is
     about to take its name, by runs of many files at once: these may share copies, which then stay
@@ -97,7 +99,7 @@ def edit(
         final = _final(path, target, overwrite, options)
         if not to_stdout:
             _check_suffix(path, final, options)
-        document = read(path, options)
+        document = document or read(path, options)
         needed = _needed(document, path, final, options)
         files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
         for place in (*side_files, *(() if to_stdout else (final,))):

@@ -51,3 +51,12 @@ class Report:
             if notice not in self._known:
                 self._known.add(notice)
                 self.warnings.append(notice)
+
+    def take(self, other: Report) -> None:
+        """Add what another report tells."""
+        for name in ("joints", "limbs", "added", "removed"):
+            getattr(self, name).extend(getattr(other, name))
+        self.hear(other.warnings)
+        for key, columns in other.driven.items():
+            self.driven.setdefault(key, set()).update(columns)
+        self.reposed |= other.reposed

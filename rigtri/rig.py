@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from rigtri.matrices import compose, multiply
 from rigtri.records import Booleans, Bound, Clip, Constraint, Fold, Integers, Mesh, Skin, Spread, Track
 from rigtri.shapes import Lines, Shape, nothing
 from rigtri.trigonometry import Floats
+
+if TYPE_CHECKING:
+    from rigtri.origin import Origin
 
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
 # would need n² characters.
@@ -75,7 +78,7 @@ class Rig:
     lines: reads the lines that the file draws at the node of a key, None where it draws something else.
     drawn: reads what is drawn, to measure; asked only when needed. read_meshes: the same with all
     points, as `meshes`. shelf: the node that a new group of ours goes under, −1 where it is a root.
-    per_second: units of clips' time in a second.
+    per_second: units of clips' time in a second. origin: the file, of a rig that was read by itself.
     """
 
     names: tuple[str, ...]
@@ -112,6 +115,7 @@ class Rig:
     read_meshes: Callable[[], Sequence[Mesh]] = tuple
     shelf: int = -1
     per_second: float = 1.0
+    origin: Origin | None = None
 
     def __len__(self) -> int:
         return len(self.names)

@@ -7,6 +7,8 @@ docs/file-description.md.
 
 spec.schema.json: of rig specs, as the models of `rigtri.spec` say it, with the words of the commands'
 help, for editors that complete and check. docs/specs.md.
+
+docs/notes.md: node.schema.json as a page, a table for each type of note.
 """
 
 from __future__ import annotations
@@ -132,11 +134,57 @@ def _or_variable(about: dict[str, Any]) -> dict[str, Any]:
     return {"anyOf": [*alternatives, {"type": "string", "pattern": r"\$\{.+\}"}], **rest}
 
 
-def write(folder: Path = HERE / "usd") -> None:
+def notes_page(schema: dict[str, Any]) -> str:
+    """The notes that rigtri stores, member by member, as Markdown."""
+    tables = [_table(kind, schema) for kind in schema["properties"]["type"]["enum"]]
+    return "\n".join(
+        [
+            "# Notes, member by member",
+            "",
+            "What `schemas/node.schema.json` says of `extras.rigtri` (glTF) and the attributes `rigtri:*`",
+            "(USD); what they are for is in [what is stored in a file](file-description.md). Members in",
+            "**bold** are always there. Written by `schemas/make.py`.",
+            "",
+            *tables,
+        ]
+    )
+
+
+def _table(kind: str, schema: dict[str, Any]) -> str:
+    about = schema["$defs"][kind]
+    lines = [f"## {kind}", "", about["title"] + ".", "", "| member | is | what it says |", "|---|---|---|"]
+    for name, said in about["properties"].items():
+        member = _resolved(said if said is not True else schema["properties"].get(name, {}), schema)
+        shown = f"**{name}**" if name in about["required"] else name
+        words = ". ".join(member[key].rstrip(".") for key in ("title", "description") if key in member)
+        lines.append(f"| {shown} | {_kind(member, schema)} | {words.replace('|', chr(92) + '|')} |")
+    return "\n".join(lines) + "\n"
+
+
+def _kind(member: dict[str, Any], schema: dict[str, Any]) -> str:
+    """A member's type in words."""
+    if "const" in member:
+        return f"`{member['const']}`"
+    if "enum" in member:
+        return ", ".join(f"`{value}`" if value != "" else "empty" for value in member["enum"])
+    for word in ("anyOf", "oneOf"):
+        if word in member:
+            return " or ".join(dict.fromkeys(_kind(_resolved(one, schema), schema) for one in member[word]))
+    if member.get("type") != "array":
+        return str(member.get("type", "anything"))
+    items = _resolved(member.get("items", {}), schema)
+    low, high = member.get("minItems"), member.get("maxItems")
+    count = f"{low} × " if low == high and low else "list of "
+    return count + _kind(items, schema)
+
+
+def write(folder: Path = HERE / "usd", docs: Path = HERE.parent / "docs") -> None:
     """Write all of them anew."""
     text = json.dumps(spec_schema(), indent=2, ensure_ascii=False) + "\n"
     (folder.parent / "spec.schema.json").write_text(text, encoding="utf-8")
-    layer, plugin = generated(json.loads((HERE / "node.schema.json").read_text(encoding="utf-8")))
+    schema = json.loads((HERE / "node.schema.json").read_text(encoding="utf-8"))
+    (docs / "notes.md").write_text(notes_page(schema), encoding="utf-8")
+    layer, plugin = generated(schema)
     (folder / "generatedSchema.usda").write_text(layer, encoding="utf-8")
     (folder / "plugInfo.json").write_text(plugin, encoding="utf-8")
 

@@ -35,6 +35,7 @@ carried readers driven dependence
 solve
 turned_rules
 reframe report reach
+origin
 lengths
 naming
 limbs
@@ -45,7 +46,7 @@ matching
 playing
 moving scenery attached
 watched
-compare describe description changes
+compare descriptions description changes
 advice stilled intended
 delivery
 ahead ops formats
@@ -55,6 +56,8 @@ drawing
 explanation
 viewer
 checks pipeline difference
+library
+in_memory
 steps
 spec
 confined

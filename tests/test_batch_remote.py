@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import shutil
@@ -22,6 +23,14 @@ from moto.server import ThreadedMotoServer
 
 SPEC = "steps: [{do: orient-joints, aim: y, up: z}]"
 Batch = Callable[..., Result]
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+
+
+@pytest.fixture(autouse=True)
+def tidy() -> Iterator[None]:
+    """Sockets that the libraries close late are closed here, not in whichever test comes next."""
+    yield
+    gc.collect()
 
 
 @pytest.fixture(scope="module")

@@ -86,6 +86,27 @@ def test_counts_the_worst_and_the_slowest_come_from_all_parts(app: click.Group, 
     assert [row["shard"] for row in found["runs"]] == ["1/2", "2/2"]
 
 
+def test_what_files_have_not_is_counted_name_by_name(app: click.Group, tmp_path: Path) -> None:
+    """A file that lacks several joints counts once for each, one that lacks a joint in two steps once."""
+    steps = ((1, "hips"), (2, "it's"))
+    faults = [f"rig.yaml:{k}:3 step {k} (add-twist): {missing(joint).message}" for k, joint in steps]
+    both = Record("error", "name not found", "; ".join([*faults, faults[0].replace(":1:", ":9:")]), 4)
+    clip = Record("error", "name not found", "No clip is named 'run'. Did you mean 'ran'?", 4)
+    several = Record("error", "ambiguous name", "2 joints are named 'arm': '#1', '#2'. Say which one by …", 4)
+    records = {"a.glb": both, "b.glb": both, "c.glb": missing("hips"), "d.glb": clip, "e.glb": several}
+    records["f.glb"] = Record("error", "file", "No joint is named 'hips' in a file that is broken", 3)
+    wrote(tmp_path, records | {"g.glb": ok(0.0, 1.0)})
+    found = json.loads(report(app, tmp_path, "--json").stdout)
+    validator("batch-report").validate(found)
+    assert {row["what"]: (row["files"], row["example"]) for row in found["missing"][1:]} == {
+        "No joint is named 'it's'": (2, "in/a.glb"),
+        "2 joints are named 'arm'": (1, "in/e.glb"),
+        "No clip is named 'run'": (1, "in/d.glb"),
+    }
+    told = report(app, tmp_path).stdout
+    assert "what files have not (of 7)\n  3  No joint is named 'hips'  in/" in told
+
+
 def test_words_say_the_same(app: click.Group, tmp_path: Path) -> None:
     notice = {"code": "straight", "text": "arm_L is straight", "joint": "arm_L"}
     records = {

@@ -95,6 +95,19 @@ def test_a_spec_for_another_character_is_told_before_anything_is_written(
     assert [path.name for path in Path("out").iterdir()] == ["rigtri-batch.sqlite"]
 
 
+def test_what_some_files_have_not_is_counted_at_the_end(app: click.Group, here: Path, samples: Path) -> None:
+    for name in ("tail.glb", "hand.glb"):
+        shutil.copy(samples / name, Path("in", name))
+    Path("rig.yaml").write_text("steps: [{do: orient-joints, joints: [hips, hand_L]}]")
+    given = ("--spec", "rig.yaml", "-O", "out", "-j", "1", "--no-verify")
+    result = CliRunner().invoke(app, ["batch", "in/a.glb", "in/tail.glb", "in/hand.glb", *given])
+    assert result.exit_code == 7
+    assert result.stderr.splitlines()[-2:] == [
+        "3 files: 1 warned, 2 error",
+        "in 2 of them: No joint is named 'hips'",
+    ]
+
+
 def test_faults_of_a_spec_come_before_all_work(app: click.Group, here: Path) -> None:
     Path("rig.yaml").write_text("steps: [{do: orient-joint}, {do: strip, colour: red}]")
     result = batch(app, "--json")

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
 import click
 import pytest
 from click.testing import CliRunner
@@ -36,3 +42,59 @@ def test_a_shell_that_nobody_knows_is_a_usage_error(app: click.Group) -> None:
     told = CliRunner().invoke(app, ["completion", "csh"])
     assert told.exit_code == 2
     assert "'bash', 'zsh', 'fish'" in told.stderr
+
+
+def shell(name: str) -> str:
+    found = shutil.which(name)
+    if found is None:
+        pytest.skip(f"this system has no {name}")
+    return found
+
+
+@pytest.fixture
+def here(tmp_path: Path, app: click.Group, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a file, and the lines for each shell; the shells find this rigtri."""
+    (tmp_path / "hero.glb").touch()
+    for name, file in (("bash", "rigtri.bash"), ("zsh", "_rigtri"), ("fish", "rigtri.fish")):
+        lines = CliRunner().invoke(app, ["completion", name]).stdout
+        (tmp_path / file).write_text(lines, "utf-8")
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_bash_completes(here: Path) -> None:
+    asked = """source ./rigtri.bash
+        tried() {
+            COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _rigtri_completion rigtri
+            echo "${COMPREPLY[*]}"
+        }
+        tried rigtri ori; tried rigtri bake --to ""; complete -p rigtri"""
+    run = [shell("bash"), "--norc", "--noprofile", "-c", asked]
+    told = subprocess.run(run, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert told[:2] == ["orient-joints", "joints controls"]
+    assert told[2].endswith("-F _rigtri_completion rigtri")
+
+
+def test_fish_completes_with_whole_descriptions(here: Path) -> None:
+    asked = "source ./rigtri.fish"
+    for words in ("rigtri ori", "rigtri orient-joints --pre", "rigtri bake --to ", "rigtri check he"):
+        asked += f"; complete -C '{words}'"
+    run = [shell("fish"), "--no-config", "-c", asked]
+    told = subprocess.run(run, capture_output=True, text=True, check=True).stdout.splitlines()
+    names = [line.split("\t")[0] for line in told]
+    assert names == ["orient-joints", "--preset", "controls", "joints", "hero.glb"]
+    assert told[1].split("\t")[1] == "The axes of another program: aim, up and where up comes from."
+
+
+def test_zsh_completes(here: Path) -> None:
+    """What zsh's own completion would be told: outside its line editor these are functions of ours."""
+    asked = """compdef() { : }; _describe() { print -l -- $completions_with_descriptions }
+        compadd() { print -l -- $completions }; _path_files() { print files }
+        source ./_rigtri
+        tried() { words=("$@"); CURRENT=$#; _rigtri_completion }
+        tried rigtri ori; tried rigtri bake --to ''; tried rigtri check he"""
+    run = [shell("zsh"), "-f", "-c", asked]
+    told = subprocess.run(run, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert told[0].startswith("orient-joints:Give joints new axes")
+    assert told[1:] == ["joints", "controls", "files"]

@@ -724,9 +724,7 @@ def test_the_command_writes_what_it_says(
     assert document["added"][0]["drivers"] == {"head": 2.0, "hand_R": 1.0}
     assert document["verification"]["deviation"] == 0
     assert "hand_L: orient constraint by head (2), hand_R (1) (new)" in result.stderr
-    assert len(rigtri.read(tmp_path / f"out{suffix}").rig.notes) == 2 - (suffix == ".usda") + (
-        suffix == ".usda"
-    )
+    assert len(rigtri.read(tmp_path / f"out{suffix}").notes) == 2 - (suffix == ".usda") + (suffix == ".usda")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from conftest import Golden
 from places import SAMPLES
 from rigs import chain, random_rig, random_turns, rig_of
 
-from rigtri.describe import as_json, describe
+from rigtri.descriptions import as_json, describe
 from rigtri.formats import read
 from rigtri.quaternions import from_axis_angle
 from rigtri.reframe import reframe

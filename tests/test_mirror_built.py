@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.cli.main import program
-from rigtri.describe import describe
+from rigtri.descriptions import describe
 from rigtri.following import evaluate
 from rigtri.formats import read
 from rigtri.matrices import multiply as after

@@ -33,14 +33,19 @@ def test_the_first_command_runs_the_main_job_and_prints_the_number(
     assert (tmp_path / "biped-oriented.glb").exists()
 
 
-def test_the_library_example_runs(
-    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+@pytest.mark.parametrize(("page", "printed"), [("README.md", "max deviation"), ("docs/library.md", "True ")])
+def test_the_library_examples_run(
+    page: str, printed: str, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
     (tmp_path / "samples").symlink_to(samples)
     monkeypatch.chdir(tmp_path)
-    (code,) = re.findall(r"```python\n(.*?)```", README, re.S)
-    exec(compile(code, "README.md", "exec"), {})
-    assert "deviation" in capsys.readouterr().out
+    codes = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.S)
+    for code in codes:
+        exec(compile(code, page, "exec"), {})
+    assert printed in capsys.readouterr().out
+    assert (tmp_path / "out.glb").exists()
+    lines = [line for line in codes[0].splitlines() if line]
+    assert len(lines) <= 10
 
 
 def test_every_command_and_option_in_the_readme_exists(app: click.Group) -> None:

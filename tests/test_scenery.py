@@ -109,7 +109,7 @@ GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
     ),
     "*another way to blend": (
         lambda g: g["materials"][0].update(alphaMode="BLEND"),
-        "alphaMode of the material of primitive 0 of body is BLEND, was none",
+        "alphaMode of the material of primitive 0 of body is BLEND, was OPAQUE",
     ),
     "*lines": (lambda g: _primitive(g).update(mode=3), "line strip instead of triangles: the faces"),
 }
@@ -127,6 +127,20 @@ def test_a_fault_that_no_pose_tells_is_seen_in_gltf(name: str, tmp_path: Path) -
     assert any(words in text for text in result.different), result.different
     assert words in result.describe(verbose=True)
     assert self_check(before, after).passes() == name.startswith("*")
+
+
+def test_a_material_that_states_what_holds_anyway_is_the_same(tmp_path: Path) -> None:
+    before = read(stage_set().glb(tmp_path / "before.glb"))
+    stated = stage_set()
+    painted = stated.gltf["materials"][0]["pbrMetallicRoughness"]
+    painted |= {"metallicFactor": 1.0, "roughnessFactor": 1.0}
+    painted["baseColorTexture"]["texCoord"] = 0
+    stated.gltf["materials"][0] |= {"alphaMode": "OPAQUE", "doubleSided": False, "emissiveFactor": [0.0] * 3}
+    stated.gltf["textures"][0]["sampler"] = 0
+    stated.gltf["samplers"] = [{"wrapS": 10497}]
+    assert verify(before, read(stated.glb(tmp_path / "stated.glb"))).passes()
+    stated.gltf["samplers"] = [{"wrapS": 33071}]
+    assert not verify(before, read(stated.glb(tmp_path / "other.glb"))).passes()
 
 
 @pytest.mark.parametrize(

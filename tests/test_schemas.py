@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
-from places import SAMPLES
+from places import ROOT, SAMPLES
 from second_opinions import SCHEMAS, schema, validator
 
 POLE: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": ["shoulder", "elbow", "wrist"]}
@@ -103,6 +103,12 @@ def test_the_usd_schema_is_what_the_node_schema_says() -> None:
     folder = Path(str(files("rigtri.schemas"))) / "usd"
     assert (folder / "generatedSchema.usda").read_text(encoding="utf-8") == layer
     assert (folder / "plugInfo.json").read_text(encoding="utf-8") == plugin
+
+
+def test_the_page_of_notes_is_what_the_node_schema_says() -> None:
+    from rigtri.schemas.make import notes_page
+
+    assert (ROOT / "docs" / "notes.md").read_text(encoding="utf-8") == notes_page(schema("node"))
 
 
 def test_usd_knows_the_schemas_of_prims_that_rigtri_makes(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from places import NO_LIMB, asset_files, leave_out, leave_out_refused, sample_fi
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.compare import verify
-from rigtri.describe import describe
+from rigtri.descriptions import describe
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import pickle
 import queue
@@ -94,6 +95,9 @@ class Cluster:
             from distributed import Client
         except ImportError:
             raise UsageError('--dask needs more packages: pip install "rigtri[dask]"') from None
+        # What goes wrong is told by errors of ours, without tracebacks.
+        for name in ("distributed", "distributed.client"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             self._client = Client(self._address, timeout=REACHED, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -170,8 +174,11 @@ class Cluster:
                         if self._max_errors is not None and self._failed > self._max_errors:
                             self._stopped = True
                         yield state.assignments[number], record
+        except OSError as error:
+            raise self._broken(str(error)) from error
         finally:
-            self._client.cancel([sent.future for sent in state.sent.values()])
+            with suppress(OSError):
+                self._client.cancel([sent.future for sent in state.sent.values()])
 
     def stop(self) -> None:
         """As `Engine.stop`."""
@@ -263,7 +270,10 @@ class Cluster:
                 state.waiting.append(sent.left)
             return
         said = f"{type(error).__name__}: {error}" if error else f"its tasks are {sent.future.status}"
-        raise FileError(
+        raise self._broken(said)
+
+    def _broken(self, said: str) -> FileError:
+        return FileError(
             f"the Dask cluster at {self._address} cannot go on ({said}). What is done is done; run it again "
             "for the rest"
         )

@@ -212,6 +212,9 @@ class Manifest:
             ) from None
 
 
+_WITHOUT = "A batch does all anew without it: with another --manifest, and --overwrite"
+
+
 def check(base: sqlite3.Connection, path: Path, *, empty: bool = False) -> None:
     """UsageError for a manifest of another version, FileError for another file. empty: may be a new one."""
     (version,) = base.execute("PRAGMA user_version").fetchone()
@@ -223,8 +226,8 @@ def check(base: sqlite3.Connection, path: Path, *, empty: bool = False) -> None:
         raise FileError(f"{path} is no manifest of rigtri batch; give another --manifest")
     if version != VERSION:
         raise UsageError(
-            f"{path} is a manifest of version {version}, and this rigtri writes version {VERSION}: use the "
-            "rigtri that wrote it, or give another --manifest, and --overwrite to do all anew"
+            f"{path} is a manifest of version {version}, and this rigtri knows version {VERSION}: use the "
+            f"rigtri that wrote it. {_WITHOUT}"
         )
 
 
@@ -293,7 +296,9 @@ def _told(path: Path) -> Iterator[None]:
     try:
         yield
     except sqlite3.Error as error:
-        raise FileError(f"{path}: the manifest cannot be used: {error}") from error
+        broken = getattr(error, "sqlite_errorname", "") in ("SQLITE_NOTADB", "SQLITE_CORRUPT")
+        remedy = f". {_WITHOUT}" if broken else ""
+        raise FileError(f"{path}: the manifest cannot be used: {error}{remedy}") from error
 
 
 def _plain(value: Any) -> str:

@@ -19,7 +19,7 @@ from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
 from rigtri.batch.manifest import Known, Manifest, look_up, name_of
-from rigtri.batch.work import Assignment, Record, Task, reason
+from rigtri.batch.work import Assignment, Record, Task, missing, reason
 from rigtri.delivery import sync_folder
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
 from rigtri.outputs import as_file_error, recover
@@ -71,6 +71,7 @@ class Run:
         self._told: dict[str, Record] = {}
         self._beside: dict[str, tuple[str, str]] = {}
         self.counts: Counter[str] = Counter()
+        self.missing: Counter[str] = Counter()
 
     def plan(self, entries: Sequence[Entry], stopped: Callable[[], bool] = lambda: False) -> Plan:
         """What is to be done. Looks at the contents of all files that a manifest knows.
@@ -120,6 +121,7 @@ class Run:
                     sync_folder(Path(entry.target).parent)
                 self._manifest.done(entry, self._keys[entry.variables], record)
             self.counts[record.status] += 1
+            self.missing.update(missing(record.kind, reason(record, entry)))
             yield entry, record
 
     def _alone(self, entry: Entry, record: Record) -> Record:
@@ -228,7 +230,8 @@ def try_out(plan: Plan, engine: Engine) -> None:
             engine.stop()
     if kinds and kinds <= _MISFITS:
         told = "; ".join(f"{text} ({files} of {len(some)})" for text, files in reasons.most_common(MOST))
-        text = f"What is to be done fits none of the {len(some)} files that were tried: {told}"
+        tried = f"{len(some)} files" if count == len(some) else f"{len(some)} of {count} files"
+        text = f"What is to be done fits none of the {tried} that were tried: {told}"
         raise UsageError(text) if kinds == {"usage"} else MisfitError(text)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sqlite3
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from rigtri.batch.axes import angles, names
 from rigtri.batch.manifest import NAME, opened
-from rigtri.batch.work import STATUSES
+from rigtri.batch.work import STATUSES, missing
 from rigtri.errors import FileError
 
 # Axes of one skeleton that are nearer than this, in degrees, are the same: what files store is rounded.
@@ -42,6 +42,7 @@ def summarise(paths: Sequence[Path], *, most: int = 10, within: float = SAME) ->
         "worst": _most((row for part in parts for row in part.worst), "deviation", most),
         "slowest": _most((row for part in parts for row in part.slowest), "seconds", most),
         "errors": _merged((row for part in parts for row in part.errors), ("kind", "reason"), most),
+        "missing": _merged((row for part in parts for row in _missing(part.errors)), ("what",), most),
         "warnings": _merged((row for part in parts for row in part.warnings), ("code",), most),
         "axes": _axes(parts, most, within),
         "runs": sorted((row for part in parts for row in part.runs), key=lambda row: str(row["began"])),
@@ -99,6 +100,12 @@ class _Part:
 
 def _rows(base: sqlite3.Connection, query: str, values: tuple[Any, ...] = ()) -> list[dict[str, Any]]:
     return [dict(row) for row in base.execute(query, values)]
+
+
+def _missing(errors: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    for row in errors:
+        for what in missing(row["kind"], row["reason"]):
+            yield {"what": what, "files": row["files"], "example": row["example"]}
 
 
 def _most(rows: Iterable[dict[str, Any]], key: str, most: int) -> list[dict[str, Any]]:

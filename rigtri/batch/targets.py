@@ -36,7 +36,8 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
         sides = [Entry(e.source, os.path.splitext(e.target)[0] + beside) for e in entries]
         _refuse(_clashes(sides), "more than one output for one file beside it", UsageError)
     _refuse(_inputs_written(entries), "an input that an output would replace; give another -O", UsageError)
-    _refuse(_shut(entries), "nothing can be written there", FileError)
+    shut = "nothing can be written there, as it is no folder or may not be changed; give another -O"
+    _refuse(_shut(entries), shut, FileError)
 
 
 def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:

@@ -26,6 +26,9 @@ from rigtri.report import Report
 STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
 FAILED = ("error", "crashed")
 # After what is missing comes what a file has instead.
+_NAMES = ("name not found", "ambiguous name")
+# What a file has not, or not just one of, as these errors say it.
+_NOT_THERE = re.compile(r"No \w+ is named '.*'|\d+ \w+s are named '.*?'")
 _HINT = re.compile(r"(?<=')\. .*")
 Ready = Callable[[Outcome, Written], None]
 
@@ -116,9 +119,17 @@ def reason(record: Record, entry: Entry) -> str | None:
     for name in (entry.source, entry.target):
         text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
     first = text.strip().splitlines()[-1] if record.kind == "bug" else text
-    if record.kind in ("name not found", "ambiguous name"):
+    if record.kind in _NAMES:
         first = "; ".join(_HINT.sub("", fault) for fault in first.split("; "))
     return first.removeprefix("FILE: ")
+
+
+def missing(kind: str | None, reason: str | None) -> Sequence[str]:
+    """What a file has not that steps name, by its `reason`; each once, however many steps name it."""
+    if kind not in _NAMES or reason is None:
+        return ()
+    found = (_NOT_THERE.search(fault) for fault in reason.split("; "))
+    return tuple(dict.fromkeys(what[0] for what in found if what))
 
 
 # Of this process: a texture that many files share is read once.

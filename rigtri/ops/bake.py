@@ -19,6 +19,7 @@ from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding, refuse_circles
 from rigtri.ops.limited import tell_limited
+from rigtri.ops.operation import operation
 from rigtri.ops.posing import at_rest
 from rigtri.ops.shared_keys import as_read, times_of
 from rigtri.ops.standing_keys import stands
@@ -104,7 +105,8 @@ class Options:
         return self
 
 
-def bake(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def bake(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Evaluate controls and constraints into joint keys, or give joints' motion to their controls.
 
     A control with keys in a clip moves its joints there; one without leaves them their own. What was
@@ -112,7 +114,6 @@ def bake(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
 
     Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle; nothing to bake).
     """
-    report = report if report is not None else Report()
     return _Baker(_with_limits(rig, options.checked()), options, report).baked()
 
 

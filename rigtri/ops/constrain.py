@@ -22,6 +22,7 @@ from rigtri.matrices import SKEW, skew
 from rigtri.ops.added import add, group, noted, renamed
 from rigtri.ops.measured import measured
 from rigtri.ops.node_constraint import say, unsay
+from rigtri.ops.operation import operation
 from rigtri.pose import rest, worlds
 from rigtri.quaternions import IDENTITY, conjugate, multiply, turn_angle
 from rigtri.report import Report
@@ -143,7 +144,8 @@ class Options:
             raise UsageError("--up-object goes with --world-up object or objectrotation, and they with it")
 
 
-def constrain(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def constrain(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Let a node follow others by a rule that is stored; nothing moves.
 
     A second run for the same child and kind, or one that sets the same channels, replaces the
@@ -151,7 +153,6 @@ def constrain(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
 
     Raises NameNotFoundError, UsageError (a circle too), GeometryError (a frame that cannot be told).
     """
-    report = report if report is not None else Report()
     options.checked()
     return follow(rig, _asked(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report)
 

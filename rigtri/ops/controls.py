@@ -24,6 +24,7 @@ from rigtri.ops.called import call, remembered
 from rigtri.ops.drawings import Drawing, draw, draw_anew
 from rigtri.ops.joints import Kind as EndKind
 from rigtri.ops.joints import add_joint, as_wanted, beside, move_joint
+from rigtri.ops.operation import operation
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.polevector import add_polevector
 from rigtri.ops.select import Selection, chosen
@@ -84,6 +85,10 @@ class Options:
         for kind in self.shapes.values():
             if kind not in KINDS:
                 raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
+        if unknown := [kind for kind in self.shapes if kind not in ("fk", "ik", "root", "pole")]:
+            raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
+        if unknown := [side for side in self.colors if side not in ("left", "right", "")]:
+            raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
         refuse_unworkable("--size", self.size)
         if self.size is not None and not self.size > 0:
             raise UsageError(f"--size {self.size:g}: a size is a number above 0")
@@ -104,7 +109,8 @@ class Options:
         return self
 
 
-def add_controls(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def add_controls(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Put controls over joints; a second run finds its controls and sets their offsets anew.
 
     Each control stands in its joint's frame at rest, its own channels zero; what a user
@@ -112,7 +118,6 @@ def add_controls(rig: Rig, *, options: Options, report: Report | None = None) ->
 
     Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
     """
-    report = report if report is not None else Report()
     options.checked()
     return _Builder(rig, options, report).build()
 

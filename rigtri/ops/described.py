@@ -15,6 +15,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.matrices import decompose, inverse, multiply
 from rigtri.ops.held_poses import held
+from rigtri.ops.operation import operation
 from rigtri.ops.taking.notices import some
 from rigtri.ops.taking.pairing import pairs
 from rigtri.report import Report
@@ -28,13 +29,13 @@ _SAME = 1e-4
 _SAME_PLACE = 1e-5
 
 
-def as_described(rig: Rig, described: Rig, *, report: Report | None = None) -> Rig:
+@operation(None)
+def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     """The rig with the notes of ``described`` on its nodes of the same names, at rest where they are there.
 
     A node that is not there is told of, and so are joints that are bound otherwise, whose controls keep
     their own rest. GeometryError where no node is there, or no control finds its joint.
     """
-    report = report if report is not None else Report()
     notes = {node: note for node, note in described.notes.items() if note.get("type") in ADDED}
     if not notes:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")

@@ -18,6 +18,7 @@ from rigtri.limbs import Limb
 from rigtri.matrices import determinant
 from rigtri.ops.added import free_name, group, noted, plain_name
 from rigtri.ops.joints import add_joint, move_joint, new_skin
+from rigtri.ops.operation import operation
 from rigtri.ops.polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.ops.polevector import Options as PoleOptions
 from rigtri.ops.presets import Style
@@ -95,14 +96,14 @@ class Options:
         return self
 
 
-def make_limb(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def make_limb(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Stand joints at three points, orient them, and add the pole vector; a second run moves them.
 
     The record of each joint goes to ``report.added``, that of the pole vector to ``report.limbs``.
     Raises UsageError (another count than three, a name that is taken), NameNotFoundError, and
     GeometryError where points coincide, or lie on a line and ``bend`` does not say the side.
     """
-    report = report if report is not None else Report()
     options.checked()
     for name in (options.name, *options.names):
         if (plain := plain_name(name)) != name:

@@ -22,6 +22,7 @@ from rigtri.ops.mirroring.limbs import mirror_limbs, mirror_twists
 from rigtri.ops.mirroring.readers import mirror_readers
 from rigtri.ops.mirroring.rivets import mirror_rivets
 from rigtri.ops.mirroring.rules import mirror_rules
+from rigtri.ops.operation import operation
 from rigtri.ops.orient import Options as OrientOptions
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.select import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
@@ -34,15 +35,14 @@ from rigtri.skeleton import reference, skeleton
 __all__ = ["WHAT", "Options", "What", "mirror"]
 
 
-def mirror(rig: Rig, *, options: Options | None = None, report: Report | None = None) -> Rig:
+@operation(Options)
+def mirror(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Mirror axes, and what rigtri has built, from one side onto the other; create what is missing.
 
     What is there already is brought up to date; a second run changes nothing. Records go to
     ``report.joints``, ``report.added`` and ``report.limbs``; what cannot be mirrored is a warning
     (``not-mirrored``). Raises GeometryError where nothing here has a side, NameNotFoundError, UsageError.
     """
-    options = options or Options()
-    report = report if report is not None else Report()
     if not options.what or not set(options.what) <= set(WHAT):
         raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
     refuse_unworkable("--plane-at", options.plane_at)

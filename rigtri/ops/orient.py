@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.ops.constrained import settle
 from rigtri.ops.frames import stored_splits
+from rigtri.ops.operation import operation
 from rigtri.ops.plan import Options, Plan
 from rigtri.ops.scale import allowed_turns, splits
 from rigtri.ops.telling import check, record, tell_fixed, tell_straight
@@ -30,7 +31,8 @@ LAST_BITS = 1e-12
 __all__ = ["Options", "orient_joints"]
 
 
-def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | None = None) -> Rig:
+@operation(Options)
+def orient_joints(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Give joints the axes that ``options`` ask for; all that is bound to them follows.
 
     Joints below the noise of float32 storage are left bit-exact, so that a second
@@ -40,7 +42,6 @@ def orient_joints(rig: Rig, *, options: Options | None = None, report: Report | 
     policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; nothing may turn).
     Not handled: poses stored as differences to rest (additive clips).
     """
-    options, report = options or Options(), report if report is not None else Report()
     plan = Plan.of(rig, options, report)
     wanted = plan.wanted()
     turns = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()

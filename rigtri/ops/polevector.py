@@ -19,6 +19,7 @@ from rigtri.limbs import Limb, along, recognise
 from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
 from rigtri.ops.drawings import KEYS
 from rigtri.ops.joints import Kind, add_joint, as_wanted, beside, move_joint
+from rigtri.ops.operation import operation
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.skeleton import Reference, Skeleton, reference
@@ -57,14 +58,14 @@ class Options:
     kind: Kind | None = None
 
 
-def add_polevector(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def add_polevector(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Place a pole vector for each limb; a second run finds it by its chain and moves it.
 
     The locators hang under the root node ``rigtri_controls``. Each limb's record goes
     to ``report.limbs``. Raises NameNotFoundError, UsageError, and GeometryError for a
     straight limb of which nothing tells the side.
     """
-    report = report if report is not None else Report()
     for flag, number in (("--reach", options.reach), ("--distance", options.distance)):
         refuse_unworkable(flag, number)
     limbs = _limbs(rig, options, report)

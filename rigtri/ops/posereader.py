@@ -17,6 +17,7 @@ from rigtri.matrices import orthonormal_axes
 from rigtri.ops import kept_keys
 from rigtri.ops.added import add, find, group, noted
 from rigtri.ops.called import refuse_taken
+from rigtri.ops.operation import operation
 from rigtri.ops.remount import remounted
 from rigtri.quaternions import between, conjugate, from_axes, rotate
 from rigtri.quaternions import multiply as product
@@ -130,7 +131,8 @@ class _Drive:
         return self.meshes[0]
 
 
-def add_posereader(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def add_posereader(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Read how much a joint is in some poses, and drive morph targets or values by it, in every clip.
 
     What it drives has other weights on purpose: ``report.driven`` names it, and the self-check
@@ -139,7 +141,6 @@ def add_posereader(rig: Rig, *, options: Options, report: Report | None = None) 
 
     Raises NameNotFoundError, UsageError, GeometryError (no morphs, poses that coincide), FileError.
     """
-    report = report if report is not None else Report()
     options.checked()
     builder = _Builder(rig, options, report)
     return remounted(builder.build(), {drive.mesh.node for drive in builder.drives}, report)

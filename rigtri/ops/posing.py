@@ -11,6 +11,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.following import Parts
 from rigtri.matrices import compose
+from rigtri.ops.operation import operation
 from rigtri.ops.trouble import troubles
 from rigtri.pose import sample
 from rigtri.quaternions import conjugate, multiply, turn_angle, unit
@@ -99,14 +100,14 @@ def _weights(rig: Rig, timeline: Timeline | None, time: float) -> list[dict[str,
     ]
 
 
-def take_pose(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def take_pose(rig: Rig, *, options: Options, report: Report) -> Rig:
     """The rig with a pose for its rest pose: of joints and all else that moves but the controls. Clips stay.
 
     Controls, poles and offsets stay: from where they are at rest it is told what their keys mean.
     Bind poses do not change, so meshes show the pose. Raises as `pose_of`, and GeometryError for a
     pose that is no numbers.
     """
-    report = report if report is not None else Report()
     posed = pose_of(rig, options, report)
     kept = {node for node, note in rig.notes.items() if note.get("type") in _KEPT}
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}

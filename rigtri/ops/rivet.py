@@ -14,6 +14,7 @@ from rigtri.carried import Carried
 from rigtri.errors import GeometryError, UsageError
 from rigtri.fitting import fitted
 from rigtri.ops.added import add, find, group, noted, stand
+from rigtri.ops.operation import operation
 from rigtri.pose import sample, worlds
 from rigtri.quaternions import conjugate, from_axes, slerp, to_axes, turn_angle
 from rigtri.quaternions import multiply as product
@@ -107,7 +108,8 @@ class _Seat:
     number: int
 
 
-def add_rivet(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def add_rivet(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Tie locators to triangles of a mesh and bake their motion in every clip.
 
     The frame of a rivet: x along the triangle's first edge, y its normal. A second run finds a
@@ -116,7 +118,6 @@ def add_rivet(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
 
     Raises NameNotFoundError, UsageError, GeometryError (no triangles, out of range, no area), FileError.
     """
-    report = report if report is not None else Report()
     options.checked()
     ground = _Ground(rig, meshes_named(rig, options.mesh), options.mesh)
     for name, seat in zip(_names(rig, options, ground), ground.seats(options), strict=True):

@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import Parts
 from rigtri.insertion import with_keys
+from rigtri.ops.operation import operation
 from rigtri.ops.posing import at_rest, tell_outside
 from rigtri.quaternions import conjugate, multiply, turn_angle
 from rigtri.records import Clip, Interpolation, Path, Track
@@ -58,14 +59,15 @@ class Options:
         return self
 
 
-def snap(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def snap(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Give IK ends and poles, or FK controls, the values with which joints stand as they do at some moments.
 
     What was done to each limb goes to ``report.added``, with how far its joints have moved. Raises
     UsageError, NameNotFoundError, GeometryError (no such limb, no FK controls,
     an IK end that follows a constraint).
     """
-    options, report = options.checked(), report if report is not None else Report()
+    options = options.checked()
     chains = _chains(rig, options)
     moments: dict[tuple[int, ...], list[tuple[str, float]]] = {}
     for text in options.at:

@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.constraints import told_by_rules
 from rigtri.errors import GeometryError
 from rigtri.ops.kept_keys import restored
+from rigtri.ops.operation import operation
 from rigtri.ops.twist import INFLUENCES
 from rigtri.records import Booleans, Constraint, Fold, Skin
 from rigtri.report import Report
@@ -26,14 +27,13 @@ class Options:
     splits: bool = False
 
 
-def strip(rig: Rig, *, options: Options | None = None, report: Report | None = None) -> Rig:
+@operation(Options)
+def strip(rig: Rig, *, options: Options, report: Report) -> Rig:
     """The rig without the nodes and notes of rigtri; the axes of joints stay as they are.
 
     ``report.added`` is left empty; ``report.removed`` names every node and note that goes.
     Raises GeometryError where a node of someone else hangs below one of ours.
     """
-    options = options or Options()
-    report = report if report is not None else Report()
     gone = _gone(rig)
     readers = [node for node in gone if rig.notes.get(node, {}).get("type") == "poseReader"]
     rig, driven = restored(rig, readers, report)

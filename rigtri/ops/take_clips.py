@@ -14,6 +14,7 @@ import numpy as np
 from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
+from rigtri.ops.operation import operation
 from rigtri.ops.taking.clip_names import ClipNames, Taken
 from rigtri.ops.taking.counterparts import Counterparts
 from rigtri.ops.taking.made_names import span
@@ -54,7 +55,8 @@ class Options:
         return self
 
 
-def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report: Report | None = None) -> Rig:
+@operation(Options)
+def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Rig:
     """Put the motion of ``edited`` into the clips of ``rig``; a track that it has not changed stays as it is.
 
     What was taken of each clip goes to ``report.added``.
@@ -66,8 +68,7 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options | None = None, report:
             f"edited is to be a Rig, the one with the motion, not {type(edited).__name__}; "
             "read(path).rig is that of a file"
         )
-    report = report if report is not None else Report()
-    options = (options or Options()).checked()
+    options = options.checked()
     both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(strangers(rig, edited))

@@ -17,6 +17,7 @@ from rigtri.matrices import inverse, nearest_rotation, transform_points
 from rigtri.ops.added import find, noted, plain_name
 from rigtri.ops.called import refuse_taken
 from rigtri.ops.joints import add_joint, move_joint
+from rigtri.ops.operation import operation
 from rigtri.ops.remount import remounted_on_spreads
 from rigtri.ops.twist_keys import BOUND, keyed
 from rigtri.records import Mesh, Skin, Spread
@@ -94,7 +95,8 @@ class _Bone:
         return self.joint if self.upper else self.to
 
 
-def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Rig:
+@operation(Options)
+def add_twist(rig: Rig, *, options: Options, report: Report) -> Rig:
     """Put twist joints along bones, with keys in every clip that turns their drivers.
 
     A second run finds them by the bone and their number and sets them anew. The record of each
@@ -102,7 +104,6 @@ def add_twist(rig: Rig, *, options: Options, report: Report | None = None) -> Ri
 
     Raises NameNotFoundError, UsageError, GeometryError (a bone without length, a driver elsewhere).
     """
-    report = report if report is not None else Report()
     options.checked()
     bones = _bones(rig, options, report)
     if options.name != NAME:

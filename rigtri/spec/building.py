@@ -138,7 +138,7 @@ class _Work:
                 **last,
             )
         finally:
-            _take(self.report, report)
+            self.report.take(report)
         self.outcomes.append(outcome)
         return report
 
@@ -158,8 +158,8 @@ class _Work:
         report = self.report
         if last is not None:
             report = Report()
-            _take(report, self.report)
-            _take(report, last.report)
+            report.take(self.report)
+            report.take(last.report)
         for outcome in outcomes:
             for name, value in outcome.seconds.items():
                 seconds[name] = seconds.get(name, 0.0) + value
@@ -177,13 +177,3 @@ class _Work:
             outcomes[-1].rig,
             outcomes[0].files,
         )
-
-
-def _take(report: Report, own: Report) -> None:
-    """Add what one step has told to what all tell."""
-    for name in ("joints", "limbs", "added", "removed"):
-        getattr(report, name).extend(getattr(own, name))
-    report.hear(own.warnings)
-    for key, columns in own.driven.items():
-        report.driven.setdefault(key, set()).update(columns)
-    report.reposed |= own.reposed

@@ -101,12 +101,21 @@ def _packed(layout: struct.Struct, path: Path, *values: Any) -> bytes:
         ) from None
 
 
-def open_container(path: Path, *, lenient: bool = False) -> Container:
+def glb(text: bytes, binary: bytes | None) -> bytes:
+    """A GLB of a JSON text and, where there is one, a BIN chunk."""
+    chunks = [(JSON_CHUNK, text + b" " * (-len(text) % 4))]
+    chunks += [] if binary is None else [(BIN_CHUNK, binary + bytes(-len(binary) % 4))]
+    body = b"".join(CHUNK.pack(len(content), kind) + content for kind, content in chunks)
+    return HEADER.pack(MAGIC, 2, HEADER.size + len(body)) + body
+
+
+def open_container(path: Path, *, lenient: bool = False, content: bytes | None = None) -> Container:
     """Take a file apart. FileError, with the offset, where it is no glTF 2.0 or broken.
 
     lenient: ignore bytes behind the length that a GLB claims, and keys that stand twice.
+    content: what the file would hold, where there is none at ``path``.
     """
-    source = load(path)
+    source = load(path) if content is None else memoryview(content)
     notices: list[Notice] = []
     if not len(source):
         raise FileError(f"{path}: the file is empty; copy or export it again")

@@ -68,10 +68,13 @@ class GltfDocument:
         self.accessors.forget_layouts()
 
     @classmethod
-    def read(cls, path: Path, options: Options | None = None) -> GltfDocument:
-        """Read a file. Raises FileError, in the file's own names, for anything that is broken."""
+    def read(cls, path: Path, options: Options | None = None, content: bytes | None = None) -> GltfDocument:
+        """Read a file. Raises FileError, in the file's own names, for anything that is broken.
+
+        content: what a file at ``path`` would hold; what it refers to is looked for from there.
+        """
         options = options or Options()
-        container = open_container(path, lenient=options.lenient)
+        container = open_container(path, lenient=options.lenient, content=content)
         try:
             return cls(container, options)
         except RecursionError:

@@ -12,6 +12,25 @@ from typing import Any
 from rigtri.errors import FileError
 
 VARIANTS = "KHR_materials_variants"
+# What members mean that are not there: who states it says nothing new.
+_DEFAULTS: dict[str, Any] = {
+    "alphaMode": "OPAQUE",
+    "alphaCutoff": 0.5,
+    "doubleSided": False,
+    "emissiveFactor": [0, 0, 0],
+    "pbrMetallicRoughness baseColorFactor": [1, 1, 1, 1],
+    "pbrMetallicRoughness metallicFactor": 1,
+    "pbrMetallicRoughness roughnessFactor": 1,
+}
+# The same of textures that are there.
+_OF_TEXTURES: dict[str, dict[str, Any]] = {
+    "pbrMetallicRoughness baseColorTexture": {"texCoord": 0},
+    "pbrMetallicRoughness metallicRoughnessTexture": {"texCoord": 0},
+    "normalTexture": {"texCoord": 0, "scale": 1},
+    "occlusionTexture": {"texCoord": 0, "strength": 1},
+    "emissiveTexture": {"texCoord": 0},
+}
+_OF_SAMPLERS = {"wrapS": 10497, "wrapT": 10497}
 # Deeper than any material is nested: what is deeper is compared as one.
 _DEEPEST = 12
 Read = Callable[[dict[str, Any]], "bytes | memoryview"]
@@ -43,9 +62,18 @@ class Materials:
     def _material(self, index: Any) -> dict[str, Any]:
         material = self._item("materials", index)
         if material is None:
-            return {}
+            return _DEFAULTS
         if index not in self._materials:
-            self._materials[index] = dict(self._facts(material, "", 0))
+            said = {
+                name: what for name, what in self._facts(material, "", 0) if name != "pbrMetallicRoughness"
+            }
+            textures = {
+                f"{texture} {name}": value
+                for texture, members in _OF_TEXTURES.items()
+                if f"{texture} image" in said
+                for name, value in members.items()
+            }
+            self._materials[index] = {**_DEFAULTS, **textures, **said}
         return self._materials[index]
 
     def _facts(self, value: Any, name: str, depth: int) -> Iterator[tuple[str, Any]]:
@@ -64,7 +92,8 @@ class Materials:
     def _texture(self, index: Any) -> dict[str, Any]:
         """A texture with its sampler and, in place of their numbers, its images."""
         texture = self._item("textures", index) or {}
-        facts: dict[str, Any] = {"sampler": self._item("samplers", texture.get("sampler")) or "plain"}
+        sampler = self._item("samplers", texture.get("sampler")) or {}
+        facts: dict[str, Any] = {"sampler": _OF_SAMPLERS | {k: v for k, v in sampler.items() if k != "name"}}
         facts["image"] = self._image(texture.get("source"))
         extensions = texture.get("extensions")
         for name, extension in extensions.items() if isinstance(extensions, dict) else ():

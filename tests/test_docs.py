@@ -1,0 +1,90 @@
+"""The commands of the documentation run, and the site builds.
+
+A page says what its folder begins with, <!-- begins with: biped.glb as hero.glb -->, and what happens
+there first, <!-- first: rigtri … -->. Then its blocks are taken in their order, in one folder: `sh` and
+`python` are run; what begins with a comment of nothing but a file's name is that file; `text` is for
+people alone.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from avatars import avatar_0
+from places import ROOT, SAMPLES
+
+BLOCK = re.compile(r"^( *)```(\w+)[^\n]*\n(.*?)^ *```", re.S | re.M)
+FILE = re.compile(r"\A# ([\w./-]+\.\w+)\n")
+# These end with 1 when they have found something, as diff and linters do.
+FINDERS = re.compile(r"^(rigtri (?:check|diff|mirror --check)\b[^#\n]*)", re.M)
+PAGES = sorted(
+    page.relative_to(ROOT).as_posix()
+    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    if re.search(r"^ *```(sh|python)", page.read_text("utf-8"), re.M)
+)
+
+
+def begin(text: str, folder: Path) -> None:
+    """The files that a page begins with."""
+    for said in re.findall(r"<!-- begins with: (.*?) -->", text, re.S):
+        for one in said.split(","):
+            name, _, other = one.strip().partition(" as ")
+            target = folder / (other or name)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if name == "a VRM 0.x":
+                avatar_0(1).glb(target)
+            else:
+                shutil.copy(SAMPLES / name, target)
+
+
+def expect(run: list[str], folder: Path, environment: Mapping[str, str]) -> None:
+    """A program that ends well."""
+    done = subprocess.run(run, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{run[-1]}\n{done.stdout}\n{done.stderr}"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_blocks_of_a_page_run(page: str, tmp_path: Path) -> None:
+    # The blocks that install are .ci/run's own.
+    text = re.sub(r"<!-- install and .*?```sh.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.S)
+    begin(text, tmp_path)
+    programs = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": programs, "NO_COLOR": "1"}
+    blocks = [("sh", said) for said in re.findall(r"<!-- first: (.*?) -->", text, re.S)]
+    blocks += [(kind, re.sub(rf"^{gap}", "", code, flags=re.M)) for gap, kind, code in BLOCK.findall(text)]
+    for language, code in blocks:
+        named = FILE.match(code)
+        if named:
+            (tmp_path / named[1]).write_text(code, "utf-8")
+        elif language in ("sh", "python"):
+            if language == "sh":
+                run = ["bash", "-euo", "pipefail", "-c", FINDERS.sub(r"\1 || [ $? -eq 1 ]", code)]
+            else:
+                run = [sys.executable, "-c", code]
+            expect(run, tmp_path, environment)
+
+
+def test_every_page_is_on_the_site_and_no_other() -> None:
+    named = set(re.findall(r'"([\w/-]+\.md)"', (ROOT / "zensical.toml").read_text("utf-8")))
+    assert named == {p.relative_to(ROOT / "docs").as_posix() for p in (ROOT / "docs").rglob("*.md")}
+
+
+@pytest.mark.skipif(find_spec("zensical") is None, reason="zensical is not installed")
+def test_the_site_builds_without_a_fault(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "docs", tmp_path / "docs")
+    shutil.copy(ROOT / "zensical.toml", tmp_path)
+    for name in ("cli", "rigtri"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    expect([sys.executable, "-m", "zensical", "build", "--strict"], tmp_path, os.environ)
+    commands = (tmp_path / "site" / "commands" / "index.html").read_text("utf-8")
+    assert 'id="rigtri-orient-joints"' in commands
+    loaded = re.findall(r'(?:src|href)="(https?://[^"]+\.(?:js|css|woff2?))"', commands)
+    assert not loaded

@@ -1,0 +1,331 @@
+"""rigtri as a library: read, change and write by hand; the bytes and the errors of the commands."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from builds import everything
+from click.testing import CliRunner
+from engines import NO_BLENDER
+from morphs import arm
+from places import ASSETS, NO_ASSETS, SAMPLES
+
+import rigtri
+from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.ops.orient import Options
+from rigtri.ops.presets import Style
+from rigtri.pipeline import edit
+from rigtri.report import Report
+
+BIPED = SAMPLES / "biped.glb"
+# Every format; .vrm and .usdc are real files.
+FILES = [
+    *(SAMPLES / f"biped{suffix}" for suffix in (".glb", ".gltf", ".usda", ".usdz")),
+    ASSETS / "vrm" / "addon_look_at_preview_enabled.vrm",
+    ASSETS / "usd" / "tinyusdz_skintest.usdc",
+]
+ARM = ("upper_arm_L", "forearm_L", "hand_L")
+# What a command and the function of that name are asked, in their languages.
+Asked = tuple[str, str, dict[str, Any]]
+ASKED: list[Asked] = [
+    ("orient-joints --aim z --up -x", "orient_joints", {"aim": "z", "up": "-x"}),
+    (
+        "orient-joints --preset blender --up z --below spine --exclude head",
+        "orient_joints",
+        {"up": "z", "preset": "blender", "below": "spine", "exclude": ["head"]},
+    ),
+    (
+        "add-polevector --limb upper_arm_L forearm_L hand_L --reach 2 --facing +z --bend forearm_L=0,0,-1",
+        "add_polevector",
+        {"limbs": [ARM], "reach": 2, "facing": "+z", "bends": {"forearm_L": (0, 0, -1)}},
+    ),
+    (
+        "add-controls --whole-character --color left=1,0,0 --shape ik=cube",
+        "add_controls",
+        {"whole_character": True, "colors": {"left": (1, 0, 0)}, "shapes": {"ik": "cube"}},
+    ),
+    (
+        "make-limb --points 0,2,0 0,1,.1 0,0,0 --aim y --up x",
+        "make_limb",
+        {"points": [(0, 2, 0), (0, 1, 0.1), (0, 0, 0)], "aim": "y", "up": "x"},
+    ),
+    ("add-twist --limbs auto --count 3", "add_twist", {"auto": True, "count": 3}),
+    (
+        "constrain --type parent --child staff --driver head",
+        "constrain",
+        {"kind": "parent", "child": "staff", "drivers": [("head", 1)]},
+    ),
+    ("add-rivet --mesh body --triangle 3", "add_rivet", {"mesh": "body", "triangles": [3]}),
+    ("mirror --what joints", "mirror", {"what": ["joints"]}),
+    ("pose --at walk@0.3", "take_pose", {"at": "walk@0.3"}),
+    ("strip", "strip", {}),
+]
+
+
+def commanded(app: click.Group, command: str, source: Path, target: Path) -> None:
+    """What the command writes, with its errors."""
+    name, *words = command.split()
+    line = [name, str(source), *words, "-o", str(target), "-q"]
+    result = CliRunner().invoke(app, line)
+    assert result.exit_code == 0, result.output
+
+
+def same_files(one: Path, other: Path) -> None:
+    names = [sorted(p.name for p in folder.iterdir()) for folder in (one, other)]
+    assert names[0] == names[1]
+    for name in names[0]:
+        assert (one / name).read_bytes() == (other / name).read_bytes(), name
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> tuple[Path, Path]:
+    folders = tmp_path / "by-hand", tmp_path / "by-command"
+    for folder in folders:
+        folder.mkdir()
+    return folders
+
+
+@pytest.mark.parametrize("source", FILES, ids=lambda path: path.name)
+def test_every_format_gets_the_bytes_of_the_command(
+    source: Path, app: click.Group, two: tuple[Path, Path]
+) -> None:
+    if not source.exists():
+        pytest.skip(NO_ASSETS)
+    rig = rigtri.orient_joints(rigtri.read(source), aim="z", up="-x")
+    outcome = rigtri.write(rig, two[0] / source.name)
+    assert outcome.changed
+    assert outcome.verification is not None
+    commanded(app, ASKED[0][0], source, two[1] / source.name)
+    same_files(*two)
+
+
+@pytest.mark.parametrize("asked", ASKED, ids=lambda asked: asked[0].split(" -")[0])
+def test_every_operation_gives_the_bytes_of_its_command(
+    asked: Asked, app: click.Group, two: tuple[Path, Path]
+) -> None:
+    command, operation, keywords = asked
+    rig = getattr(rigtri, operation)(rigtri.read(BIPED), **keywords)
+    rigtri.write(rig, two[0] / "out.glb", verify=False)
+    commanded(app, f"{command} --no-verify", BIPED, two[1] / "out.glb")
+    same_files(*two)
+
+
+def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
+    app: click.Group, tmp_path: Path, two: tuple[Path, Path]
+) -> None:
+    built, moved = tmp_path / "built.glb", tmp_path / "moved.glb"
+    commanded(app, "add-controls --whole-character", BIPED, built)
+    rig = rigtri.bake(rigtri.read(built), to="controls", clips="walk")
+    rigtri.write(rig, moved)
+    commanded(app, "bake --to controls --clip walk", built, two[1] / "baked.glb")
+    assert moved.read_bytes() == (two[1] / "baked.glb").read_bytes()
+    rig = rigtri.snap(rigtri.read(moved), to="ik", at=["walk@0.5"], limbs=[ARM])
+    rigtri.write(rig, two[0] / "out.glb")
+    commanded(app, f"snap --to ik --at walk@0.5 --limb {' '.join(ARM)}", moved, tmp_path / "snapped.glb")
+    assert (two[0] / "out.glb").read_bytes() == (tmp_path / "snapped.glb").read_bytes()
+    home = rigtri.take_clips(rigtri.read(built), rigtri.read(moved), clips=["walk"])
+    rigtri.write(home, two[0] / "home.glb")
+    commanded(app, f"take-clips --from {moved} --clip walk", built, tmp_path / "home.glb")
+    assert (two[0] / "home.glb").read_bytes() == (tmp_path / "home.glb").read_bytes()
+
+
+def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(
+    app: click.Group, tmp_path: Path
+) -> None:
+    source = tmp_path / "arm.glb"
+    arm().glb(source)
+    target = {"name": "side", "direction": (-1, 0, 0)}
+    rig = rigtri.add_posereader(
+        rigtri.read(source), driver="lower", axis="y", targets=[target], morphs=[("side", "Skin", "bulge")]
+    )
+    outcome = rigtri.write(rig, tmp_path / "out.glb")
+    assert outcome.report.driven
+    words = "add-posereader --driver lower --axis y --target side=-1,0,0 --morph side Skin bulge"
+    commanded(app, words, source, tmp_path / "command.glb")
+    assert (tmp_path / "out.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+    # Of another rig of the same file that nothing drives, the weights count.
+    plain = rigtri.orient_joints(rigtri.read(source))
+    assert not rigtri.write(plain, tmp_path / "plain.glb").report.driven
+
+
+def test_operations_one_after_the_other_are_one_edit(tmp_path: Path) -> None:
+    report = Report()
+    rigtri.write(everything(rigtri.read(BIPED), report), tmp_path / "by-hand.glb")
+    outcome = edit(BIPED, tmp_path / "edit.glb", everything)
+    assert (tmp_path / "by-hand.glb").read_bytes() == (tmp_path / "edit.glb").read_bytes()
+    assert report.added == outcome.report.added
+
+
+def test_what_operations_tell_comes_with_what_is_written(tmp_path: Path) -> None:
+    own = Report()
+    first = rigtri.read(BIPED)
+    rig = rigtri.orient_joints(first, report=own)
+    rig = rigtri.add_twist(rig, auto=True)
+    told = rigtri.write(rig, tmp_path / "out.glb").report
+    assert own.joints == told.joints != []
+    assert told.added
+    assert not own.added
+    assert not rigtri.write(first, tmp_path / "same.glb").report.joints
+
+
+def test_a_rig_that_nobody_changed_is_written_as_it_was(tmp_path: Path) -> None:
+    rig = rigtri.read(BIPED)
+    outcome = rigtri.write(rigtri.strip(rig), tmp_path / "out.glb")
+    assert not outcome.changed
+    assert (tmp_path / "out.glb").read_bytes() == BIPED.read_bytes()
+
+
+def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
+    source = tmp_path / "hero.glb"
+    source.write_bytes(BIPED.read_bytes())
+    rig = rigtri.orient_joints(rigtri.read(source))
+    rigtri.write(rig, tmp_path / "one.glb")
+    rigtri.write(rig, source, overwrite=True)
+    rigtri.write(rigtri.add_twist(rig, auto=True), tmp_path / "more.glb")
+    assert source.read_bytes() == (tmp_path / "one.glb").read_bytes() != BIPED.read_bytes()
+    assert rigtri.verify(BIPED, tmp_path / "more.glb").passes()
+
+
+def test_objects_of_options_do_what_keywords_do() -> None:
+    rig = rigtri.read(BIPED)
+    with_object = rigtri.orient_joints(rig, options=Options(style=Style("z", "-x"), end="keep"))
+    with_words = rigtri.orient_joints(rig, aim="z", up="-x", end="keep")
+    assert (with_object.rotation == with_words.rotation).all()
+
+
+@pytest.mark.parametrize(
+    ("operation", "keywords", "kind", "words"),
+    [
+        ("orient_joints", {"amx": "x"}, TypeError, "did you mean 'aim'"),
+        ("orient_joints", {"aim": 3}, UsageError, "aim=3: give a text"),
+        ("orient_joints", {"aim": "q"}, UsageError, "'q' is no axis"),
+        ("orient_joints", {"preset": "may"}, UsageError, "give one of 'maya'"),
+        ("orient_joints", {"joints": "hed"}, NameNotFoundError, "Did you mean 'head'"),
+        ("orient_joints", {"limbs": ["hand_L"]}, UsageError, "three joints: root, middle, end"),
+        ("orient_joints", {"limbs": [("hand_L", "head", "x")]}, NameNotFoundError, "'x'"),
+        ("orient_joints", {"offset": (0, 1)}, UsageError, "give 3 values"),
+        ("orient_joints", {"snap": 1}, UsageError, "give True or False"),
+        ("orient_joints", {"options": Options(), "aim": "x"}, TypeError, "options or aim, not both"),
+        ("constrain", {"child": "head"}, TypeError, "constrain() needs kind"),
+        ("orient_joints", {"preset": "vrm", "aim": "x"}, UsageError, "parallel to the world"),
+        ("add_controls", {"joints": "*", "colors": {"top": (1, 0, 0)}}, UsageError, "the sides are left"),
+        ("add_controls", {"joints": "*", "shapes": {"top": "cube"}}, UsageError, "fk, ik, root and pole"),
+        ("bake", {"to": "sky"}, UsageError, "'joints', 'controls'"),
+        ("bake", {}, GeometryError, "nothing to bake"),
+        ("add_twist", {"auto": True, "count": True}, UsageError, "give a whole number"),
+        ("add_twist", {"auto": True, "weights": 3}, UsageError, "give a list"),
+        ("mirror", {"plane_at": float("nan")}, UsageError, "give a finite number"),
+        ("add_polevector", {"bends": [("a", "x")]}, UsageError, "give a mapping"),
+        ("add_polevector", {"auto": True, "bends": {"a": "b"}}, UsageError, "no direction"),
+        ("take_pose", {"at": "run@1"}, NameNotFoundError, "'run'"),
+    ],
+)
+def test_what_cannot_be_is_told_by_its_keyword(
+    operation: str, keywords: dict[str, Any], kind: type[Exception], words: str
+) -> None:
+    with pytest.raises(kind) as error:
+        getattr(rigtri, operation)(rigtri.read(BIPED), **keywords)
+    assert words in str(error.value)
+
+
+def test_writing_is_refused_as_by_the_commands(tmp_path: Path) -> None:
+    rig = rigtri.orient_joints(rigtri.read(BIPED))
+    (tmp_path / "there.glb").write_bytes(b"mine")
+    with pytest.raises(UsageError, match="exists; it is replaced only with"):
+        rigtri.write(rig, tmp_path / "there.glb")
+    with pytest.raises(UsageError, match="the format of the input"):
+        rigtri.write(rig, tmp_path / "out.gltf")
+    with pytest.raises(DeviationError):
+        rigtri.write(rig, tmp_path / "out.glb", tolerance=0.0)
+    with pytest.raises(UsageError, match=r"not read by rigtri\.read"):
+        rigtri.write(rigtri.formats.read(BIPED).rig, tmp_path / "out.glb")
+    with pytest.raises(FileError, match="There is no file"):
+        rigtri.read(tmp_path / "none.glb")
+    assert not rigtri.write(rig, tmp_path / "out.glb", dry_run=True).written
+    assert [path.name for path in tmp_path.iterdir()] == ["there.glb"]
+    assert (tmp_path / "there.glb").read_bytes() == b"mine"
+
+
+def test_public_names_are_what_they_say() -> None:
+    """A module of the same name would hide a function once anyone has imported it."""
+    for name in rigtri.__all__:
+        assert getattr(rigtri, name) is not None
+        assert find_spec(f"rigtri.{name}") is None
+    assert sorted(rigtri.__all__) == sorted(rigtri._WHERE)
+
+
+def test_help_shows_all_keywords() -> None:
+    known = inspect.signature(rigtri.orient_joints).parameters
+    assert {"aim", "up", "preset", "joints", "branch", "report"} <= set(known)
+    assert known["aim"].default == "x"
+
+
+ALONE = """
+import sys
+from importlib.abc import MetaPathFinder
+
+OTHERS = {others!r}
+
+class Refused(MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name.partition(".")[0] in OTHERS:
+            raise ModuleNotFoundError(f"{{name}} is not here", name=name)
+
+sys.meta_path.insert(0, Refused())
+import rigtri
+
+assert "numpy" not in sys.modules, "import rigtri waits for numpy"
+rig = rigtri.orient_joints(rigtri.read(sys.argv[1]), preset="maya")
+rig = rigtri.add_controls(rigtri.add_twist(rig, auto=True), whole_character=True)
+print(rigtri.write(rig, sys.argv[2]).verification.passes())
+foreign = {{name.partition(".")[0] for name in sys.modules}} - sys.stdlib_module_names
+print(*sorted(name for name in foreign if not name.startswith(("_", "sitecustomize"))))
+"""
+OTHERS = [
+    "click",
+    "pxr",
+    "pygltflib",
+    "pydantic",
+    "pydantic_core",
+    "ruamel",
+    "rich",
+    "jsonschema",
+    "distributed",
+]
+
+
+def test_reading_orienting_and_writing_a_glb_needs_numpy_alone(tmp_path: Path) -> None:
+    line = [sys.executable, "-c", ALONE.format(others=OTHERS), str(BIPED), str(tmp_path / "out.glb")]
+    told = subprocess.run(line, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert told[0] == "True"
+    assert set(told[1].split()) <= {"numpy", "rigtri"}
+    assert rigtri.verify(BIPED, tmp_path / "out.glb").passes()
+
+
+def test_it_runs_in_blenders_python(tmp_path: Path) -> None:
+    """The source on sys.path is all that it takes; what bpy has loaded besides does not count."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    source = Path(rigtri.__file__).parent.parent
+    code = ALONE.format(others=OTHERS).replace("import rigtri\n", "import bpy, rigtri\n")
+    code = code.replace('assert "numpy" not in sys.modules, "import rigtri waits for numpy"\n', "")
+    out = tmp_path / "out.glb"
+    env = {**os.environ, "PYTHONPATH": str(source)}
+    run = subprocess.run(
+        [python, "-c", code, str(BIPED), str(out)], capture_output=True, text=True, env=env, check=False
+    )
+    assert run.stdout.splitlines()[:1] == ["True"], run.stderr
+    # The same bytes as here, with another Python and another numpy.
+    rig = rigtri.orient_joints(rigtri.read(BIPED), preset="maya")
+    rig = rigtri.add_controls(rigtri.add_twist(rig, auto=True), whole_character=True)
+    rigtri.write(rig, tmp_path / "here.glb", verify=False)
+    assert out.read_bytes() == (tmp_path / "here.glb").read_bytes()
