@@ -72,7 +72,8 @@ def test_exit_codes_are_those_of_the_errors() -> None:
     from rigtri import errors
     from rigtri.cli.batch import SOME_FAILED
 
-    said = {int(code) for code in re.findall(r"^\| (\d) \|", README, re.M)}
+    table = (ROOT / "docs" / "operations.md").read_text("utf-8")
+    said = {int(code) for code in re.findall(r"^\| (\d) \|", table, re.M)}
     kinds = [k for k in vars(errors).values() if isinstance(k, type) and issubclass(k, errors.RigtriError)]
     assert {kind.exit_code for kind in kinds} | {0, SOME_FAILED} == said
 
