@@ -78,7 +78,7 @@ def test_exit_codes_are_those_of_the_errors() -> None:
     assert {kind.exit_code for kind in kinds} | {0, SOME_FAILED} == said
 
 
-@pytest.mark.parametrize("page", ["pictures.md", "explain.md"])
+@pytest.mark.parametrize("page", ["pictures.md", "explain.md", "exactness.md"])
 def test_pictures_of_the_documents_are_what_their_commands_make(
     page: str,
     app: click.Group,
