@@ -156,7 +156,9 @@ class _Splicer:
         end = self.text.index("]", at)
         if not _BLANK_SOMEWHERE.search(self.text, at, end) and set(map(id, old)).isdisjoint(map(id, new)):
             told = [
-                repr(item) if type(item) is float and isfinite(item) else self.spelling.fragment(item, depth + 1)
+                repr(item)
+                if type(item) is float and isfinite(item)
+                else self.spelling.fragment(item, depth + 1)
                 for item in new
             ]
             return f"[{','.join(told)}]", end + 1
