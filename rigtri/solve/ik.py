@@ -322,8 +322,8 @@ class Ik:
         bone = normalise(b - a)
         own = own - dot(own, bone)[:, np.newaxis] * bone
         both = bone + line
-        share = np.maximum(1.0 + dot(bone, line), 1e-12)  # 0: folded onto itself, and no way is the shortest
-        own = normalise(own - (dot(own, line) / share)[:, np.newaxis] * both)
+        spread = np.maximum(1.0 + dot(bone, line), 1e-12)  # 0: folded onto itself, and no way is the shortest
+        own = normalise(own - (dot(own, line) / spread)[:, np.newaxis] * both)
         told = normalise(bend)
         sine = 2.0 * length(bend) / size * np.maximum(dot(told, own), 0.0)
         share = np.clip((sine - _TOLD) / (_BENDS - _TOLD), 0.0, 1.0)
