@@ -228,7 +228,7 @@ def test_a_constraint_is_worked_out_in_every_clip() -> None:
 
 @pytest.mark.parametrize(("hinge", "far"), [((0.0, 0.0, 1.0), 0.6), ((0.0, 1.0, 0.0), 2.4)])
 def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float, float], far: float) -> None:
-    """Nor when it folds far the other way: the pole's place at rest, seen from the bone, comes onto the line."""
+    """Nor when it folds far the other way: the pole, as the bone saw it at rest, comes onto the line."""
     rig = rigged("tpose.glb")
     limb = next(note["chain"] for note in rig.notes.values() if note.get("type") == "poleVector")
     pole = next(node for node, note in rig.notes.items() if note.get("type") == "poleVector")

@@ -128,7 +128,7 @@ def test_a_clip_that_was_made_anew_stays_where_it_is() -> None:
 
 
 def test_keys_between_frames_that_an_exporter_lost_are_told_by_what_joints_miss() -> None:
-    """A chest that nods by 0.2 rad within a frame: the chord of that for what hangs on it, at the key between."""
+    """A chest that nods by 0.2 rad within a frame: the chord of that, for the farthest that it carries."""
     rig = rigged()
     head, chest = control(rig, "head", "fk"), control(rig, "chest", "fk")
 

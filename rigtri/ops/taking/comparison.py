@@ -1,4 +1,4 @@
-"""A clip of the edited file beside the clip of the rig that it is: track by track, and where it lies in time."""
+"""A clip of the edited file beside that of the rig: track by track, and where it lies in time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rigtri.trigonometry import Floats
 
 
 class Comparison:
-    """What both files say in one clip. tolerance: how far what is the same may be off, as a share of the size.
+    """What both files say in one clip. tolerance: a share of the size, by which the same may be off.
 
     clock: EDITED's times as the rig's, once `settled`.
     """

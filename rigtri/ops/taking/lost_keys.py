@@ -44,9 +44,9 @@ def tell_lost(seen: Comparison, most: float, report: Report) -> None:
         controls = some(rig.title(node) for node, _ in frames)
         report.warn(
             "keys-lost",
-            f"Clip '{home.name}': between the keys that IN has of {controls}, which nobody has edited, the file of "
-            f"--rig has more, without which '{rig.title(joint)}' is off by {far:.2g} of the size at {time:g}. "
-            "To keep them: rigtri take-clips RIG --from IN, then bake what that writes",
+            f"Clip '{home.name}': between the keys that IN has of {controls}, which nobody has edited, the "
+            f"file of --rig has more, without which '{rig.title(joint)}' is off by {far:.2g} of the size at "
+            f"{time:g}. To keep them: rigtri take-clips RIG --from IN, then bake what that writes",
         )
 
 
