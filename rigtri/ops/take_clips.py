@@ -194,9 +194,8 @@ class _Taking:
         if not changed.any():
             self.same += 1
             return None
-        if (far := self.seen.same_knots(was, now, bound)) is not None and not _beyond(was, now)[
-            changed
-        ].any():
+        far = self.seen.same_knots(was, now, bound)
+        if far is not None and not _beyond(was, now)[changed].any():
             self.splines.append((self.rig.names[now.node], far))
             self.same += 1
             return None

@@ -1,7 +1,8 @@
 """Samples as near to each other as what lies between them needs: halved until lines between keys tell it.
 
 FK of linear keys is linear; IK, constraints and splines are not. Where a line between two samples leaves what
-it stands for by more than a bound, there is a sample in the middle, too, up to a highest rate.
+it stands for by more than a bound, there is a sample in the middle, too: as near as float32 tells times apart, since
+a limb that passes straight turns like the square root of time; so many in all as a highest rate allows.
 """
 
 from __future__ import annotations
@@ -26,14 +27,12 @@ from rigtri.timelines import MOST_KEYS, single
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
-# Samples a second, at most, where none are asked for.
+# Samples a second, at most and on average, where none are asked for; a short clip has those of a second.
 MOST_A_SECOND = 1024.0
 # Where an interval is looked at: the middle, and where two curves do not happen to meet.
 _SHARES = (0.29, 0.5)
 # How often an interval is halved before it is looked at again.
 _HALVINGS = 3
-# Times are float32: so much of a piece is a whole one.
-_WHOLE = 1.001
 
 
 class Curve(Protocol):
@@ -65,14 +64,13 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
     """
     parts, worst, limited, after = curve.at(times), 0.0, False, 0.0
     left = np.arange(len(times) - 1)
+    seconds = max((times[-1] - times[0]) / per_second, 1.0)
+    most = min(int(seconds * MOST_A_SECOND) + 1, MOST_KEYS)
     while len(left):
         off = _off(curve, times, parts, left)
         start, span = times[left], times[left + 1] - times[left]
-        room = np.floor(span * (MOST_A_SECOND / per_second) * _WHOLE)
-        pieces = np.minimum(_pieces(off, bound), np.maximum(room, 1.0))
+        pieces = _affordable(_pieces(off, bound), off, most - len(times))
         new = _inside(start, span, pieces.astype(np.int64))
-        if len(new) > MOST_KEYS - len(times):
-            new, pieces = new[:0], np.ones(len(left))
         done = pieces < 2.0
         if off[done].max(initial=0.0) > worst:
             worst, after = float(off[done].max()), float(start[done][off[done].argmax()])
@@ -93,6 +91,14 @@ def _pieces(off: Floats, bound: float) -> Floats:
     pieces = np.ones(len(off))
     for _ in range(_HALVINGS):
         pieces = np.where(pieces < wanted, 2.0 * pieces, pieces)
+    return pieces
+
+
+def _affordable(pieces: Floats, off: Floats, room: int) -> Floats:
+    """Those pieces, (m,), as far as there is room for the samples between them: the worst first."""
+    order = np.argsort(-off, kind="stable")
+    many = np.cumsum(pieces[order] - 1.0)
+    pieces[order[many > room]] = 1.0
     return pieces
 
 
