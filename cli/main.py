@@ -19,6 +19,7 @@ from .words import plain
 # so that `rigtri --help` does not wait for numpy.
 COMMANDS = {
     "inspect": "Show the joints of a file: axes, lengths, bends, skins, clips, warnings.",
+    "view": "Write a page that shows a character, posed and moving, with its rig, before and after.",
     "orient-joints": "Give joints new axes; nothing that can be seen moves.",
     "add-polevector": "Add a locator that says which way a limb bends.",
     "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",

@@ -41,23 +41,29 @@ def size(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple
 
 def check_target(target: str, sources: list[str], *, overwrite: bool) -> None:
     """UsageError, before anything is read, for a picture that cannot be written to ``target``."""
-    from rigtri.delivery import same_file
-    from rigtri.outputs import destination
-
     if target == "-":
         return
     path = Path(target)
     if path.suffix.lower() not in SUFFIXES:
         raise UsageError(f"{path} is to be a picture: give a name that ends in .svg or .png")
+    check_place(target, sources, overwrite=overwrite)
+    if path.suffix.lower() == ".png":
+        from rigtri.drawing.png import check_installed
+
+        check_installed()
+
+
+def check_place(target: str, sources: list[str], *, overwrite: bool) -> None:
+    """UsageError where a file that is there, or one that is shown, would be lost."""
+    from rigtri.delivery import same_file
+    from rigtri.outputs import destination
+
+    path = Path(target)
     for source in sources:
         if source != "-" and same_file(path, Path(source)):
             raise UsageError(f"{path} is the file to be drawn; it would be lost. Give another name")
     if destination(path).exists() and not overwrite:
         raise UsageError(f"{path} exists; it is replaced only with --overwrite")
-    if path.suffix.lower() == ".png":
-        from rigtri.drawing.png import check_installed
-
-        check_installed()
 
 
 def deliver(svg: str, target: str, report: Report) -> None:

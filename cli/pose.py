@@ -19,6 +19,7 @@ from .options import (
     request,
     run_edit,
     source_argument,
+    tell_warnings,
 )
 from .words import plain
 
@@ -94,9 +95,12 @@ def _print(values: dict[str, Any], options: Any) -> None:
         document = read(path, read_options(values))
         report = Report()
         found = {"file": values["source"]} | table(document.rig, options, report)
-    for notice in report.warnings:
-        click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
+    if not values["quiet"]:
+        tell_warnings(report, values["verbose"])
+    if values["strict"]:
+        report.refuse_warnings()
     if values["as_json"]:
+        found["warnings"] = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
         return
     rows: list[tuple[str, ...]] = [("joint", "translation", "rotation x y z w", "scale", "in the world")]

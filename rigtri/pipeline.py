@@ -260,9 +260,8 @@ def _to_stdout(written: Written) -> None:
 def _hear(document: Document, report: Report, strict: bool) -> None:
     """Take the document's notices into the report; with ``strict`` the first of all is an error."""
     report.hear(document.warnings)
-    if strict and report.warnings:
-        more = f" ({len(report.warnings) - 1} more)" if len(report.warnings) > 1 else ""
-        raise GeometryError(f"--strict: {report.warnings[0].text}{more}")
+    if strict:
+        report.refuse_warnings()
 
 
 def _final(path: Path, target: Path | str, overwrite: bool, options: Options) -> Path:

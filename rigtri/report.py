@@ -6,6 +6,8 @@ from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from rigtri.errors import GeometryError
+
 
 @dataclass(frozen=True)
 class Notice:
@@ -51,6 +53,12 @@ class Report:
             if notice not in self._known:
                 self._known.add(notice)
                 self.warnings.append(notice)
+
+    def refuse_warnings(self) -> None:
+        """GeometryError for the first of the warnings, where there are any: what ``--strict`` asks for."""
+        if self.warnings:
+            more = f" ({len(self.warnings) - 1} more)" if len(self.warnings) > 1 else ""
+            raise GeometryError(f"--strict: {self.warnings[0].text}{more}")
 
     def take(self, other: Report) -> None:
         """Add what another report tells."""

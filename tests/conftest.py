@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 import pytest
 from hypothesis import settings
-from places import ASSETS, GOLDENS, NO_ASSETS, SAMPLES
+from places import ASSETS, GOLDENS, LARGE, NO_ASSETS, SAMPLES
 
 from rigtri import register_usd_schemas
 
@@ -40,8 +40,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.getoption("--slow"):
         return
     for item in items:
-        if item.get_closest_marker("slow"):
+        if item.get_closest_marker("slow") or (
+            _is_of_large_file(item) and not item.get_closest_marker("large")
+        ):
             item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
+
+
+def _is_of_large_file(item: pytest.Item) -> bool:
+    given = item.callspec.params.values() if hasattr(item, "callspec") else ()
+    return any(isinstance(value, Path) and value.name in LARGE for value in given)
 
 
 @pytest.fixture(scope="session")

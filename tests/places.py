@@ -70,6 +70,10 @@ KNOWN: dict[str, set[str]] = {
     },
 }
 
+# Of most tests of real files a file of many keys is the longest by far: `slow`, unless the test is marked
+# `large`.
+LARGE = {"gdquest_mannequiny-0.3.0.glb", "kaykit_Barbarian.glb", "raylib_robot.glb"}
+
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 USD = (".usd", ".usda", ".usdc", ".usdz")
 

@@ -54,6 +54,7 @@ bridge
 inputs outputs
 drawing
 explanation
+viewer
 checks pipeline difference
 library
 in_memory

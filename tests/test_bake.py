@@ -334,6 +334,7 @@ def moving() -> list[Any]:
     return [pytest.param(path, id=path.name, marks=long.get(path.name, [])) for path in files]
 
 
+@pytest.mark.large
 @pytest.mark.parametrize("path", moving())
 def test_real_motion_comes_home(path: Path) -> None:
     try:

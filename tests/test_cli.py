@@ -375,6 +375,8 @@ def _line(name: str, file: Path, target: Path) -> list[str]:
         "add-posereader": ["--driver", "hand_l", "--target", "rest"],
         "add-rivet": ["--mesh", "body", "--at", "0,0,0"],
     }
+    if name == "view":
+        target = target.with_suffix(".html")
     return [name, str(file), "-o", str(target), *more.get(name, [])]
 
 

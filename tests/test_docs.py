@@ -22,6 +22,8 @@ from avatars import avatar_0
 from places import ROOT, SAMPLES
 
 BLOCK = re.compile(r"^( *)```(\w+)[^\n]*\n(.*?)^ *```", re.S | re.M)
+# The blocks that install are .ci/run's own; test_readme.py looks at the overview.
+OTHERS = re.compile(r"<!-- (?:install and|overview) .*?```sh.*?```", re.S)
 FILE = re.compile(r"\A# ([\w./-]+\.\w+)\n")
 # These end with 1 when they have found something, as diff and linters do.
 FINDERS = re.compile(r"^(rigtri (?:check|diff|mirror --check)\b[^#\n]*)", re.M)
@@ -53,8 +55,7 @@ def expect(run: list[str], folder: Path, environment: Mapping[str, str]) -> None
 
 @pytest.mark.parametrize("page", PAGES)
 def test_the_blocks_of_a_page_run(page: str, tmp_path: Path) -> None:
-    # The blocks that install are .ci/run's own.
-    text = re.sub(r"<!-- install and .*?```sh.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.S)
+    text = OTHERS.sub("", (ROOT / page).read_text("utf-8"))
     begin(text, tmp_path)
     programs = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = os.environ | {"PATH": programs, "NO_COLOR": "1"}
@@ -86,5 +87,7 @@ def test_the_site_builds_without_a_fault(tmp_path: Path) -> None:
     expect([sys.executable, "-m", "zensical", "build", "--strict"], tmp_path, os.environ)
     commands = (tmp_path / "site" / "commands" / "index.html").read_text("utf-8")
     assert 'id="rigtri-orient-joints"' in commands
+    python = (tmp_path / "site" / "api" / "index.html").read_text("utf-8")
+    assert 'id="rigtri.orient_joints"' in python
     loaded = re.findall(r'(?:src|href)="(https?://[^"]+\.(?:js|css|woff2?))"', commands)
     assert not loaded

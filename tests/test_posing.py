@@ -139,7 +139,20 @@ def test_a_moment_outside_of_the_clip_is_told_and_holds_the_nearest_pose() -> No
     assert shown.exit_code == 0
     assert "has keys from 0 to" in shown.stderr
     rig = read(SAMPLES / "biped.glb").rig
-    assert json.loads(shown.stdout)["joints"] == table(rig, Options(f"walk@{last}"))["joints"]
+    found = json.loads(shown.stdout)
+    validator("pose").validate(found)
+    assert found["joints"] == table(rig, Options(f"walk@{last}"))["joints"]
+    assert [notice["code"] for notice in found["warnings"]] == ["pose-outside"]
+
+
+def test_a_printed_pose_is_strict_and_quiet_as_other_commands_are() -> None:
+    line = ("pose", SAMPLES / "biped.glb", "--at", "walk@99")
+    refused = run(*line, "--strict")
+    assert refused.exit_code == 5
+    assert "rigtri: --strict: Clip 'walk' has keys" in refused.stderr
+    assert not refused.stdout
+    assert not run(*line, "--quiet").stderr
+    assert run("pose", SAMPLES / "biped.glb", "--at", "walk@0.25", "--strict").exit_code == 0
 
 
 @pytest.mark.parametrize(
@@ -171,7 +184,7 @@ def test_morph_weights_are_told_in_the_pose() -> None:
     rig = replace(rig, clips=(replace(walk, tracks=(*walk.tracks, weights)),))
     found = table(rig, Options("walk@0.25"))
     assert found["weights"] == [{"node": "hips", "weights": [0.25, 0.875]}]
-    validator("pose").validate({"file": "x.glb", **found})
+    validator("pose").validate({"file": "x.glb", "warnings": [], **found})
     assert table(rig, Options("rest"))["weights"] == []
 
 

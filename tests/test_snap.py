@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -226,12 +228,23 @@ def test_a_moment_outside_its_clip_is_told_once_as_pose_tells_it(at: str, told: 
     assert len(posed.warnings) == told
 
 
-@pytest.mark.parametrize("rig", [posed_by_ik(), posed_by_fk(), rigged("biped.usda")])
-@pytest.mark.parametrize("to", ["ik", "fk"])
-@pytest.mark.parametrize("time", [-5.0, 77.0])
+def outside() -> list[Any]:
+    """Rigs, ways and moments: one of each, and all of them together when there is time."""
+    makers = {"ik": posed_by_ik, "fk": posed_by_fk, "usd": partial(rigged, "biped.usda")}
+    short = {("ik", "fk", -5.0), ("fk", "ik", 77.0)}
+    return [
+        pytest.param(maker, to, time, marks=() if (kind, to, time) in short else pytest.mark.slow)
+        for kind, maker in makers.items()
+        for to in ("ik", "fk")
+        for time in (-5.0, 77.0)
+    ]
+
+
+@pytest.mark.parametrize(("maker", "to", "time"), outside())
 def test_a_moment_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
-    rig: Rig, to: str, time: float
+    maker: Callable[[], Rig], to: str, time: float
 ) -> None:
+    rig = maker()
     name = timelines(rig)[-1].name
     keys = times_within(timelines(rig)[-1], None)
     inside = min(max(time, keys[0]), keys[-1])

@@ -7,10 +7,10 @@ does not name is still there and equal, in the same order.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Literal, Protocol
 
 from rigtri.changes.change import Change
 from rigtri.errors import FileError, UsageError
@@ -20,6 +20,8 @@ from rigtri.rig import Rig
 from rigtri.scenery import Scenery
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
+# What three.js makes of points with more joints than it has room for.
+FOUR = "points with more than four joints are shown with the four that weigh most, or come first"
 USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
@@ -65,6 +67,22 @@ class Companion:
     content: bytes | Path
 
 
+@dataclass(frozen=True)
+class Embedded:
+    """What a page must carry to show a file: its content, and what else it draws of.
+
+    kind: ``gltf`` for a .glb or .gltf, ``usd`` for one USD crate with all layers in it. files: by the
+    name that the content has for each; a Path where a file is to be read. lacking: what a viewer will
+    not find, in words. meshopt: data of the file are compressed so.
+    """
+
+    kind: Literal["gltf", "usd"]
+    content: bytes | Path
+    files: Mapping[str, bytes | Path]
+    lacking: tuple[str, ...] = ()
+    meshopt: bool = False
+
+
 class Document(Protocol):
     """A file that was read, together with everything in it that rigtri does not know."""
 
@@ -89,6 +107,9 @@ class Document(Protocol):
 
         closely: also what costs reading: what materials, images and avatars are made of.
         """
+
+    def embedded(self) -> Embedded:
+        """All that is to be carried along to show the file elsewhere."""
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """The files that what `write` writes will go on referring to, each with what it is, in words."""

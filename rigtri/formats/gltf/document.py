@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.formats import Companion, Options
+from rigtri.formats import Companion, Embedded, Options
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animations import ClipReader, animated_nodes
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
 from rigtri.formats.gltf.drawn import Drawn
+from rigtri.formats.gltf.embedded import embedded
 from rigtri.formats.gltf.lines import read_lines
 from rigtri.formats.gltf.mapped import load
 from rigtri.formats.gltf.materials import Materials
@@ -119,6 +120,11 @@ class GltfDocument:
         view = Value(image, where).need("bufferView").index(len(list(gltf.each("bufferViews"))), "bufferView")
         buffer, start, end = self.accessors.span(view)
         return self._buffers.content(buffer)[start:end]
+
+    def embedded(self) -> Embedded:
+        """The file as it is, and the files of buffers and images."""
+        allowed = self.options.allow_external_paths
+        return embedded(self.container.gltf, self.container.path, allow_external=allowed)
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """The files of buffers, images and extensions."""

@@ -15,7 +15,7 @@ from pxr import Sdf, Usd
 
 from rigtri.delivery import same_file
 from rigtri.errors import FileError, UsageError
-from rigtri.formats import Companion, Options
+from rigtri.formats import Companion, Embedded, Options
 from rigtri.formats.usd import (
     external,
     instances,
@@ -35,6 +35,7 @@ from rigtri.formats.usd import (
     writer,
 )
 from rigtri.formats.usd.confirm import Expected
+from rigtri.formats.usd.embedded import embedded
 from rigtri.formats.usd.expressions import variables_of
 from rigtri.formats.usd.reader import Source, read_source
 from rigtri.formats.usd.scenery import read_scenery
@@ -123,6 +124,13 @@ class UsdDocument:
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]
         return ()
+
+    def embedded(self) -> Embedded:
+        """All layers as one, with the textures of its materials."""
+        source = self._source
+        with quiet(f"{source.path}: USD cannot make one layer of it"):
+            allowed = self._options.allow_external_paths
+            return embedded(source.stage, source.path, allow_external=allowed)
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """Layers and assets of all variants; of an override also what it is for."""

@@ -120,13 +120,13 @@ def _opened(identifier: str) -> Any:
 def check_used(stage: Any, path: Path, *, allow_external: bool) -> None:
     """FileError for a layer of a stage that lies outside, whatever has named it."""
     for layer in stage.GetUsedLayers():
-        if layer.realPath and not allow_external and _lies_outside(layer.realPath, path):
+        if layer.realPath and not allow_external and lies_outside(layer.realPath, path):
             raise _outside(layer.identifier, f"{path}")
 
 
 def check_file(other: Path, path: Path, *, allow_external: bool) -> None:
     """FileError for a file that ``path`` is about and that lies outside its folder."""
-    if not allow_external and _lies_outside(str(other), path):
+    if not allow_external and lies_outside(str(other), path):
         raise _outside(str(other), f"{path}")
 
 
@@ -141,7 +141,7 @@ def _identifier(layer: Any, asked: str, where: str, path: Path, allow_external: 
     resolved = str(resolver.Resolve(identifier))
     if not resolved:
         return ""  # what is not there is told when the stage is composed
-    if not allow_external and _lies_outside(resolved, path):
+    if not allow_external and lies_outside(resolved, path):
         raise _outside(asked, where)
     file = Path(resolved.partition("[")[0])
     if file.exists() and not (file.is_file() or file.is_dir()):
@@ -156,7 +156,7 @@ def _outside(asked: str, where: str) -> FileError:
     )
 
 
-def _lies_outside(resolved: str, path: Path) -> bool:
+def lies_outside(resolved: str, path: Path) -> bool:
     """Whether a file, or the package it is in, is not below the folder of ``path``.
 
     Links count by what they lead to; but ``path`` itself is the file that the user named.

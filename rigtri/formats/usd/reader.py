@@ -303,8 +303,8 @@ class _Reader:
                 Notice(
                     "unbound-animation",
                     f"No skeleton uses {shown} in the selected variants: left as they were, unless a "
-                    "skeleton of another variant uses them. Where joints get other axes, they have the old "
-                    "ones. To edit one along, bind a skeleton to it (skel:animationSource) and run again "
+                    "skeleton of another variant uses them. What joints or controls get they do not, axes or "
+                    "motion. To edit one along, bind a skeleton to it (skel:animationSource) and run again "
                     "from the source.",
                 )
             )

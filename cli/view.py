@@ -1,0 +1,171 @@
+"""rigtri view"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+from . import pictures
+from .options import (
+    Number,
+    check_streams,
+    json_option,
+    quiet_option,
+    read_options,
+    reading_options,
+    source_argument,
+)
+from .words import plain
+
+if TYPE_CHECKING:
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+    from rigtri.viewer.page import Shown
+
+# Warnings that the page shows, too: they are of what is seen there.
+_ON_PAGE = ("no-joints", "not-shown")
+
+
+@click.command("view")
+@source_argument
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    required=True,
+    metavar="OUT.html",
+    type=click.Path(allow_dash=True),
+    help="The page to write; - for standard output.",
+)
+@click.option(
+    "--against",
+    metavar="BEFORE",
+    type=click.Path(allow_dash=True),
+    help="What IN was before: the page shows either, or both, and how far their points are apart.",
+)
+@click.option("--clip", metavar="CLIP", help="Begin with this clip, playing. [the rest pose]")
+@click.option(
+    "--pose",
+    metavar="CLIP@TIME",
+    help="Begin with this moment, in seconds (USD: time codes), standing still.",
+)
+@click.option(
+    "--limit",
+    type=Number(min=0, min_open=True),
+    default=100.0,
+    show_default=True,
+    metavar="MB",
+    help="Refuse files that are larger than this, all together.",
+)
+@click.option("--open", "opens", is_flag=True, help="Show the page in the browser, too.")
+@reading_options
+@click.option("--overwrite", is_flag=True, help="Replace the page where it exists.")
+@quiet_option
+@json_option
+def command(source: str, target: str, **values: Any) -> None:
+    """Write a page that shows a character: skinned, textured, moving, with its rig.
+
+    Joints with their axes, limb triangles with their projection, pole vectors and controls follow every
+    clip; with --against, the page shows the character before and after. All is in the one
+    file, three.js with it; nothing is fetched.
+
+    \b
+    Examples:
+        rigtri view hero.glb -o hero.html
+        rigtri view out.glb --against hero.glb -o out.html --clip walk
+    """
+    from rigtri.report import Report
+    from rigtri.viewer.page import page
+
+    sources = [source] if values["against"] is None else [source, values["against"]]
+    _check(sources, target, values)
+    report = Report()
+    shown, start = _read(sources, values, report)
+    notices = [notice.text for notice in report.warnings if notice.code in _ON_PAGE]
+    text = page(shown, **start, notices=notices, limit=values["limit"]).encode("utf-8", "backslashreplace")
+    _deliver(text, target)
+    if values["as_json"]:
+        click.echo(json.dumps(_told(shown, target, len(text), report), indent=2, ensure_ascii=False))
+    pictures.tell(report, target, values)
+    if values["opens"] and click.launch(Path(target).resolve().as_uri()) != 0:
+        click.echo(f"warning: no browser could be started; open {plain(target)} in one", err=True)
+
+
+def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
+    """UsageError, before anything is read, for what cannot be written or contradicts itself."""
+    if len(sources) > 1:
+        check_streams(*sources)
+    if values["clip"] is not None and values["pose"] is not None:
+        raise UsageError("give --clip or --pose, not both")
+    if target == "-":
+        if values["opens"] or values["as_json"]:
+            raise UsageError("--open and --json need a page in a file; give OUT a name")
+    elif Path(target).suffix.lower() not in (".html", ".htm"):
+        raise UsageError(f"{target} is to be a page: give a name that ends in .html")
+    else:
+        pictures.check_place(target, sources, overwrite=values["overwrite"])
+
+
+def _read(sources: list[str], values: dict[str, Any], report: Report) -> tuple[list[Shown], dict[str, Any]]:
+    """The files of the page, and how it begins; what it cannot show is a warning of the report."""
+    from dataclasses import replace
+
+    from rigtri.formats import read
+    from rigtri.inputs import opened
+    from rigtri.viewer.facts import clip_names, facts
+    from rigtri.viewer.page import Shown
+
+    options = replace(read_options(values), empty=True)
+    shown: list[Shown] = []
+    start: dict[str, Any] = {}
+    for name in sources:
+        with opened(name) as path:
+            document = read(path, options)
+            rig, embedded = document.rig, document.embedded()
+            start = start or _start(rig, values)
+            title = "standard input" if name == "-" else path.name
+            for notice in document.warnings:
+                report.warn(notice.code, f"{title}: {notice.text}")
+            if not rig.is_joint.any():
+                report.warn("no-joints", f"{title} has no joints; its nodes are shown")
+            for text in embedded.lacking:
+                report.warn("not-shown", f"{title}: {text}")
+            content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()
+            shown.append(Shown(title, facts(rig), replace(embedded, content=content), clip_names(rig)))
+    return shown, start
+
+
+def _start(rig: Rig, values: dict[str, Any]) -> dict[str, Any]:
+    """How the page begins: the number of a clip, and the time to stand still at, in seconds."""
+    from rigtri.timelines import moment
+    from rigtri.viewer.facts import clip_place
+
+    if values["clip"] is not None:
+        return {"clip": clip_place(rig, rig.clip(values["clip"])), "time": None}
+    timeline, time = moment(rig, values["pose"] or "rest")
+    if timeline is None:
+        return {"clip": -1, "time": None}
+    return {"clip": clip_place(rig, timeline.clip), "time": time / rig.per_second}
+
+
+def _deliver(text: bytes, target: str) -> None:
+    from rigtri.outputs import write_bytes
+
+    if target == "-":
+        sys.stdout.buffer.write(text)
+        sys.stdout.buffer.flush()
+    else:
+        write_bytes(Path(target), text)
+
+
+def _told(shown: list[Shown], target: str, size: int, report: Report) -> dict[str, Any]:
+    """What was written, for machines."""
+    sides = [{"file": one.name, "joints": sum(node["joint"] for node in one.facts["nodes"])} for one in shown]
+    warnings = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+    return {"page": target, "bytes": size, "sides": sides, "warnings": warnings}

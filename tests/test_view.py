@@ -1,0 +1,364 @@
+"""The page that ``rigtri view`` writes: what is in it, and that nothing of a file can be more than text."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+import usd_files
+from click.testing import CliRunner, Result
+from gltf_files import Builder, small
+from places import ROOT
+
+from rigtri.formats import Options, read
+from rigtri.viewer.facts import facts
+
+NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
+EVIL = '</script><img src="x" onerror="window.hacked=1"><!--'
+
+
+class Page(HTMLParser):
+    """The elements of a page, and what stands in its scripts and styles."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.text: dict[str, str] = {}
+        self._inside = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = dict(attrs)
+        self.elements.append((tag, found))
+        self._inside = found.get("id") or tag if tag in ("script", "style", "title") else ""
+
+    def handle_endtag(self, tag: str) -> None:
+        self._inside = ""
+
+    def handle_data(self, data: str) -> None:
+        if self._inside:
+            self.text[self._inside] = self.text.get(self._inside, "") + data
+
+    @property
+    def facts(self) -> Any:
+        return json.loads(self.text["facts"])
+
+    @property
+    def policy(self) -> str:
+        metas = [attributes for tag, attributes in self.elements if tag == "meta"]
+        return next(str(one["content"]) for one in metas if one.get("http-equiv"))
+
+    def file(self, name: str) -> bytes:
+        return base64.b64decode(self.text[name])
+
+
+@pytest.fixture
+def view(app: click.Group, tmp_path: Path) -> Any:
+    def call(*args: object, code: int = 0, stdin: bytes | None = None) -> Result:
+        result = CliRunner().invoke(app, ["view", *map(str, args)], input=stdin)
+        assert result.exit_code == code, result.output
+        return result
+
+    return call
+
+
+def written(view: Any, folder: Path, *args: object) -> Page:
+    view(*args, "-o", folder / "page.html", "--overwrite")
+    return Page((folder / "page.html").read_text("utf-8"))
+
+
+def evil() -> Builder:
+    """A file whose names are markup, wherever it has names."""
+    b = small()
+    b.gltf["nodes"][1]["name"] = EVIL
+    b.gltf["animations"][0]["name"] = EVIL
+    b.gltf["meshes"][0]["name"] = EVIL
+    b.gltf["materials"] = [{"name": EVIL, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+    b.gltf["meshes"][0]["primitives"][0]["material"] = 0
+    b.gltf["textures"] = [{"source": 0}]
+    b.gltf["images"] = [{"uri": "gone%3Cimg%20src=x%3E.png", "name": EVIL}]
+    return b
+
+
+def test_the_page_carries_the_bytes_of_the_file_and_of_all_that_it_names(
+    view: Any, samples: Path, tmp_path: Path
+) -> None:
+    page = written(view, tmp_path, samples / "biped.gltf")
+    (model,) = page.facts["models"]
+    assert page.file(model["data"]) == (samples / "biped.gltf").read_bytes()
+    assert [one["name"] for one in model["files"]] == ["biped.bin"]
+    assert page.file(model["files"][0]["id"]) == (samples / "biped.bin").read_bytes()
+
+
+def test_before_and_after_are_both_in_the_page_after_first(view: Any, samples: Path, tmp_path: Path) -> None:
+    page = written(view, tmp_path, samples / "tpose.glb", "--against", samples / "biped.glb")
+    assert [model["name"] for model in page.facts["models"]] == ["tpose.glb", "biped.glb"]
+    assert page.text["title"] == "tpose.glb ← biped.glb – rigtri view"
+
+
+def test_limbs_and_pole_vectors_are_told_by_their_nodes(
+    app: click.Group, samples: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out.glb"
+    limb = ("--limb", "upper_arm_L", "forearm_L", "hand_L")
+    done = CliRunner().invoke(app, ["add-polevector", str(samples / "biped.glb"), "-o", str(out), *limb])
+    assert done.exit_code == 0, done.output
+    told = facts(read(out).rig)
+    names = [node["name"] for node in told["nodes"]]
+    arm = next(one for one in told["limbs"] if names[one["joints"][0]] == "upper_arm_L")
+    assert [names[k] for k in arm["joints"]] == ["upper_arm_L", "forearm_L", "hand_L"]
+    assert told["nodes"][arm["pole"]]["note"] == "poleVector"
+    assert sum(one["pole"] >= 0 for one in told["limbs"]) == 1
+
+
+def test_joints_of_usd_are_known_by_skeleton_and_number(samples: Path) -> None:
+    rig = read(samples / "biped.usda").rig
+    keys = {node["name"]: node["key"] for node in facts(rig)["nodes"] if node["joint"]}
+    assert keys == {
+        rig.names[node]: f"/biped/figure/skeleton#{k}" for k, node in enumerate(rig.skins[0].joints)
+    }
+
+
+def test_a_usd_file_becomes_one_crate_and_the_file_stays_as_it_was(samples: Path) -> None:
+    before = (samples / "biped.usda").read_bytes()
+    document = read(samples / "biped.usda")
+    content = document.embedded().content
+    assert isinstance(content, bytes)
+    assert content.startswith(b"PXR-USDC")
+    assert (samples / "biped.usda").read_bytes() == before
+
+
+def test_a_skeleton_that_a_mesh_inherits_is_written_at_the_mesh(tmp_path: Path) -> None:
+    from pxr import Gf, Sdf, Usd, UsdSkel
+
+    path = tmp_path / "in.usdc"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.DefinePrim("/Root", "SkelRoot")
+    skeleton = UsdSkel.Skeleton.Define(stage, "/Root/Skel")
+    skeleton.CreateJointsAttr(["a"])
+    identity = [Gf.Matrix4d(1)]
+    for create in (skeleton.CreateBindTransformsAttr, skeleton.CreateRestTransformsAttr):
+        create(identity)
+    mesh = stage.DefinePrim("/Root/Mesh", "Mesh")
+    mesh.CreateAttribute("points", Sdf.ValueTypeNames.Point3fArray).Set([(0, 0, 0), (1, 0, 0)])
+    UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/Root")).CreateSkeletonRel().SetTargets(["/Root/Skel"])
+    binding = UsdSkel.BindingAPI.Apply(mesh)
+    binding.CreateJointIndicesPrimvar(True, 1).Set([0])
+    binding.CreateJointWeightsPrimvar(True, 1).Set([1.0])
+    stage.Save()
+    content = read(path).embedded().content
+    assert isinstance(content, bytes)
+    (tmp_path / "out.usdc").write_bytes(content)
+    carried = Usd.Stage.Open(str(tmp_path / "out.usdc"))
+    shown = UsdSkel.BindingAPI(carried.GetPrimAtPath("/Root/Mesh"))
+    assert shown.GetSkeletonRel().GetTargets() == [Sdf.Path("/Root/Skel")]
+    # One joint for the whole mesh, said for each of its two points.
+    assert list(shown.GetJointIndicesPrimvar().Get()) == [0, 0]
+
+
+def test_no_name_of_a_file_becomes_an_element(view: Any, samples: Path, tmp_path: Path) -> None:
+    plain = written(view, tmp_path, samples / "arm.gltf")
+    named = evil().glb(tmp_path / "<img src=x onerror=alert(1)>.glb")
+    page = written(view, tmp_path, named)
+    assert [tag for tag, _ in page.elements] == [tag for tag, _ in plain.elements]
+    assert page.text["title"] == "<img src=x onerror=alert(1)>.glb – rigtri view"
+    assert page.facts["models"][0]["nodes"][1]["name"] == EVIL
+    assert not set("<>&") & set(page.text["facts"])
+
+
+def test_the_policy_lets_the_page_run_itself_and_nothing_else(
+    view: Any, samples: Path, tmp_path: Path
+) -> None:
+    page = written(view, tmp_path, samples / "arm.gltf")
+
+    def digest(text: str) -> str:
+        return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+    said = dict(part.split(" ", 1) for part in page.policy.split("; "))
+    assert said["default-src"] == "'none'"
+    assert said["script-src"] == digest(page.text["script"])
+    assert said["style-src"] == digest(page.text["style"])
+    assert said["connect-src"] == said["img-src"] == "data: blob:"
+
+
+def test_the_licence_of_three_is_in_the_page_and_beside_the_script(
+    view: Any, samples: Path, tmp_path: Path
+) -> None:
+    view(samples / "arm.gltf", "-o", tmp_path / "a.html")
+    text = (tmp_path / "a.html").read_text("utf-8")
+    assert "Copyright © 2010-" in text
+    assert "three.js authors" in text
+
+
+@pytest.mark.parametrize(
+    ("options", "start"),
+    [
+        ((), {"clip": -1, "time": None}),
+        (("--clip", "wave"), {"clip": 1, "time": None}),
+        (("--pose", "wave@0.5"), {"clip": 1, "time": 0.5}),
+        (("--pose", "rest"), {"clip": -1, "time": None}),
+    ],
+)
+def test_a_page_begins_as_it_is_asked_to(
+    options: tuple[str, ...], start: dict[str, Any], view: Any, samples: Path, tmp_path: Path
+) -> None:
+    assert written(view, tmp_path, samples / "biped.glb", *options).facts["start"] == start
+
+
+def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(
+    view: Any, samples: Path, tmp_path: Path
+) -> None:
+    page = written(view, tmp_path, samples / "biped.usda", "--pose", "walk@12")
+    assert page.facts["start"] == {"clip": 0, "time": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (("--clip", "nod"), 4, "No clip is named 'nod'"),
+        (("--clip", "walk", "--pose", "walk@1"), 2, "give --clip or --pose, not both"),
+        (("--limit", "0.001"), 2, "Allow it with --limit"),
+        (("-o", "-", "--open"), 2, "--open and --json need a page in a file"),
+        (("-o", "page.glb"), 2, "give a name that ends in .html"),
+        (("--against", "nobody.glb"), 3, "There is no file nobody.glb"),
+    ],
+)
+def test_a_mistake_gets_one_line(
+    options: tuple[str, ...], code: int, words: str, view: Any, samples: Path, tmp_path: Path
+) -> None:
+    target = () if "-o" in options else ("-o", tmp_path / "a.html")
+    result = view(samples / "biped.glb", *target, *options, code=code)
+    assert words in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_page_that_is_there_is_kept_unless_it_may_go(view: Any, samples: Path, tmp_path: Path) -> None:
+    target = tmp_path / "a.html"
+    target.write_text("mine")
+    assert "--overwrite" in view(samples / "arm.gltf", "-o", target, code=2).stderr
+    assert target.read_text() == "mine"
+    view(samples / "arm.gltf", "-o", target, "--overwrite")
+    assert target.read_text("utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_a_page_never_replaces_what_it_shows(view: Any, samples: Path, tmp_path: Path) -> None:
+    source, target = tmp_path / "a.glb", tmp_path / "a.html"
+    shutil.copy(samples / "biped.glb", source)
+    target.symlink_to(source)
+    assert "would be lost" in view(source, "-o", target, "--overwrite", code=2).stderr
+    assert source.read_bytes() == (samples / "biped.glb").read_bytes()
+
+
+def test_what_was_written_is_told_to_machines(view: Any, samples: Path, tmp_path: Path) -> None:
+    target = tmp_path / "a.html"
+    told = json.loads(view(samples / "arm.gltf", "-o", target, "--json").stdout)
+    assert told["page"] == str(target)
+    assert told["bytes"] == target.stat().st_size
+    assert told["sides"] == [{"file": "arm.gltf", "joints": 0}]
+    assert told["warnings"][-1] == {
+        "code": "no-joints",
+        "text": "arm.gltf has no joints; its nodes are shown",
+    }
+
+
+def test_a_page_is_opened_where_that_is_asked_and_a_missing_browser_is_told(
+    view: Any, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(click, "launch", lambda uri: asked.append(uri) or len(asked) - 1)
+    target = tmp_path / "a page.html"
+    assert "no browser" not in view(samples / "arm.gltf", "-o", target, "--open").stderr
+    assert (
+        "no browser could be started"
+        in view(samples / "arm.gltf", "-o", target, "--open", "--overwrite").stderr
+    )
+    assert asked == [target.resolve().as_uri()] * 2
+
+
+def test_streams_work_both_ways(view: Any, samples: Path) -> None:
+    result = view("-", "-o", "-", stdin=(samples / "biped.glb").read_bytes())
+    page = Page(result.stdout)
+    assert page.facts["title"] == "standard input"
+    assert page.file("file0") == (samples / "biped.glb").read_bytes()
+
+
+def test_a_file_without_joints_is_shown_and_says_so(view: Any, samples: Path, tmp_path: Path) -> None:
+    result = view(samples / "arm.gltf", "-o", tmp_path / "a.html")
+    assert "arm.gltf has no joints; its nodes are shown" in result.stderr
+    assert len(Page((tmp_path / "a.html").read_text("utf-8")).facts["models"][0]["nodes"]) > 2
+
+
+def test_what_is_missing_or_cannot_be_shown_is_told(view: Any, tmp_path: Path) -> None:
+    b = evil()
+    b.gltf["images"].append({"uri": "../secret.png"})
+    b.gltf["images"].append({"uri": "https://example.org/a.png"})
+    result = view(b.glb(tmp_path / "in.glb"), "-o", tmp_path / "a.html")
+    assert "the file 'gone<img src=x>.png' is missing" in result.stderr
+    assert "'../secret.png' lies outside the folder of the file" in result.stderr
+    assert "rigtri fetches nothing from 'https://example.org/a.png'" in result.stderr
+    notices = Page((tmp_path / "a.html").read_text("utf-8")).facts["notices"]
+    assert len(notices) == 3
+
+
+def test_an_image_outside_the_folder_is_taken_along_where_it_is_allowed(view: Any, tmp_path: Path) -> None:
+    b = evil()
+    b.gltf["images"] = [{"uri": "../in.png"}]
+    (tmp_path / "below").mkdir()
+    (tmp_path / "in.png").write_bytes(b"picture")
+    page = written(view, tmp_path, b.glb(tmp_path / "below" / "in.glb"), "--allow-external-paths")
+    (one,) = page.facts["models"][0]["files"]
+    assert page.file(one["id"]) == b"picture"
+
+
+def test_textures_of_usd_are_taken_along_and_others_are_told(view: Any, tmp_path: Path) -> None:
+    shaders = "".join(
+        f'def Shader "S{k}"\n{{\nuniform token info:id = "UsdUVTexture"\nasset inputs:file = @{name}@\n}}\n'
+        for k, name in enumerate(["a.png", "b.exr", "gone.png", "../out.png"])
+    )
+    folder = tmp_path / "in"
+    folder.mkdir()
+    for name in ("a.png", "b.exr", "../out.png"):
+        (folder / name).write_bytes(name.encode())
+    text = (
+        usd_files.scene(usd_files.skeleton(), usd_files.animation())
+        + f'\ndef Material "M"\n{{\n{shaders}}}\n'
+    )
+    result = view(usd_files.save(folder, text), "-o", tmp_path / "a.html")
+    page = Page((tmp_path / "a.html").read_text("utf-8"))
+    (one,) = page.facts["models"][0]["files"]
+    assert (one["name"], page.file(one["id"])) == ("texture0.png", b"a.png")
+    assert "'b.exr' is of a kind that browsers do not show" in result.stderr
+    assert "'gone.png' is missing" in result.stderr
+    assert "'../out.png' lies outside the folder of the file" in result.stderr
+
+
+def test_one_point_with_five_joints_is_enough_to_say_so(tmp_path: Path) -> None:
+    b = small()
+    attributes = b.gltf["meshes"][0]["primitives"][0]["attributes"]
+    attributes |= {"JOINTS_1": attributes["JOINTS_0"], "WEIGHTS_1": b.accessor([[0.0] * 4] * 3)}
+    assert "more than four joints" in read(b.glb(tmp_path / "a.glb"), Options()).embedded().lacking[0]
+
+
+def test_the_script_of_the_page_is_what_its_sources_make(tmp_path: Path) -> None:
+    modules, node = os.environ.get("RIGTRI_THREE"), shutil.which("node")
+    needed = ("esbuild", "three", "meshoptimizer")
+    if not modules or not node or not all(Path(modules, "node_modules", name).is_dir() for name in needed):
+        pytest.skip(NO_ESBUILD)
+    if not (ROOT / "viewer").is_dir():
+        pytest.skip("this is no checkout of the source")
+    script = ROOT / "viewer" / "build.mjs"
+    made = [node, str(script), "--modules", modules, "--out", str(tmp_path)]
+    subprocess.run(made, check=True, capture_output=True, timeout=120)
+    for name in ("page.js", "page.js.LICENSES.txt"):
+        committed = (ROOT / "rigtri" / "viewer" / name).read_bytes()
+        assert (tmp_path / name).read_bytes() == committed, f"{name}: run node viewer/build.mjs"

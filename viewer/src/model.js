@@ -1,0 +1,179 @@
+// One file as it is shown: three's objects of what rigtri has read, its clips, its points.
+
+import {
+  AnimationMixer,
+  Box3,
+  BufferGeometry,
+  Color,
+  Float32BufferAttribute,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  LoopOnce,
+  Object3D,
+  Vector3,
+} from 'three';
+
+import { loadGltf } from './gltf.js';
+import { Points } from './points.js';
+import { loadUsd, localOf } from './usd.js';
+
+// How many points, about, say how near the camera may come.
+const MOST = 4000;
+// An axis farther than this from its bone, in degrees, is seen to be off.
+const AIMED = 1;
+// Where in a clip they are looked at, to keep all of it in the picture.
+const MOMENTS = [0, 0.25, 0.5, 0.75, 1];
+
+export class Model {
+  /** Load what the page carries of one file. tell: what cannot be shown. */
+  static async load(facts, tell) {
+    try {
+      const loaded = await (facts.kind === 'usd' ? loadUsd(facts) : loadGltf(facts, tell));
+      return new Model(facts, loaded);
+    } catch (error) {
+      throw new Error(`three.js cannot show ${facts.name}: ${error.message}`, { cause: error });
+    }
+  }
+
+  constructor(facts, { root, clips, object, finish }) {
+    this.facts = facts;
+    this.root = new Group().add(root);
+    this.nodes = objects(facts.nodes, object, root);
+    this.lines = drawnLines(facts, this.nodes, root);
+    this.joints = facts.nodes.map((_, k) => k).filter((k) => facts.nodes[k].joint);
+    this.listed = this.joints.length ? this.joints : facts.nodes.map((_, k) => k);
+    this.clips = clips ?? finish(this.nodes);
+    this.mixer = new AnimationMixer(root);
+    this.root.updateMatrixWorld(true);
+    this.points = new Points(root);
+    root.traverse((one) => { one.frustumCulled = false; });
+    this.box = new Box3().setFromPoints(this.cloud());
+    this.points.expand(this.box);
+    this.size = this.box.getSize(new Vector3()).length() || 1;
+    this.reach = this.#reach();
+    this.aims = this.#aims();
+  }
+
+  /** Stand as a clip says at a time, in seconds; clip −1: as at rest. */
+  seek(clip, time) {
+    if (clip !== this.playing) {
+      this.mixer.stopAllAction();
+      this.playing = clip;
+      if (this.clips[clip]) this.#action(clip).play();
+    }
+    if (this.clips[clip]) this.#action(clip).time = time;
+    this.mixer.update(0);
+    this.root.updateMatrixWorld(true);
+  }
+
+  /** Some points of all that is seen where it stands now. */
+  cloud() {
+    const cloud = [...this.points.some(MOST), ...this.listed.map((node) => this.place(node))];
+    return cloud.length ? cloud : [new Vector3(-0.5, -0.5, -0.5), new Vector3(0.5, 0.5, 0.5)];
+  }
+
+  /** The same of some moments of a clip; then it stands as asked. */
+  sweep(clip, time, duration) {
+    const found = [];
+    const moments = duration > 0 ? MOMENTS.map((share) => share * duration) : [0];
+    for (const moment of moments) {
+      this.seek(clip, moment);
+      for (const point of this.cloud()) found.push(point);
+    }
+    this.seek(clip, time);
+    return found;
+  }
+
+  #action(clip) {
+    const action = this.mixer.clipAction(this.clips[clip]).setLoop(LoopOnce, 1);
+    // The end of a clip is shown as its last key says.
+    action.clampWhenFinished = true;
+    action.paused = false;
+    action.enabled = true;
+    return action;
+  }
+
+  /** Where a node is, in the world. */
+  place(node) {
+    return new Vector3().setFromMatrixPosition(this.nodes[node].matrixWorld);
+  }
+
+  /** How far the axes of each joint miss its bones: the nearest axis, in degrees, and the joint it misses. */
+  #aims() {
+    const { nodes } = this.facts;
+    const aims = new Array(nodes.length).fill(null);
+    for (const child of this.joints) {
+      const node = nodes[child].parent;
+      if (node < 0 || !nodes[node].joint) continue;
+      const back = this.nodes[node].matrixWorld.clone().invert();
+      const scale = new Vector3().setFromMatrixScale(this.nodes[node].matrixWorld);
+      // Seen by axes of length one, however the joint is scaled.
+      const bone = this.place(child).applyMatrix4(back).multiply(scale);
+      if (!(bone.length() > 1e-6 * this.size)) continue;
+      const [x, y, z] = bone.normalize().toArray();
+      const shares = [x, y, z].map(Math.abs);
+      const best = shares.indexOf(Math.max(...shares));
+      const across = Math.hypot(...[x, y, z].filter((_, k) => k !== best));
+      const off = (Math.atan2(across, shares[best]) * 180) / Math.PI;
+      const axis = `${[x, y, z][best] < 0 ? '−' : '+'}${'xyz'[best]}`;
+      if (!aims[node] || off < aims[node].off) aims[node] = { off, axis, child };
+    }
+    return aims;
+  }
+
+  /** Whether no axis of a joint points along a bone of its own; a root's say how the whole stands. */
+  crooked(node) {
+    const { nodes } = this.facts;
+    const above = nodes[node].parent;
+    return above >= 0 && nodes[above].joint && this.aims[node]?.off > AIMED;
+  }
+
+  /** How long the arrows of each node are: a share of the way to the nearest joint that hangs on it. */
+  #reach() {
+    const { nodes } = this.facts;
+    const nearest = new Array(nodes.length).fill(Infinity);
+    for (const node of this.listed) {
+      const above = nodes[node].parent;
+      if (above < 0) continue;
+      const far = this.place(node).distanceTo(this.place(above));
+      if (far > 1e-6 * this.size) nearest[above] = Math.min(nearest[above], far);
+    }
+    return nodes.map(({ parent }, node) => {
+      const own = Number.isFinite(nearest[node]) ? nearest[node] : nearest[parent] ?? Infinity;
+      return Math.min(Math.max(0.4 * own, 0.008 * this.size), 0.05 * this.size);
+    });
+  }
+}
+
+/** The object of every node that rigtri has told of; where three has made none, one that stands as told. */
+function objects(nodes, object, root) {
+  const found = [];
+  for (const node of nodes) {
+    let one = object(node.key);
+    if (!one) {
+      one = new Object3D();
+      if (node.local) localOf(node).decompose(one.position, one.quaternion, one.scale);
+      (found[node.parent] ?? root).add(one);
+    }
+    found.push(one);
+  }
+  return found;
+}
+
+/** The lines of controls: those that the loader has read, else those that rigtri has. */
+function drawnLines(facts, nodes, root) {
+  for (const { node, segments, color } of facts.shapes) {
+    const geometry = new BufferGeometry().setAttribute('position', new Float32BufferAttribute(segments, 3));
+    nodes[node].add(new LineSegments(geometry, new LineBasicMaterial({ color: new Color(...color) })));
+  }
+  const lines = [];
+  root.traverse((one) => {
+    if (!one.isLine) return;
+    lines.push(one);
+    // A control inside the character must be seen all the same.
+    one.renderOrder = 1;
+    for (const material of [one.material].flat()) Object.assign(material, { depthTest: false, transparent: true });
+  });
+  return lines;
+}

@@ -1,0 +1,221 @@
+// Lines over the picture: bones, axes, limb triangles, pole vectors, names. They follow the bones as
+// they are posed, and are always in front, so that nothing of a rig hides in a mesh.
+
+import { Matrix4, Vector3 } from 'three';
+
+const AXES = ['#d33c3c', '#2c8f4b', '#3b6fe0'];
+const DARK_AXES = ['#ff6b6b', '#5fd07f', '#7aa2ff'];
+const TAU = 2 * Math.PI;
+
+/** Whether two boxes, left, top, width, height, share any place. */
+function meet([x, y, wide, high], [u, v, width, height]) {
+  return x < u + width && u < x + wide && y < v + height && v < y + high;
+}
+
+export class Overlay {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.pen = canvas.getContext('2d');
+    this.dark = window.matchMedia('(prefers-color-scheme: dark)');
+    this.spots = [];
+  }
+
+  /** Draw over the picture of a stage. shown: models; of two, the second faintly. */
+  draw(stage, shown, state) {
+    const { pen, canvas } = this;
+    const { wide, high, ratio } = stage;
+    if (canvas.width !== Math.round(wide * ratio) || canvas.height !== Math.round(high * ratio)) {
+      canvas.width = Math.round(wide * ratio);
+      canvas.height = Math.round(high * ratio);
+    }
+    this.look = { wide, high, near: stage.camera.near };
+    this.look.matrix = new Matrix4()
+      .multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse).elements;
+    this.colors = this.dark.matches
+      ? { axes: DARK_AXES, bone: '#e6e8ea', halo: 'rgba(0,0,0,.65)', limb: '#ffd24d', pole: '#ff9df5', off: '#ff9a3d' }
+      : { axes: AXES, bone: '#2b2e33', halo: 'rgba(255,255,255,.8)', limb: '#b77700', pole: '#a3159a', off: '#e06a00' };
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, wide, high);
+    pen.lineCap = pen.lineJoin = 'round';
+    [...shown].reverse().forEach((model) => {
+      pen.globalAlpha = model === shown[0] ? 1 : 0.45;
+      this.#model(model, state, model === shown[0]);
+    });
+    pen.globalAlpha = 1;
+  }
+
+  /** The name and path of the node nearest to a place in the picture, if one is near; of the model in front. */
+  near(x, y, reach) {
+    let best = null;
+    let least = reach * reach;
+    for (const spot of this.spots) {
+      const square = (spot.x - x) ** 2 + (spot.y - y) ** 2;
+      if (square <= least) [best, least] = [spot, square];
+    }
+    return best;
+  }
+
+  #model(model, state, front) {
+    const at = model.nodes.map((_, node) => model.place(node));
+    if (state.triangles) for (const limb of model.facts.limbs) this.#limb(at, limb);
+    if (state.bones) this.#bones(model, at);
+    if (state.axes) for (const node of model.listed) this.#arrows(model, node);
+    if (!front) return;
+    if (state.controls) {
+      for (const [from, to] of model.facts.follows) this.#line(at[from], at[to], this.colors.bone, 1, [1, 5]);
+    }
+    this.spots = [];
+    for (const node of [...model.listed, ...(state.controls ? model.facts.marks : [])]) {
+      const spot = this.#project(at[node]);
+      const { name, path } = model.facts.nodes[node];
+      if (spot) this.spots.push({ name, path, x: spot[0], y: spot[1], off: model.crooked(node) });
+    }
+    this.#spots(state);
+  }
+
+  #bones(model, at) {
+    const { nodes } = model.facts;
+    for (const node of model.listed) {
+      const above = nodes[node].parent;
+      if (above >= 0 && nodes[above].joint === nodes[node].joint) {
+        this.#line(at[above], at[node], this.colors.bone, 1.5);
+      }
+    }
+  }
+
+  #arrows(model, node) {
+    const matrix = model.nodes[node].matrixWorld;
+    const from = new Vector3().setFromMatrixPosition(matrix);
+    for (let k = 0; k < 3; k++) {
+      const axis = new Vector3().setFromMatrixColumn(matrix, k).normalize().multiplyScalar(model.reach[node]);
+      if (axis.lengthSq() > 0) this.#arrow(from, axis.add(from), this.colors.axes[k], 2);
+    }
+  }
+
+  /** A limb ABC: its triangle, P, the point of AC nearest to B, and the way from P through B to the pole. */
+  #limb(at, { joints, pole }) {
+    const [a, b, c] = joints.map((node) => at[node]);
+    const chord = new Vector3().subVectors(c, a);
+    const along = new Vector3().subVectors(b, a);
+    const share = along.dot(chord) / (chord.lengthSq() || 1);
+    const foot = new Vector3().copy(a).addScaledVector(chord, share);
+    const limb = along.length() + b.distanceTo(c);
+    const out = new Vector3().subVectors(b, foot);
+    this.#fill([a, b, c], this.colors.limb);
+    this.#line(a, b, this.colors.limb, 2);
+    this.#line(b, c, this.colors.limb, 2);
+    this.#line(a, c, this.colors.limb, 1.5, [5, 4]);
+    const straight = out.length() <= 1e-4 * limb;
+    if (!straight) this.#line(foot, b, this.colors.limb, 1.5, [2, 4]);
+    this.#dot(foot, 2.5, this.colors.limb);
+    if (pole >= 0) {
+      this.#line(b, at[pole], this.colors.pole, 1.5, [6, 4]);
+      this.#dot(at[pole], 4, this.colors.pole);
+    } else if (!straight) {
+      const tip = out.setLength(0.5 * limb).add(b);
+      this.#arrow(b, tip, this.colors.pole, 1.5, [6, 4]);
+    }
+  }
+
+  #spots(state) {
+    const { pen } = this;
+    const marked = [state.hover, state.selected];
+    const taken = [];
+    const size = Math.max(11, Math.min(14, this.look.wide / 60));
+    pen.font = `${size}px system-ui, sans-serif`;
+    pen.textBaseline = 'middle';
+    for (const { name, path, x, y, off } of this.spots) {
+      const chosen = marked.includes(path);
+      if (state.bones || chosen) this.#ring(x, y, chosen ? 6 : off ? 4 : 2.5, chosen, off);
+      const room = [x + 8, y - size / 2, pen.measureText(name).width, size];
+      if (path !== state.selected && (!state.names || taken.some((other) => meet(room, other)))) continue;
+      taken.push(room);
+      pen.lineWidth = 3;
+      pen.strokeStyle = this.colors.halo;
+      pen.strokeText(name, x + 8, y);
+      pen.fillStyle = this.colors.bone;
+      pen.fillText(name, x + 8, y);
+    }
+  }
+
+  #ring(x, y, radius, open, off) {
+    const { pen } = this;
+    pen.beginPath();
+    pen.arc(x, y, radius, 0, TAU);
+    const color = off ? this.colors.off : this.colors.bone;
+    pen.fillStyle = color;
+    pen.strokeStyle = open ? color : this.colors.halo;
+    pen.lineWidth = open ? 2 : 1;
+    if (!open) pen.fill();
+    pen.stroke();
+  }
+
+  #dot(point, radius, color) {
+    const spot = this.#project(point);
+    if (!spot) return;
+    this.pen.beginPath();
+    this.pen.arc(spot[0], spot[1], radius, 0, TAU);
+    this.pen.fillStyle = color;
+    this.pen.fill();
+  }
+
+  #fill(points, color) {
+    const spots = points.map((point) => this.#project(point));
+    if (!spots.every(Boolean)) return;
+    const { pen } = this;
+    const before = pen.globalAlpha;
+    pen.beginPath();
+    spots.forEach(([x, y]) => pen.lineTo(x, y));
+    pen.globalAlpha = before * 0.22;
+    pen.fillStyle = color;
+    pen.fill();
+    pen.globalAlpha = before;
+  }
+
+  #arrow(from, to, color, width, dash = []) {
+    const ends = this.#line(from, to, color, width, dash);
+    if (!ends) return;
+    const [[x, y], [u, v]] = ends;
+    const long = Math.hypot(u - x, v - y);
+    if (long < 3) return;
+    const { pen } = this;
+    const head = Math.min(7, 0.5 * long);
+    const [s, t] = [((u - x) / long) * head, ((v - y) / long) * head];
+    pen.beginPath();
+    pen.moveTo(u, v);
+    pen.lineTo(u - s - t * 0.45, v - t + s * 0.45);
+    pen.lineTo(u - s + t * 0.45, v - t - s * 0.45);
+    pen.closePath();
+    pen.fillStyle = color;
+    pen.fill();
+  }
+
+  #line(from, to, color, width, dash = []) {
+    const ends = [this.#project(from), this.#project(to)];
+    if (!ends[0] || !ends[1]) return null;
+    const { pen } = this;
+    pen.beginPath();
+    pen.moveTo(ends[0][0], ends[0][1]);
+    pen.lineTo(ends[1][0], ends[1][1]);
+    pen.setLineDash([]);
+    pen.strokeStyle = this.colors.halo;
+    pen.lineWidth = width + 2;
+    if (!dash.length) pen.stroke();
+    pen.setLineDash(dash);
+    pen.strokeStyle = color;
+    pen.lineWidth = width;
+    pen.stroke();
+    pen.setLineDash([]);
+    return ends;
+  }
+
+  /** Where a point is in the picture; null behind the camera. */
+  #project({ x, y, z }) {
+    const { matrix: e, wide, high, near } = this.look;
+    const w = e[3] * x + e[7] * y + e[11] * z + e[15];
+    if (!(w > near)) return null;
+    const u = (e[0] * x + e[4] * y + e[8] * z + e[12]) / w;
+    const v = (e[1] * x + e[5] * y + e[9] * z + e[13]) / w;
+    return [((u + 1) / 2) * wide, ((1 - v) / 2) * high];
+  }
+}
