@@ -365,7 +365,7 @@ def test_a_manifest_of_another_version_or_another_file_is_refused(batch: Batch) 
     base.close()
     result = batch()
     assert result.exit_code == 2
-    assert "version 2, and this rigtri writes version 1" in result.stderr
+    assert "version 2, and this rigtri knows version 1" in result.stderr
     manifest.write_bytes(b"SQLite it is not" * 100)
     result = batch()
     assert result.exit_code == 3
