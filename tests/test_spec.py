@@ -336,7 +336,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ), "more values"),
         ("steps: " + "[" * 500 + "]" * 500, "recursion"),
         ("extends: rig.yaml\n", "in a circle"),
-        ("extends: nowhere.yaml\n", "does not exist"),
+        ("extends: nowhere.yaml\n", "There is no file"),
     ],
 )  # fmt: skip
 def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: Path) -> None:
@@ -351,7 +351,7 @@ def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: 
 
 def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.yaml").mkdir()
-    with pytest.raises(FileError, match="does not exist"):
+    with pytest.raises(FileError, match="There is no file"):
         load(tmp_path / "rig.yaml")
     with pytest.raises(FileError, match="is a folder"):
         load(tmp_path / "folder.yaml")

@@ -9,8 +9,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from rigtri.delivery import same_file
 from rigtri.errors import NameNotFoundError, RigtriError
-from rigtri.outputs import Written
+from rigtri.inputs import opened
+from rigtri.outputs import Written, spare
 from rigtri.pipeline import Outcome, check_target, edit
 from rigtri.report import Report
 from rigtri.spec.faults import SpecError
@@ -54,21 +56,28 @@ def build(
     as there, with what is to be said of the whole.
     """
     spec = spec if isinstance(spec, Spec) else load(spec)
+    spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
+    for place in spared:
+        if not (dry_run and same_file(place, Path(source))):
+            spare(place, spec.needed())
     last: dict[str, Any] = {
         "overwrite": overwrite,
         "dry_run": dry_run,
         "side_files": tuple(side_files),
     }
-    if len(spec.steps) > 1:
+    several = len(spec.steps) > 1
+    if several:
         check_target(source, target, overwrite=overwrite, options=spec.reading)
-    spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
-    work = _Work(spec, source, verify, report if report is not None else Report(), spared)
+    work = _Work(spec, verify, report if report is not None else Report(), spared)
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
-    several = len(spec.steps) > 1
-    with tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder:
-        for one in spec.steps[:-1]:
-            place = Path(folder, str(one.number), Path(source if str(source) != "-" else target).name)
+    with (
+        opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
+        tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder,
+    ):
+        work.spooled = str(source) == "-"
+        for number, one in enumerate(spec.steps[:-1]):
+            place = Path(folder, str(number), work.at.name)
             place.parent.mkdir()
             if work.do(one, place):
                 work.at = place
@@ -81,17 +90,18 @@ def build(
 @dataclass
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
-    build will write, which must be no file that the source refers to.
+    build will write, which must be no file that the source refers to. spooled: the source was a stream.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
     """
 
     spec: Spec
-    at: Path | str
     verify: bool
     report: Report
     spared: tuple[Path, ...]
+    at: Path = Path()
+    spooled: bool = False
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
     lost: list[tuple[PlannedStep, RigtriError]] = field(default_factory=list)
@@ -122,6 +132,8 @@ class _Work:
         reading, model, report = self.spec.reading, self.spec.model, Report()
         if self.outcomes:  # what a step has written may refer to files of the source
             reading = replace(reading, allow_external_paths=True)
+        elif self.spooled:
+            reading = replace(reading, from_stream=True)
         if not last:
             reading = replace(reading, override="", relink=False)
             last = {"side_files": () if self.outcomes else self.spared}

@@ -81,6 +81,12 @@ class Spec:
         named = [step.request.values.get(name) for step in self.steps for name in _FILES]
         return (*self.sources, *dict.fromkeys(Path(name) for name in named if name))
 
+    def needed(self) -> tuple[tuple[Path, str], ...]:
+        """`files`, each with what it is: nothing that is written may take their place."""
+        spec = self.sources[0]
+        said = {spec: "the spec", **dict.fromkeys(self.sources[1:], f"a spec that {spec} extends")}
+        return tuple((file, said.get(file, f"a file that {spec} names")) for file in self.files())
+
     def fault(self, step: PlannedStep, error: RigtriError) -> Fault:
         """What a step said about a character, at the word of the spec that it is about."""
         keys: Keys = ("steps", step.number - 1)

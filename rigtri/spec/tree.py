@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
+from rigtri.plain_files import text_of
 from rigtri.spec.faults import Fault, Place, SpecError
 
 Keys = tuple[str | int, ...]
@@ -54,27 +55,13 @@ def parse(path: Path) -> Tree:
     suffix = path.suffix.lower()
     if suffix not in (".yaml", ".yml", ".json", ".toml"):
         raise FileError(f"{path}: a spec is a .yaml, .yml, .toml or .json file")
-    text = _text(path)
+    text = text_of(path, most=MOST_BYTES)
     tree = _toml(path, text) if suffix == ".toml" else _json(path, text) if suffix == ".json" else None
     if tree is None:
         tree = _yaml(path, text)
     if not isinstance(tree.values, dict):
         raise SpecError([Fault(tree.place(()), "", "a spec is a mapping: version, steps and so on")])
     return tree
-
-
-def _text(path: Path) -> str:
-    try:
-        if not path.is_file():
-            what = "is a folder" if path.is_dir() else "is no file" if path.exists() else "does not exist"
-            raise FileError(f"the spec {path} {what}")
-        if path.stat().st_size > MOST_BYTES:
-            raise FileError(f"{path} has {path.stat().st_size} bytes; a spec has at most {MOST_BYTES}")
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileError(f"{path} is no UTF-8 text: byte {error.start}") from error
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror}") from error
 
 
 def _yaml(path: Path, text: str) -> Tree:
