@@ -174,7 +174,7 @@ def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: 
     spec = load(write(tmp_path, WHOLE))
     at = source
     for one in spec.steps:
-        then = tmp_path / str(one.number) / source.name
+        then = tmp_path / str(one.index) / source.name
         then.parent.mkdir()
         edit(at, then, step(one.do, one.request))
         at = then
@@ -245,9 +245,9 @@ def test_all_faults_are_told_at_once_with_their_places(tmp_path: Path) -> None:
     assert "(it is 99)" in told[9, 12]
 
 
-def test_a_fault_of_toml_has_the_line_of_its_key(tmp_path: Path) -> None:
+def test_a_fault_of_toml_has_the_place_of_its_value(tmp_path: Path) -> None:
     text = 'version = 1\n\n[[steps]]\ndo = "orient-joints"\n\n[[steps]]\ndo = "add-twist"\n  count = 99\n'
-    with pytest.raises(SpecError, match=r"rig\.toml:8:3 step 2 \(add-twist\): count"):
+    with pytest.raises(SpecError, match=r"rig\.toml:8:11 step 2 \(add-twist\): count"):
         load(write(tmp_path, text, "rig.toml"))
 
 

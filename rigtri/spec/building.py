@@ -15,8 +15,10 @@ from rigtri.inputs import opened
 from rigtri.outputs import Written, spare
 from rigtri.pipeline import Outcome, check_target, edit
 from rigtri.report import Report
-from rigtri.spec.faults import SpecError
+from rigtri.rig import Rig
+from rigtri.spec.faults import Fault, SpecError
 from rigtri.spec.loading import PlannedStep, Spec, load
+from rigtri.spec.missing import missing
 from rigtri.steps import step
 from rigtri.steps.request import Step
 
@@ -76,8 +78,8 @@ def build(
         tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder,
     ):
         work.spooled = str(source) == "-"
-        for number, one in enumerate(spec.steps[:-1]):
-            place = Path(folder, str(number), work.at.name)
+        for one in spec.steps[:-1]:
+            place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()
             if work.do(one, place):
                 work.at = place
@@ -104,17 +106,24 @@ class _Work:
     spooled: bool = False
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
-    lost: list[tuple[PlannedStep, RigtriError]] = field(default_factory=list)
+    lost: list[tuple[tuple[Fault, ...], RigtriError]] = field(default_factory=list)
 
     def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
         """Do a step; whether there is anything of it at ``target``."""
+        made, seen = step(one.do, one.request), []
+
+        def looking_on(rig: Rig, report: Report) -> Rig:
+            seen.append(rig)
+            return made(rig, report)
+
         try:
             if self.lost and last:
                 last["dry_run"] = True
-            report = self.edit(step(one.do, one.request), target, **last)
+            report = self.edit(looking_on, target, **last)
         except NameNotFoundError as error:
             if not one.optional:
-                self.lost.append((one, error))
+                more = missing(self.spec, one, seen[0], str(error)) if seen else ()
+                self.lost.append(((self.spec.fault(one, error), *more), error))
                 return False
             report = Report()
             report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
@@ -122,7 +131,7 @@ class _Work:
             self.done.append(Done(one, report))
             return False
         except RigtriError as error:
-            self.lost.append((one, error))
+            self.lost.append(((self.spec.fault(one, error),), error))
             self.tell_lost()
         self.done.append(Done(one, report))
         return True
@@ -157,7 +166,7 @@ class _Work:
     def tell_lost(self) -> None:
         """SpecError where steps could not be done; all of them, for names that are not there."""
         if self.lost:
-            faults = [self.spec.fault(*one) for one in self.lost]
+            faults = [fault for some, _ in self.lost for fault in some]
             raise SpecError(faults, self.lost[0][1].exit_code) from self.lost[0][1]
 
     def whole(self, last: Outcome | None = None) -> Outcome:
