@@ -10,6 +10,8 @@ from rigtri.errors import FileError
 
 # The axes of a million joints take less, and so does a list of a million files.
 MOST_BYTES = 1 << 28
+# Source: git-lfs, docs/spec.md.
+_POINTER = b"version https://git-lfs.github.com/spec/v1"
 
 
 def check_plain(path: Path | str, what: str = "") -> Path:
@@ -28,6 +30,17 @@ def check_plain(path: Path | str, what: str = "") -> Path:
     except (OSError, ValueError) as error:  # a name that no file can have
         raise FileError(f"{name} cannot be read: {getattr(error, 'strerror', error)}") from error
     raise FileError(f"There is no file {path}{f' ({what})' if what else ''}")
+
+
+def check_no_pointer(path: Path) -> None:
+    """FileError for the few lines that Git LFS leaves in place of a file that was not fetched."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(_POINTER)) if path.is_file() else b""
+    except OSError:
+        return  # told when it is read
+    if start == _POINTER:
+        raise FileError(f"{path} is a Git LFS pointer, not the file itself; fetch that with: git lfs pull")
 
 
 def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
