@@ -38,6 +38,7 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     _refuse(_inputs_written(entries), "an input that an output would replace; give another -O", UsageError)
     shut = "nothing can be written there, as it is no folder or may not be changed; give another -O"
     _refuse(_shut(entries), shut, FileError)
+    _try_stores(entries)
 
 
 def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:
@@ -145,6 +146,16 @@ def _shut(entries: Sequence[Entry]) -> list[str]:
     folders = {os.path.dirname(os.path.abspath(entry.target)) for entry in entries}
     standing = {_standing(os.path.join(folder, "x")) for folder in folders}
     return sorted({*_not_open(standing), *_files_for_folders(entries)})
+
+
+def _try_stores(entries: Sequence[Entry]) -> None:
+    """FileError for a store that takes nothing; of each the folder that holds all outputs is tried."""
+    stores: dict[str, list[str]] = {}
+    for entry in entries:
+        if urls.is_url(entry.target):
+            stores.setdefault(urls.host(entry.target), []).append(entry.target)
+    for targets in stores.values():
+        urls.try_writing(urls.shared(targets))
 
 
 def _not_open(folders: set[str]) -> Iterator[str]:
