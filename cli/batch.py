@@ -164,7 +164,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         plan = session.plan(chosen, lambda: bool(heard))
         if len(plan.assignments) > 1 and not plan.settled and not heard:
             engines.append(batch_engine.local(values, folder, len(chosen), dry_run=True))
-            _try_out(plan, engines[1])
+            _try_out(plan, engines[1], quiet=values["quiet"])
         _work(session, plan, engine, log, values, str(shard) if shard else None)
         if kept is not None:
             kept.end(dict(session.counts))
@@ -235,10 +235,11 @@ def _shard(values: dict[str, Any]) -> Shard | None:
     return parse(values["shard"]) if values["shard"] else of_slurm(os.environ)
 
 
-def _try_out(plan: Plan, engine: Engine) -> None:
+def _try_out(plan: Plan, engine: Engine, *, quiet: bool) -> None:
     from rigtri.batch.run import try_out
 
-    try_out(plan, engine)
+    if (said := try_out(plan, engine)) and not quiet:
+        click.echo(plain(said, one_line=True), err=True)
 
 
 def _work(

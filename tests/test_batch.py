@@ -365,7 +365,7 @@ def test_a_manifest_of_another_version_or_another_file_is_refused(batch: Batch) 
     base.close()
     result = batch()
     assert result.exit_code == 2
-    assert "version 2, and this rigtri writes version 1" in result.stderr
+    assert "version 2, and this rigtri knows version 1" in result.stderr
     manifest.write_bytes(b"SQLite it is not" * 100)
     result = batch()
     assert result.exit_code == 3
@@ -410,6 +410,26 @@ def test_a_task_that_fits_no_file_is_told_before_anything_is_written(batch: Batc
     result = batch("--json", joint="hips")
     assert result.exit_code == 7
     assert statuses(result) == {"a.glb": "ok", "b.glb": "ok", "c.glb": "ok", "tail.glb": "error"}
+
+
+def test_files_that_fail_otherwise_do_not_hide_that_a_task_fits_none(batch: Batch, samples: Path) -> None:
+    add(samples / "biped.glb", "refuse")
+    Path("in/damaged.glb").write_bytes(b"glTF")
+    result = batch("--json", joint="hipz")
+    assert result.exit_code == 4
+    assert "No joint is named 'hipz'. Did you mean 'hips'?" in result.stderr
+    assert "(3 of 5)" in result.stderr
+    assert "no way up (1 of 5)" in result.stderr
+    assert contents() == {}
+
+
+def test_that_none_of_the_tried_can_be_done_is_said_and_the_others_are(batch: Batch, samples: Path) -> None:
+    add(samples / "biped.glb", "refuse1", "refuse2")
+    result = batch(inputs=("in/refuse*",))
+    assert result.exit_code == 7
+    said = "None of the 2 files that were tried can be done: no way up (2 of 2)"
+    assert said in result.stderr.splitlines()
+    assert said not in batch("-q", "--overwrite", inputs=("in/refuse*",)).stderr
 
 
 def test_manifests_of_one_folder_remember_the_axes_of_all_files(batch: Batch) -> None:

@@ -30,6 +30,7 @@ _NAMES = ("name not found", "ambiguous name")
 # What a file has not, or not just one of, as these errors say it.
 _NOT_THERE = re.compile(r"No \w+ is named '.*'|\d+ \w+s are named '.*?'")
 _HINT = re.compile(r"(?<=')\. .*")
+_MEANT = re.compile(r"Did you mean [^?]*\?")
 Ready = Callable[[Outcome, Written], None]
 
 
@@ -113,15 +114,20 @@ class Record:
 
 def reason(record: Record, entry: Entry) -> str | None:
     """Why a file failed, without its own name, so that files that failed alike can be counted."""
-    if record.message is None:
-        return None
-    text = record.message
+    return None if record.message is None else "; ".join(bare for bare, _ in faults(record, entry))
+
+
+def faults(record: Record, entry: Entry) -> Sequence[tuple[str, str]]:
+    """What a file failed for, fault by fault: without its own name and what may be meant, and with that."""
+    text = record.message or ""
     for name in (entry.source, entry.target):
         text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
-    first = text.strip().splitlines()[-1] if record.kind == "bug" else text
-    if record.kind in _NAMES:
-        first = "; ".join(_HINT.sub("", fault) for fault in first.split("; "))
-    return first.removeprefix("FILE: ")
+    first = text.strip().splitlines()[-1] if text and record.kind == "bug" else text
+    first = first.removeprefix("FILE: ")
+    if record.kind not in _NAMES:
+        return [(first, first)] if first else ()
+    found = ((_HINT.sub("", fault), _MEANT.search(fault)) for fault in first.split("; "))
+    return [(bare, f"{bare}. {meant[0]}" if meant else bare) for bare, meant in found]
 
 
 def missing(kind: str | None, reason: str | None) -> Sequence[str]:
