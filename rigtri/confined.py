@@ -8,6 +8,7 @@ ended and replaced, and its task becomes a FileError.
 from __future__ import annotations
 
 import contextlib
+import errno
 import gc
 import multiprocessing
 import os
@@ -31,6 +32,10 @@ _PRELOADED = ["rigtri.pipeline", "rigtri.formats.gltf.document", "rigtri.formats
 # How many more objects there must be before rings of them are looked for, and how often that must have
 # been so before older ones are looked at, too.
 _RINGS = 20_000, 5, 10
+# What the loader of libraries says where there is no memory for them.
+_NO_ROOM = ("failed to map segment", "Cannot allocate memory", "cannot allocate memory")
+# So often, seconds apart, a process is started before that is given up: its server may have been killed.
+_STARTS, _BETWEEN = 5, 0.1
 
 
 class CrashError(FileError):
@@ -141,14 +146,29 @@ class Confined:
 
     def _started(self) -> Connection:
         if self._pipe is None:
+            self._process, self._pipe = self._start()
+            with contextlib.suppress(EOFError, ConnectionError):  # told with the task that it does not take
+                self._pipe.recv()  # it is ready: the time of a task does not begin with imports
+        return self._pipe
+
+    def _start(self) -> tuple[Any, Connection]:
+        """A new child. FileError where none comes into being."""
+        for number in range(_STARTS):
             mine, theirs = self._context.Pipe()
             process = self._context.Process(target=_serve, args=(theirs, self._memory), daemon=True)
-            process.start()
-            theirs.close()
-            self._process, self._pipe = process, mine
-            with contextlib.suppress(EOFError, ConnectionError):  # told with the task that it does not take
-                mine.recv()  # it is ready: the time of a task does not begin with imports
-        return self._pipe
+            try:
+                process.start()
+            except (EOFError, OSError) as error:  # the next time the server is started anew
+                mine.close()
+                if number == _STARTS - 1:
+                    said = str(error) or type(error).__name__
+                    raise FileError(f"no process can be started to work on files ({said})") from error
+                time.sleep(_BETWEEN)  # a server that was killed just now is not seen to be dead at once
+            else:
+                return process, mine
+            finally:
+                theirs.close()
+        raise AssertionError("unreachable")
 
     def _death(self) -> str:
         """What ended the child, in words; another will be started for the next task."""
@@ -205,12 +225,23 @@ def _serve(pipe: Connection, memory: int | None) -> None:
                 answer: tuple[str, Any] = "done", task(*arguments)
             except RigtriError as error:
                 answer = "refused", (type(error), error.args)
-            except MemoryError:
-                answer = "memory", None
-            except Exception:  # noqa: BLE001 - whatever it is, the parent raises it
+            except Exception as error:  # noqa: BLE001 - whatever it is, the parent raises it
+                if of_memory(error):
+                    pipe.send(("memory", None))
+                    continue
                 pipe.send(("failed", traceback.format_exc()))
                 raise SystemExit(1) from None
             pipe.send(answer)
+
+
+def of_memory(error: BaseException) -> bool:
+    """Whether an error says, in the words of some library or system, that there is no memory left."""
+    return (
+        isinstance(error, MemoryError)
+        or (isinstance(error, OSError) and error.errno == errno.ENOMEM)
+        or (isinstance(error, RuntimeError) and str(error) == "can't start new thread")
+        or (isinstance(error, ImportError) and any(words in str(error) for words in _NO_ROOM))
+    )
 
 
 def _end_with_parent() -> None:

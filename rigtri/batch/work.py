@@ -17,7 +17,7 @@ from typing import Any, Protocol
 from rigtri.batch.axes import Axes, axes_of
 from rigtri.batch.contents import Hashes, newer, seen_from
 from rigtri.batch.entries import Entry
-from rigtri.confined import tell
+from rigtri.confined import of_memory, tell
 from rigtri.errors import RigtriError, kind_of
 from rigtri.outputs import Written
 from rigtri.pipeline import Outcome
@@ -172,6 +172,8 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
             record = told[0] if told else _record(outcome, folder, moment, None)
             record = replace(record, seconds=dict(outcome.seconds))
     except (RigtriError, OSError) as error:
+        if of_memory(error):
+            raise
         record = _refused(error, report)
     return replace(record, seconds=record.seconds | {"all": time.perf_counter() - began})
 
