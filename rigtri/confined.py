@@ -13,16 +13,19 @@ import gc
 import multiprocessing
 import os
 import signal
+import tempfile
 import threading
 import time
 import traceback
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
+from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from types import TracebackType
 from typing import Any, ClassVar, Self, TypeVar
 
 from rigtri.errors import FileError, RigtriError
+from rigtri.scratch import adopt, root
 
 T = TypeVar("T")
 
@@ -36,6 +39,8 @@ _RINGS = 20_000, 5, 10
 _NO_ROOM = ("failed to map segment", "Cannot allocate memory", "cannot allocate memory")
 # So often, seconds apart, a process is started before that is given up: its server may have been killed.
 _STARTS, _BETWEEN = 5, 0.1
+# Names of sockets are short: about 100 characters, 32 of them below this folder's.
+_LONGEST = 70
 
 
 class CrashError(FileError):
@@ -153,9 +158,11 @@ class Confined:
 
     def _start(self) -> tuple[Any, Connection]:
         """A new child. FileError where none comes into being."""
+        place = root()
+        _keep_sockets(place)
         for number in range(_STARTS):
             mine, theirs = self._context.Pipe()
-            process = self._context.Process(target=_serve, args=(theirs, self._memory), daemon=True)
+            process = self._context.Process(target=_serve, args=(theirs, self._memory, place), daemon=True)
             try:
                 process.start()
             except (EOFError, OSError) as error:  # the next time the server is started anew
@@ -202,8 +209,19 @@ def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError
     return error
 
 
-def _serve(pipe: Connection, memory: int | None) -> None:
-    """The life of a child: tasks until the pipe closes."""
+def _keep_sockets(place: str) -> None:
+    """Let multiprocessing have its own folder there, which stays when this process is killed."""
+    if len(place) <= _LONGEST:
+        before, tempfile.tempdir = tempfile.tempdir, place
+        try:
+            get_temp_dir()
+        finally:
+            tempfile.tempdir = before
+
+
+def _serve(pipe: Connection, memory: int | None, place: str) -> None:
+    """The life of a child: tasks until the pipe closes. place: for its temporary files."""
+    adopt(place)
     # The parent hears of an interrupt, and then ends us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # For the parent we are a daemon, which it ends at its exit; a task may have children of its own.

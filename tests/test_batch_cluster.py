@@ -317,6 +317,10 @@ def test_a_scheduler_that_dies_is_told_alike_whenever_it_does(tmp_path: Path, qu
     entry = Entry(str(tmp_path / "a.glb"), "out/a.glb")
     engine = cluster.Cluster("", str(tmp_path))
     engine._client = Gone(question)
-    with pytest.raises(FileError, match=r"cannot go on \(ConnectionPool closing.*run it again"):
+
+    def all_of_it() -> None:
         engine.check([entry])
         list(engine.run([Assignment(entry, Turn())], lambda *_: None))
+
+    with pytest.raises(FileError, match=r"cannot go on \(ConnectionPool closing.*run it again"):
+        all_of_it()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import signal
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -22,6 +21,8 @@ from rigtri.errors import RigtriError, kind_of
 from rigtri.outputs import Written
 from rigtri.pipeline import Outcome
 from rigtri.report import Report
+from rigtri.scratch import adopt
+from rigtri.scratch import folder as temporary
 
 STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
 FAILED = ("error", "crashed")
@@ -151,7 +152,7 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
     _outlive_signals()
     if at:
         os.chdir(at)
-    tempfile.tempdir = scratch
+    adopt(scratch)
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
     report, told = Report(), []
 
@@ -183,8 +184,8 @@ def _place(entry: Entry, dry_run: bool) -> Iterator[Path]:
     """The output's path, in a folder that is there; with dry_run in one that is thrown away."""
     target = Path(entry.target)
     if dry_run:
-        with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
-            yield Path(folder, target.name)
+        with temporary() as place:
+            yield Path(place, target.name)
     else:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield target

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from rigtri import scratch
 from rigtri.errors import NameNotFoundError, RigtriError
 from rigtri.outputs import Written
 from rigtri.pipeline import Outcome, check_target, edit
@@ -66,7 +66,7 @@ def build(
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     several = len(spec.steps) > 1
-    with tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder:
+    with scratch.folder() if several else nullcontext("") as folder:
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.number), Path(source if str(source) != "-" else target).name)
             place.parent.mkdir()
