@@ -432,6 +432,30 @@ def test_that_none_of_the_tried_can_be_done_is_said_and_the_others_are(batch: Ba
     assert said not in batch("-q", "--overwrite", inputs=("in/refuse*",)).stderr
 
 
+@pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+def test_what_a_pattern_finds_that_is_no_file_is_told_and_holds_nobody_up(batch: Batch, here: Path) -> None:
+    os.mkfifo("in/pipe.glb")
+    os.symlink("gone.glb", "in/link.glb")
+    os.symlink("/dev/null", "in/device.glb")
+    result = batch("--json")
+    assert result.exit_code == 7
+    found = lines(result)
+    assert {name: line["status"] for name, line in found.items() if line["status"] != "ok"} == dict.fromkeys(
+        ("pipe.glb", "link.glb", "device.glb"), "error"
+    )
+    assert found["pipe.glb"]["message"] == "in/pipe.glb is no plain file but a pipe"
+    assert found["link.glb"]["message"] == "in/link.glb is a link to gone.glb, and that is not there"
+    assert found["device.glb"]["message"] == "in/device.glb is no plain file but a device"
+    named = batch(inputs=("in/pipe.glb", "in/link.glb"))
+    assert named.exit_code == 3
+    assert "only plain files can be read: in/link.glb is a link to gone.glb" in named.stderr
+    assert "in/pipe.glb is no plain file but a pipe" in named.stderr
+    # What was done from a file that is a pipe now is no reason to wait.
+    Path("in/a.glb").unlink()
+    os.mkfifo("in/a.glb")
+    assert statuses(batch("--json"))["a.glb"] == "error"
+
+
 def test_manifests_of_one_folder_remember_the_axes_of_all_files(batch: Batch) -> None:
     batch()
     with sqlite3.connect("out/rigtri-batch.sqlite") as base:

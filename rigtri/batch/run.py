@@ -84,7 +84,8 @@ class Run:
                 self._keys[variables] = self._key(self._tasks(variables))
             except RigtriError as error:
                 if variables:
-                    error.args = (f"{entry.source}: {error}", *error.args[1:])
+                    place = f"{entry.line}: {entry.source}" if entry.line else entry.source
+                    error.args = (f"{place}: {error}", *error.args[1:])
                 raise
         appeared: dict[str, Record] = {}
         if self._manifest is not None:

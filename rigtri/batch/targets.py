@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from rigtri.batch import urls
+from rigtri.batch.contents import no_file
 from rigtri.batch.entries import MOST, Entry
 from rigtri.batch.fetched import is_elsewhere
 from rigtri.errors import FileError, UsageError
@@ -28,7 +29,9 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     _refuse(_loose_layers(away), "of USD only .usdz is fetched, which holds all it needs", UsageError)
     _refuse([e.target for e in away if urls.is_web(e.target)], "nothing can be written there", UsageError)
     known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
-    _refuse(_no_files(entries), "there is no such file to read", FileError)
+    named = [e.source for e in entries if not (e.found or urls.is_url(e.source))]
+    _refuse([name for name in named if not os.path.lexists(name)], "there is no such file to read", FileError)
+    _refuse([*filter(None, map(no_file, named))], "only plain files can be read", FileError)
     _refuse(_strange(entries), f"no rig file, as its name does not end with one of {known}", UsageError)
     _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
     _refuse(_clashes(entries), "more than one input for one output", UsageError)
@@ -49,11 +52,6 @@ def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageEr
 
 def _strange(entries: Sequence[Entry]) -> list[str]:
     return [e.source for e in entries if not e.source.lower().endswith(GLTF_SUFFIXES + USD_SUFFIXES)]
-
-
-def _no_files(entries: Sequence[Entry]) -> list[str]:
-    near = (entry.source for entry in entries if not urls.is_url(entry.source))
-    return [name for name in near if not os.path.isfile(name)]
 
 
 def _names(entries: Sequence[Entry]) -> list[str]:

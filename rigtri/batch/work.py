@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rigtri.batch.axes import Axes, axes_of
-from rigtri.batch.contents import Hashes, newer, seen_from
+from rigtri.batch.contents import Hashes, newer, no_file, seen_from
 from rigtri.batch.entries import Entry
 from rigtri.confined import of_memory, tell
-from rigtri.errors import RigtriError, kind_of
+from rigtri.errors import FileError, RigtriError, kind_of
 from rigtri.outputs import Written
 from rigtri.pipeline import Outcome
 from rigtri.report import Report
@@ -161,6 +161,8 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
         tell(told[0])
 
     try:
+        if why := no_file(entry.source):
+            raise FileError(why)
         with _place(entry, dry_run) as target:
             outcome = assignment.task.run(
                 Path(entry.source),
