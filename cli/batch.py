@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -127,7 +128,11 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
         rigtri batch --spec rig.yaml 'assets/**/*.glb' -O out/
         rigtri batch-report out/
     """
-    sys.exit(run(inputs, values, _tasks(values)))
+    try:
+        sys.exit(run(inputs, values, _tasks(values)))
+    except KeyboardInterrupt:  # before files are worked on, or after
+        click.echo("\ninterrupted: what is done is done; run it again for the rest", err=True)
+        sys.exit(128 + signal.SIGINT)
 
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:

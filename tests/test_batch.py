@@ -456,6 +456,16 @@ def test_what_a_pattern_finds_that_is_no_file_is_told_and_holds_nobody_up(batch:
     assert statuses(batch("--json"))["a.glb"] == "error"
 
 
+def test_an_interrupt_before_work_begins_is_told(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "_found", interrupted)
+    result = batch()
+    assert result.exit_code == 130
+    assert "interrupted: what is done is done; run it again for the rest" in result.stderr
+
+
 def test_manifests_of_one_folder_remember_the_axes_of_all_files(batch: Batch) -> None:
     batch()
     with sqlite3.connect("out/rigtri-batch.sqlite") as base:
