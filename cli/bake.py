@@ -43,7 +43,8 @@ if TYPE_CHECKING:
     "described",
     metavar="FILE",
     type=click.Path(dir_okay=False),
-    help="Read what is a control of what from this file, by name: exporters drop it from IN.",
+    help="Read what is a control of what from this file, by name: exporters drop it from IN. To keep its "
+    "keys between IN's frames, too, take-clips first.",
 )
 @click.option(
     "--as",
@@ -101,30 +102,40 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     clips = [entry for entry in report.added if entry["type"] == "clip"]
-    resting = {name for entry in report.added if entry["type"] == "rest" for name in entry["nodes"]}
-    at_rest = f"{counted(len(resting), 'node')} at rest" if resting else ""
-    told = sum(len(entry["nodes"]) for entry in report.added if entry["type"] == "described")
-    if told:
-        at_rest += f"{'; ' if at_rest else ''}{counted(told, 'node')} put where the file of --rig has them"
-    parts = [entry for entry in report.added if entry["type"] == "joined"]
-    if parts:
-        whole = ", ".join(f"'{entry['clip']}'" for entry in parts)
-        known = f"{counted(sum(len(entry['from']) for entry in parts), 'clip')} of IN known as {whole}"
-        at_rest += f"{'; ' if at_rest else ''}{known}"
+    beside = _beside(report)
     if not clips:
         bare = any(notice.code == "no-clips" for notice in report.warnings)
         nothing = "the file has no clips" if bare else "no clip has keys of controls or constraints"
-        return f"{nothing}; {at_rest}" if at_rest else f"{nothing}; nothing was baked"
+        return "; ".join([nothing, *(beside or ["nothing was baked"])])
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
     line = ", ".join([counted(len(clips), "clip"), counted(frames, "frame"), counted(keys, "key")])
     line += f" for {counted(max(e['nodes'] for e in clips), 'node')}"
     line += grown(clips)
     curved = max(entry["between_samples"] for entry in clips)
     line += f"; between samples within {curved:.2g} of the size" if curved else ""
-    line += f"; {at_rest}" if at_rest else ""
+    line = "; ".join([line, *beside])
     if clips[0]["to"] == "controls":
         far = max(entry["deviation"] for entry in clips)
         turn = max(entry["residual_degrees"] for entry in clips)
         line += f"; the controls give the joints back within {far:.2g} of the size"
         line += f", with up to {turn:.2g}° below IK" if any(entry["limbs"] for entry in clips) else ""
     return line
+
+
+def _beside(report: Report) -> list[str]:
+    """What was done beside keys."""
+    of: dict[str, list[dict[str, Any]]] = {}
+    for entry in report.added:
+        of.setdefault(entry["type"], []).append(entry)
+    said = []
+    if resting := {name for entry in of.get("rest", []) for name in entry["nodes"]}:
+        said.append(f"{counted(len(resting), 'node')} at rest")
+    if told := sum(len(entry["nodes"]) for entry in of.get("described", [])):
+        said.append(f"{counted(told, 'node')} put where the file of --rig has them")
+    if parts := of.get("joined"):
+        whole = ", ".join(f"'{entry['clip']}'" for entry in parts)
+        said.append(f"{counted(sum(len(entry['from']) for entry in parts), 'clip')} of IN known as {whole}")
+    for entry in of.get("moved", []):
+        by = f"{abs(entry['by']):.4g} {'earlier' if entry['by'] < 0 else 'later'} than in IN"
+        said.append(f"'{entry['clip']}' begins where the file of --rig has it, {by}")
+    return said

@@ -46,13 +46,28 @@ def counted(count: int, noun: str) -> str:
 def grown(clips: Sequence[Mapping[str, Any]]) -> str:
     """What is told of clips, as reports have them, whose keys have become more than twice as many.
 
-    >>> grown([{"keys": 9, "keys_before": 2}]), grown([{"keys": 9, "keys_before": 0}])
-    ('; the same properties had 2 keys before (a larger --tolerance leaves out more)', '')
+    >>> grown([{"keys": 9, "keys_before": 2, "keys_of": {"a": [2, 1], "b": [7, 1]}}])
+    '; the same properties had 2 keys before, most others are of b (a larger --tolerance leaves out more)'
+    >>> grown([{"keys": 9, "keys_before": 0}])
+    ''
     """
     now, before = (sum(entry.get(word, 0) for entry in clips) for word in ("keys", "keys_before"))
     if not before or now <= 2 * before:
         return ""
-    return f"; the same properties had {counted(before, 'key')} before (a larger --tolerance leaves out more)"
+    more: dict[str, int] = {}
+    for entry in clips:
+        for name, (new, old) in entry.get("keys_of", {}).items():
+            more[name] = more.get(name, 0) + new - old
+    # The fewest nodes that more than half of the growth is of.
+    names: list[str] = []
+    for name in sorted(more, key=lambda name: -more[name]):
+        if 2 * sum(more[known] for known in names) > now - before:
+            break
+        names.append(name)
+    of = f", most others are of {', '.join(names[:4])}" if names else ""
+    of += f" and {len(names) - 4} more" if len(names) > 4 else ""
+    line = f"; the same properties had {counted(before, 'key')} before{of}"
+    return f"{line} (a larger --tolerance leaves out more)"
 
 
 def _controls(letter: str) -> bool:

@@ -142,7 +142,7 @@ def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path
     def spinning(rig: Rig, report: Report) -> Rig:
         rig = built(rig, joint, mesh, report)
         track = Track(rig.find(joint), "rotation", "LINEAR", times, turns)
-        rig = replace(rig, clips=(Clip("spin", (track,)),))
+        rig = replace(rig, clips=(*rig.clips, Clip("spin", (track,))))
         pinned = ConstrainOptions(kind="parent", child="pin", drivers=(("button", 1.0),))
         rig = constrain(rig, options=pinned, report=report)
         return bake(rig, options=Options(to="controls"), report=report)
@@ -153,8 +153,9 @@ def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path
     assert once.read_bytes() == twice.read_bytes()
     rig = read(once).rig
     before = rig.world[rig.find("pin")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
-    keys = next(t for t in rig.clips[0].tracks if t.node == rig.find("pin")).times
-    world = pose.worlds(rig, pose.locals_at(rig, rig.clips[0], keys))
+    spin = rig.clip("spin")
+    keys = next(t for t in spin.tracks if t.node == rig.find("pin")).times
+    world = pose.worlds(rig, pose.locals_at(rig, spin, keys))
     button = rig.find("button", "node")
     assert np.abs(world[:, button, 3, :3] - world[0, button, 3, :3]).max() > 0.5
     assert_allclose(world[:, rig.find("pin")], before @ world[:, button], atol=5e-5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from click.testing import CliRunner
 from engines import blender_edit
 from places import SAMPLES
 from rigs import chain
-from test_bake import run
+from test_bake import control, rigged, run, size
 from test_take_clips import split
 
 from rigtri import pose
@@ -101,6 +102,67 @@ def test_an_unedited_clip_that_came_back_a_frame_late_has_not_changed() -> None:
     assert now.values[0, 1] == pytest.approx(1.5)
 
 
+@pytest.mark.parametrize("pattern", ["walk", "{}Action"])
+def test_a_clip_that_came_a_frame_late_is_joined_where_it_was(pattern: str) -> None:
+    clip, report = playing(), Report()
+    late = [replace(track, times=(track.times + 1 / 24).astype(np.float32)) for track in clip.tracks]
+    moved = replace(late[1], values=late[1].values + np.array([0.0, 0.5, 0.0]))
+    edited = rig_with(replace(clip, tracks=(late[0], moved, late[2])), playing("other"))
+    if pattern != "walk":
+        edited = split(replace(edited, clips=edited.clips[:1]), "walk", pattern.format)
+    (now, *others) = joined(edited, RIG, report=report).clips
+    assert now.name == "walk"
+    for track, was in zip(now.tracks, clip.tracks, strict=True):
+        np.testing.assert_allclose(track.times, was.times, atol=1e-7)
+    assert now.tracks[1].values is moved.values
+    assert all(other is edited.clips[1] for other in others)
+    (entry,) = (entry for entry in report.added if entry["type"] == "moved")
+    assert (entry["clip"], entry["by"]) == ("walk", pytest.approx(-1 / 24))
+
+
+def test_a_clip_that_was_made_anew_stays_where_it_is() -> None:
+    clip = playing(far=0.7)
+    late = tuple(replace(track, times=track.times + 1 / 24) for track in clip.tracks)
+    edited = rig_with(replace(clip, tracks=late))
+    assert joined(edited, RIG) is edited
+
+
+def test_keys_between_frames_that_an_exporter_lost_are_told_by_what_joints_miss() -> None:
+    """A chest that nods by 0.2 rad within a frame: the chord of that, for the farthest that it carries."""
+    rig = rigged()
+    head, chest = control(rig, "head", "fk"), control(rig, "chest", "fk")
+
+    def turning(frames: bool, far: float) -> Rig:
+        times = np.arange(25) / 24 if frames else np.unique([*(np.arange(25) / 24), 0.5 / 24])
+        turns = np.zeros((len(times), 4))
+        turns[:, 3] = 1.0
+        if not frames:
+            turns[1] = [np.sin(0.1), 0.0, 0.0, np.cos(0.1)]
+        other = np.tile([np.sin(far), 0.0, 0.0, np.cos(far)], (len(times), 1))
+        tracks = (
+            Track(chest, "rotation", "LINEAR", times, turns),
+            Track(head, "rotation", "LINEAR", times, other),
+        )
+        return replace(rig, clips=(Clip("walk", tracks),))
+
+    report = Report()
+    joined(turning(True, 0.3), turning(False, 0.1), report=report)
+    (notice,) = report.warnings
+    assert notice.code == "keys-lost"
+    assert f"'{rig.title(chest)}', which nobody has edited" in notice.text
+    assert "take-clips RIG --from IN" in notice.text
+    said = float(re.search(r"off by ([\d.e-]+)", notice.text)[1])  # type: ignore[index]
+    below = [n for n in np.flatnonzero(rig.is_joint) if rig.is_below(int(n), rig.find("chest"))]
+    places = rig.world[below, 3, :3] - rig.world[rig.find("chest"), 3, :3]
+    far = 2 * np.sin(0.1) * np.linalg.norm(np.cross(places, rig.world[chest, 0, :3]), axis=1).max()
+    assert said == pytest.approx(far / size(rig), rel=0.05)
+    # Less than what bake leaves between samples is not told, nor what nobody has lost.
+    for most, edited in ((1.0, turning(True, 0.1)), (0.0, turning(False, 0.1))):
+        report = Report()
+        joined(edited, turning(False, 0.1), between=most, report=report)
+        assert not report.warnings
+
+
 @pytest.mark.parametrize("said", ["#2", "#9"])
 def test_a_number_that_no_clip_has_is_an_error(said: str) -> None:
     with pytest.raises(NameNotFoundError, match=f"'{said}'.*'#0', 'walk', '#1', 'run'"):
@@ -171,9 +233,8 @@ def test_modes_of_blenders_exporter_bake_to_the_same_motion(up: Path, tmp_path: 
         if mode != "SCENE":  # it has the scene's frames, from the second on
             assert take_clips(rig, read(file).rig, options=names) is rig
         baked = read(out).rig
-        start = 1 / 24 if mode == "NLA_TRACKS" else 0.0
         times = np.arange(1, 25) / 24
-        moved = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), times + start))
+        moved = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), times))
         places[mode] = moved[:, [baked.find(rig.names[n]) for n in np.flatnonzero(rig.is_joint)], 3, :3]
     size = np.linalg.norm(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0))
     for mode in modes[1:]:

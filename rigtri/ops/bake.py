@@ -5,6 +5,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); doc
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -18,7 +19,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.following import Parts
 from rigtri.ops.fidelity import fidelity
 from rigtri.ops.followers import followed, followers, holding, refuse_circles
-from rigtri.ops.limited import tell_limited
+from rigtri.ops.limited import tell_limited, tell_swinging
 from rigtri.ops.operation import operation
 from rigtri.ops.posing import at_rest
 from rigtri.ops.shared_keys import as_read, times_of
@@ -282,6 +283,7 @@ class _Baker:
 
     def _tell_limited(self) -> None:
         tell_limited(self.start, self.report, max(self.options.between, self.options.tolerance))
+        tell_swinging(self.start, self.report)
 
     @staticmethod
     def _jumps(timeline: Timeline, times: Floats) -> Floats:
@@ -421,19 +423,30 @@ class _Baker:
                 "nodes": len(nodes),
                 "limbs": len(solver.limbs),
                 "keys": int(sum(len(track.times) for track in tracks)),
-                "keys_before": self._keys_before(timeline, tracks),
+                "keys_before": sum(self._keys_before(timeline, tracks).values()),
+                "keys_of": self._keys_of(timeline, tracks),
                 "between_samples": samples.off / self.size,
                 "between_after": samples.after,
+                "between_node": self.rig.title(samples.node) if samples.node >= 0 else None,
                 "limited": samples.limited,
                 **(more or {}),
             }
         )
 
-    def _keys_before(self, timeline: Timeline, tracks: Sequence[Track]) -> int:
-        """How many keys the file has of what gets others."""
+    def _keys_before(self, timeline: Timeline, tracks: Sequence[Track]) -> Counter[int]:
+        """How many keys the file has, by node, of what gets others."""
         fresh = {(track.node, track.path) for track in tracks}
-        old = [track for k in timeline.members for track in self.start.clips[k].played.tracks]
-        return sum(len(track.times) for track in old if (track.node, track.path) in fresh)
+        found = Counter[int]()
+        for track in (t for k in timeline.members for t in self.start.clips[k].played.tracks):
+            found[track.node] += len(track.times) if (track.node, track.path) in fresh else 0
+        return found
+
+    def _keys_of(self, timeline: Timeline, tracks: Sequence[Track]) -> dict[str, list[int]]:
+        """How many keys each node gets, and how many the file has of the same."""
+        before, now = self._keys_before(timeline, tracks), Counter[int]()
+        for track in tracks:
+            now[track.node] += len(track.times)
+        return {self.rig.title(node): [now[node], before[node]] for node in sorted(now)}
 
 
 def _same_motion(a: Rig, b: Rig) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from rigtri.bounds import refuse_unworkable
 from rigtri.dependence import applied, circle, waits_for
-from rigtri.errors import UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.euler import ORDERS, Order, from_angles
 from rigtri.following import factored, rotate_of
 from rigtri.limbs import given
@@ -151,7 +151,7 @@ def constrain(rig: Rig, *, options: Options, report: Report) -> Rig:
     A second run for the same child and kind, or one that sets the same channels, replaces the
     rule. The record goes to ``report.added``.
 
-    Raises NameNotFoundError, UsageError (a circle too), GeometryError (a frame that cannot be told).
+    Raises NameNotFoundError, UsageError, GeometryError (a circle; a frame that cannot be told).
     """
     options.checked()
     return follow(rig, _asked(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report)
@@ -248,20 +248,20 @@ def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
 
 
 def _refuse_circles(rig: Rig, rule: Rule, place: int | None) -> None:
-    """UsageError where a driver, or what up leans to, waits for the child."""
+    """GeometryError where a driver, or what up leans to, waits for the child."""
     children = rule.chain or (rule.child,)
     before = unsay(rig, place) if place is not None else rig
     way = circle(waits_for(before, place), children, rule.sources)
     if way:
         names = " → ".join(f"'{rig.title(node)}'" for node in (way[-1], *way))
-        raise UsageError(
+        raise GeometryError(
             f"'{rig.title(way[-1])}' cannot follow '{rig.title(way[0])}', which itself waits for it: {names} "
             "(each waits for the next, as its child, by a constraint, a control or IK)"
         )
 
 
 def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
-    """UsageError where a rule leaves no order in which `bake` could work; not for what had none before."""
+    """GeometryError where a rule leaves no order in which `bake` could work; not for what had none before."""
     try:
         refuse_circles(after)
     except CircleError as error:
@@ -270,7 +270,7 @@ def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
         except CircleError:
             return
         drivers = ", ".join(f"'{before.title(node)}'" for node in rule.sources)
-        raise UsageError(
+        raise GeometryError(
             f"'{before.title(rule.child)}' cannot follow {drivers}: controls and constraints would go "
             f"round in a circle; {error.way}"
         ) from error

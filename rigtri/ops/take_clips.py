@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -16,15 +16,15 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
 from rigtri.ops.operation import operation
 from rigtri.ops.taking.clip_names import ClipNames, Taken
+from rigtri.ops.taking.comparison import Comparison
 from rigtri.ops.taking.counterparts import Counterparts
 from rigtri.ops.taking.made_names import span
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
 from rigtri.ops.taking.notices import moves, some, strangers, tell, tell_tracks
-from rigtri.ops.taking.ranges import Clock, Ranges, ranges
-from rigtri.ops.taking.sameness import MISSED, differing, lacking, same_knots, tangents_dropped
-from rigtri.ops.taking.tolerances import Tolerances
-from rigtri.ops.taking.transfer import PATHS, Transfer, rest_parts
+from rigtri.ops.taking.ranges import Ranges
+from rigtri.ops.taking.sameness import MISSED, differing, lacking
+from rigtri.ops.taking.transfer import PATHS, rest_parts
 from rigtri.records import Booleans, Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -89,10 +89,12 @@ class _Taking:
 
     def __init__(self, rig: Rig, both: Counterparts, taken: Taken, tolerance: float, report: Report) -> None:
         self.rig, self.both, self.taken, self.report = rig, both, taken, report
-        self.clock = Clock(rig, both.other, taken)
-        home = taken.home.clip if taken.home is not None else None
-        self.transfer = Transfer(both, taken.clip, home, self.clock.times)
-        self.tolerances = Tolerances(both, self.transfer, tolerance)
+        self.seen = Comparison(both, taken, tolerance)
+        self.clock, self.transfer, self.tolerances = (
+            self.seen.clock,
+            self.seen.transfer,
+            self.seen.tolerances,
+        )
         self.thin = tolerance
         self.changed: list[Track] = []
         self.same = 0
@@ -111,13 +113,13 @@ class _Taking:
                 f"'{self.taken.name}' has no length in EDITED; RIG's clip of that name was left as it is",
             )
             return self.rig
-        moved = self.transfer.nodes()
+        moved = self.seen.nodes
         if home is not None:
-            self.ranges = ranges(self.rig, self.taken, self.clock, partial(self._pairs, moved), self._agree)
+            self.ranges = self.seen.settled()
         for node in moved:
             self._take(node)
         left = set(self.both.of).difference(moved)
-        for node in sorted({node for node, path in self._tracks if node in left and path in PATHS}):
+        for node in sorted({node for node, path in self.seen.tracks if node in left and path in PATHS}):
             self._keep(node, ())
         self._take_morphs()
         if home is None:
@@ -138,23 +140,12 @@ class _Taking:
 
     # --- time
 
-    def _pairs(self, moved: Sequence[int]) -> list[tuple[Track, Track]]:
-        """What both files have keys of, at EDITED's times."""
-        theirs = [track for node in moved for track in self.transfer.of(node).tracks]
-        olds = ((self._old(now.node, now.path), now) for now in theirs)
-        return [(old, now) for old, now in olds if old is not None]
-
-    def _agree(self, pair: tuple[Track, Track]) -> bool:
-        was, bound = pair[0], self.tolerances.of(pair[1])
-        now = self.clock.told(pair[1])
-        return not differing(was, now, bound).any() or self._same_knots(was, now, bound) is not None
-
     def _one_range(self) -> None:
         """Give what stays of RIG's tracks the range of the clip, where EDITED's has another."""
         if self.ranges is None:
             return
         if self.ranges.whole:
-            left = dict(self._tracks)
+            left = dict(self.seen.tracks)
             for track in self.changed:
                 left.pop((track.node, track.path), None)
             for place, track in left.items():
@@ -188,13 +179,7 @@ class _Taking:
             self.kept.append(self.rig.names[node])
 
     def _old(self, node: int, path: str) -> Track | None:
-        return self._tracks.get((node, path))
-
-    @cached_property
-    def _tracks(self) -> dict[tuple[int, str], Track]:
-        """What drives each property of the rig in this clip."""
-        home = self.taken.home
-        return {(t.node, t.path): t for t in home.clip.tracks} if home is not None else {}
+        return self.seen.tracks.get((node, path))
 
     def _fresh(self, theirs: Track) -> Track | None:
         """What a track at EDITED's times becomes here; None where the rig says it already."""
@@ -209,21 +194,14 @@ class _Taking:
         if not changed.any():
             self.same += 1
             return None
-        if (far := self._same_knots(was, now, bound)) is not None and not _beyond(was, now)[changed].any():
+        far = self.seen.same_knots(was, now, bound)
+        if far is not None and not _beyond(was, now)[changed].any():
             self.splines.append((self.rig.names[now.node], far))
             self.same += 1
             return None
         if self.ranges is not None and self.ranges.whole:
             return thinned(now, self._thin(now))
         return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
-
-    def _same_knots(self, was: Track, now: Track, bound: Floats) -> float | None:
-        return same_knots(was, now, bound, dropped=self._dropped)
-
-    @cached_property
-    def _dropped(self) -> bool:
-        pairs = self._pairs(self.transfer.nodes())
-        return tangents_dropped((was, self.clock.told(now)) for was, now in pairs)
 
     @cached_property
     def _frames(self) -> Floats:

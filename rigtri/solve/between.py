@@ -1,7 +1,8 @@
 """Samples as near to each other as what lies between them needs: halved until lines between keys tell it.
 
 FK of linear keys is linear; IK, constraints and splines are not. Where a line between two samples leaves what
-it stands for by more than a bound, there is a sample in the middle, too, up to a highest rate.
+it stands for by more than a bound, there is a sample in the middle, too. A limb that passes straight turns
+like the square root of time, so samples may come very near each other there; all are so many a second.
 """
 
 from __future__ import annotations
@@ -26,29 +27,37 @@ from rigtri.timelines import MOST_KEYS, single
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
-# Samples a second, at most, where none are asked for.
+# Samples a second, at most and on average, where none are asked for; a short clip has those of a second.
 MOST_A_SECOND = 1024.0
+# Times are float32: so much of a piece is a whole one.
+_WHOLE = 1.001
+# Seconds between samples that are not parted any more: beyond that, what float32 rounds decides.
+FINEST = 2.0**-16
 # Where an interval is looked at: the middle, and where two curves do not happen to meet.
 _SHARES = (0.29, 0.5)
 # How often an interval is halved before it is looked at again.
 _HALVINGS = 3
-# Times are float32: so much of a piece is a whole one.
-_WHOLE = 1.001
+
+
+class Off(NamedTuple):
+    """How far the rig is from where it ought to be, (f,), in file units, and the worst node, (f,), or −1."""
+
+    far: Floats
+    node: Integers
 
 
 class Curve(Protocol):
-    """What is sampled. at: the parts that keys at some times say, (f, ·) each. off: how far, (f,), in file
-    units, the rig is from where it ought to be while what is keyed has the parts ``shown``; it is asked
-    for no more than one block of times.
+    """What is sampled. at: the parts that keys at some times say, (f, ·) each. off: how far the rig is off
+    while what is keyed has the parts ``shown``; it is asked for no more than one block of times.
     """
 
     def at(self, times: Floats) -> dict[int, Parts]: ...
-    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Floats: ...
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off: ...
 
 
 class Refined(NamedTuple):
-    """Samples: their times, (f,), and parts. off: the largest deviation between them, in file units, and
-    the time before it. limited: whether it could not be made smaller.
+    """Samples: their times, (f,), and parts. off: the largest deviation between them, in file units, the time
+    before it, and the node that it is of. limited: whether it could not be made smaller.
     """
 
     times: Floats
@@ -56,6 +65,7 @@ class Refined(NamedTuple):
     off: float
     limited: bool
     after: float = 0.0
+    node: int = -1
 
 
 def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> Refined:
@@ -63,19 +73,21 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
 
     per_second: units of the times in a second.
     """
-    parts, worst, limited, after = curve.at(times), 0.0, False, 0.0
+    parts, worst, limited = curve.at(times), (0.0, 0.0, -1), False
     left = np.arange(len(times) - 1)
+    seconds = max((times[-1] - times[0]) / per_second, 1.0)
+    most = min(int(seconds * MOST_A_SECOND) + 1, MOST_KEYS)
     while len(left):
-        off = _off(curve, times, parts, left)
+        off, nodes = _off(curve, times, parts, left)
         start, span = times[left], times[left + 1] - times[left]
-        room = np.floor(span * (MOST_A_SECOND / per_second) * _WHOLE)
-        pieces = np.minimum(_pieces(off, bound), np.maximum(room, 1.0))
+        room = np.maximum(np.floor(span / (FINEST * per_second) * _WHOLE), 1.0)
+        pieces = np.minimum(_pieces(off, bound), room)
+        pieces = _affordable(pieces, off, most - len(times))
         new = _inside(start, span, pieces.astype(np.int64))
-        if len(new) > MOST_KEYS - len(times):
-            new, pieces = new[:0], np.ones(len(left))
         done = pieces < 2.0
-        if off[done].max(initial=0.0) > worst:
-            worst, after = float(off[done].max()), float(start[done][off[done].argmax()])
+        if off[done].max(initial=0.0) > worst[0]:
+            k = np.flatnonzero(done)[off[done].argmax()]
+            worst = (float(off[k]), float(start[k]), int(nodes[k]))
         limited = limited or bool((off[done] > bound).any())
         if not len(new):
             break
@@ -84,7 +96,8 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
         times = np.concatenate([times, new])[order]
         places = np.searchsorted(times, new)
         left = np.unique(np.concatenate([places - 1, places]))
-    return Refined(times, parts, worst, limited, after)
+    far, after, node = worst
+    return Refined(times, parts, far, limited, after, node)
 
 
 def _pieces(off: Floats, bound: float) -> Floats:
@@ -93,6 +106,14 @@ def _pieces(off: Floats, bound: float) -> Floats:
     pieces = np.ones(len(off))
     for _ in range(_HALVINGS):
         pieces = np.where(pieces < wanted, 2.0 * pieces, pieces)
+    return pieces
+
+
+def _affordable(pieces: Floats, off: Floats, room: int) -> Floats:
+    """Those pieces, (m,), as far as there is room for the samples between them: the worst first."""
+    order = np.argsort(-off, kind="stable")
+    many = np.cumsum(pieces[order] - 1.0)
+    pieces[order[many > room]] = 1.0
     return pieces
 
 
@@ -105,10 +126,10 @@ def _inside(start: Floats, span: Floats, pieces: Integers) -> Floats:
     return np.unique(inside[(inside > start[which]) & (inside < start[which] + span[which])])
 
 
-def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers) -> Floats:
+def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers) -> Off:
     """The largest deviation in each of some intervals, (m,); 0 where float32 has no time inside."""
     start, span = times[left], times[left + 1] - times[left]
-    found = np.zeros(len(left))
+    found = Off(np.zeros(len(left)), np.full(len(left), -1))
     inside = np.concatenate([single(start + share * span) for share in _SHARES])
     which = np.tile(np.arange(len(left)), len(_SHARES))
     real = np.flatnonzero((inside > start[which]) & (inside < start[which] + span[which]))
@@ -116,7 +137,10 @@ def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers
         some = real[rows]
         k = which[some]
         shown = _line(parts, left[k], (inside[some] - start[k]) / span[k])
-        np.maximum.at(found, k, curve.off(inside[some], shown))
+        off = curve.off(inside[some], shown)
+        order = np.argsort(off.far, kind="stable")  # of several in one interval the last one stays
+        order = order[off.far[order] > found.far[k[order]]]
+        found.far[k[order]], found.node[k[order]] = off.far[order], off.node[order]
     return found
 
 
@@ -213,16 +237,18 @@ class _Curve:
         """The steps that the places of the nodes need."""
         return self.solver.steps_for({above for node in self.nodes for above in self._line(node)})
 
-    def apart(self, a: Posed, b: Posed, count: int) -> Floats:
-        """How far what hangs on the nodes is apart, at most, (f,), in file units."""
-        far = np.zeros(count)
+    def apart(self, a: Posed, b: Posed, count: int) -> Off:
+        """How far what hangs on the nodes is apart, at most."""
+        most = Off(np.zeros(count), np.full(count, -1))
         for node in self.nodes:
             one, other = a.world(node), b.world(node)
             with np.errstate(divide="ignore", invalid="ignore"):
                 turned = length(one[:, :3, :3] - other[:, :3, :3]) / length(other[:, :3, :3])
             moved = length(one[:, 3, :3] - other[:, 3, :3])
-            far = np.maximum(far, np.nan_to_num(moved + self.reach[node] * turned.max(axis=1), posinf=0.0))
-        return far
+            far = np.nan_to_num(moved + self.reach[node] * turned.max(axis=1), posinf=0.0)
+            most.node[far > most.far] = node
+            np.maximum(most.far, far, out=most.far)
+        return most
 
 
 class JointCurve(_Curve):
@@ -237,7 +263,7 @@ class JointCurve(_Curve):
         own = [n for step in self.steps for n in (*step.sets, *step.reads, *step.needs)]
         return frozenset(above for node in (*own, *self.nodes) for above in self._line(node))
 
-    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Floats:
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
         there = self.solver.run(sampled(self.rig, self.clip, times, only=self._used), self.steps)
         seen = Posed(self.rig, {**there.parts, **{node: shown[node] for node in self.nodes}})
         return self.apart(there, seen, len(times))
@@ -253,7 +279,7 @@ class ControlCurve(_Curve):
     def _matched(self, times: Floats) -> list[Block]:
         return matched(self.solver, sampled(self.rig, self.clip, times), lambda node, parts: parts)
 
-    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Floats:
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
         ((source, found),) = self._matched(times)
         seen = self.solver.run({**source.parts, **shown}, self.steps)
         return self.apart(found.posed, seen, len(times))

@@ -307,7 +307,8 @@ class Ik:
         """Where a pole tells the bend that the joints have in ``source``, (f, 3), in the world.
 
         By the triangle where it bends to the side that it bends to at rest; where it is nearly
-        straight, or bends the other way, by how the upper bone is turned. So a pole never flips.
+        straight, or bends the other way, by how the upper bone is turned, whose side goes along from the
+        bone to the line from root to end by the shortest way. So a pole never flips.
         """
         a, b, c = (source.world(node)[:, 3, :3] for node in self.limb.chain)
         a, b, c = _level(a, b, c)
@@ -318,7 +319,11 @@ class Ik:
         turned = product(_turn(source, self.above), source.part(start).rotation)
         inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
         own = rotate(turned, inside)
-        own = normalise(own - dot(own, line)[:, np.newaxis] * line)
+        bone = normalise(b - a)
+        own = own - dot(own, bone)[:, np.newaxis] * bone
+        both = bone + line
+        spread = np.maximum(1.0 + dot(bone, line), 1e-12)  # 0: folded onto itself, and no way is the shortest
+        own = normalise(own - (dot(own, line) / spread)[:, np.newaxis] * both)
         told = normalise(bend)
         sine = 2.0 * length(bend) / size * np.maximum(dot(told, own), 0.0)
         share = np.clip((sine - _TOLD) / (_BENDS - _TOLD), 0.0, 1.0)

@@ -152,19 +152,33 @@ def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(products[:, 0] + products[:, 1] + products[:, 2] + products[:, 3])
 
 
+# In how many of the last bits of its time a value may be rounded, with all that is above it.
+_UNCLEAR = 4.0
+
+
 def thinned(times: Floats, values: Floats, there: Floats, bound: float, same: float) -> bool:
     """Whether ``there``, (f, c), is what thinning may make of values, though perhaps by other keys: some of
     the values themselves, lines between these, and nowhere farther off than ``bound``.
 
-    same: how far what rounding alone parts may be off. All else is as for `needed`.
+    same: how far what rounding alone parts may be off where nothing moves. All else is as for `needed`.
     """
-    off = _apart(there, values)
-    keys, last = np.flatnonzero(off <= same), len(times) - 1
-    if len(keys) < 2 or keys[0] > 0 or keys[-1] < last or not bool((off <= bound + same).all()):
+    off, near = _apart(there, values), _rounded(times, values, bound, same)
+    keys, last = np.flatnonzero(off <= near), len(times) - 1
+    if len(keys) < 2 or keys[0] > 0 or keys[-1] < last or not bool((off <= bound + near).all()):
         return False
     right = np.clip(np.searchsorted(keys, np.arange(len(times)), side="right"), 1, len(keys) - 1)
     line = _line(times, values, keys[right - 1], keys[right], np.arange(len(times)))
-    return bool((_apart(line, there) <= same).all())
+    return bool((_apart(line, there) <= np.maximum(near[keys[right - 1]], near[keys[right]])).all())
+
+
+def _rounded(times: Floats, values: Floats, bound: float, same: float) -> Floats:
+    """How far rounding may part values, (f,): more where they go fast, as a limb's that passes straight, by
+    what they go while float32 tells no times apart; but never more than the bound.
+    """
+    unclear = _UNCLEAR * float(np.spacing(np.float32(np.abs(times).max(initial=0.0))))
+    speed = _apart(values[1:], values[:-1]) / np.diff(times)
+    fastest = np.maximum(np.append(speed, 0.0), np.append(0.0, speed))
+    return np.asarray(same + np.minimum(unclear * fastest, bound))
 
 
 def _gaps(kept: Booleans) -> Integers:

@@ -29,7 +29,8 @@ def step(request: Request) -> Step:
     def applied(rig: Rig, report: Report) -> Rig:
         if described is not None:
             rigged = read(described).rig
-            rig = as_described(joined(rig, rigged, names=names, report=report), rigged, report=report)
+            rig = joined(rig, rigged, names=names, between=options.between, report=report)
+            rig = as_described(rig, rigged, report=report)
         return bake(rig, options=options, report=report)
 
     return applied

@@ -16,7 +16,7 @@ from rigtri.ops.taking.sameness import MISSED
 from rigtri.pose import sample
 from rigtri.records import Track
 from rigtri.rig import Rig
-from rigtri.timelines import Timeline
+from rigtri.timelines import Timeline, single
 from rigtri.trigonometry import Floats
 
 # Frames: ends that are nearer are one. A DCC begins and ends a clip up to a frame beside its own frames.
@@ -59,7 +59,11 @@ class Clock:
         """Times of the edited file as those of the rig, (k,)."""
         if self.factor == 1.0 and not self.shift:
             return theirs
-        return (theirs * self.factor + self.shift).astype(np.float32).astype(np.float64)
+        return single(theirs * self.factor + self.shift)
+
+    def moved(self, track: Track) -> Track:
+        """A track where the clip lies, in EDITED's own unit."""
+        return replace(track, times=single(track.times + self.shift / self.factor))
 
     def told(self, track: Track) -> Track:
         """A track at the rig's times; arrays that are one stay one."""
