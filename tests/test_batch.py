@@ -127,8 +127,12 @@ def test_a_name_is_on_the_disk_before_it_is_put_down_as_done(
 
 
 def test_only_what_has_changed_is_done_again(batch: Batch, samples: Path) -> None:
-    shutil.copy(samples / "biped.gltf", "in/sub/g.gltf")
+    text = json.loads((samples / "biped.gltf").read_text())
+    text["images"] = [{"uri": "skin.png"}]
+    Path("in/sub/g.gltf").write_text(json.dumps(text))
     shutil.copy(samples / "biped.bin", "in/sub/biped.bin")
+    image = Path("in/sub/skin.png")
+    image.write_bytes(b"\x89PNG\r\n\x1a\n red")
     extra = Path("like.json")
     extra.write_text("1")
     inputs = ("in/**/*.glb", "in/**/*.gltf")
@@ -147,6 +151,9 @@ def test_only_what_has_changed_is_done_again(batch: Batch, samples: Path) -> Non
     buffer = Path("in/sub/biped.bin")
     buffer.write_bytes(buffer.read_bytes() + bytes(4))  # a file that the source refers to
     assert again() == {"g.gltf"}
+    image.write_bytes(image.read_bytes().replace(b"red", b"blue"))
+    assert again() == {"g.gltf"}
+    assert Path("out/sub/skin.png").read_bytes() == image.read_bytes()
     Path("out/sub/c.glb").unlink()  # an output that is gone
     assert again() == {"c.glb"}
     Path("out/sub/biped.bin").unlink()  # a file beside it
@@ -231,6 +238,8 @@ def test_variables_of_a_file_are_its_own(batch: Batch) -> None:
     job.write_text("\n".join(text))
     assert statuses(batch("--json", "--job", "job.jsonl", inputs=())) == {"a.glb": "ok", "b.glb": "ok"}
     assert set(contents()) == {"a.glb", "x/y.glb"}
+    based = batch("--json", "--base", ".", "--dry-run", "--job", "job.jsonl", inputs=())
+    assert {line["output"] for line in lines(based).values()} == {"out/in/a.glb", "out/x/y.glb"}
     job.write_text("\n".join([text[0].replace('"1"', '"2"'), text[1]]))
     again = statuses(batch("--json", "--job", "job.jsonl", inputs=()))
     assert again == {"a.glb": "ok", "b.glb": "skipped"}
