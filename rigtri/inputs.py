@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import shutil
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
+from rigtri import scratch
 from rigtri.errors import RigtriError
 from rigtri.plain_files import check_plain
 
@@ -34,7 +34,7 @@ def _on_disk(source: Path | str) -> Iterator[Path]:
         return
     start = sys.stdin.buffer.read(16)
     suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    with scratch.folder() as folder:
         path = Path(folder, f"stdin{suffix}")
         with path.open("wb") as file:
             file.write(start)

@@ -6,7 +6,6 @@ import filecmp
 import os
 import shutil
 import sys
-import tempfile
 import threading
 import time
 from collections import Counter
@@ -19,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri import scratch
 from rigtri.advice import why_near
 from rigtri.ahead import Ahead
 from rigtri.compare import TOLERANCE, Comparison, self_check
@@ -329,7 +329,7 @@ def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
     if not elsewhere:
         yield final.parent
         return
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    with scratch.folder() as folder:
         yield Path(folder)
 
 

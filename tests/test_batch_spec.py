@@ -139,7 +139,7 @@ def test_a_variable_that_a_spec_has_not_is_told_with_the_file(app: click.Group, 
     given = ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"]
     result = CliRunner().invoke(app, given)
     assert result.exit_code == 2
-    assert "in/b.glb: " in result.stderr
+    assert "job.jsonl:2: in/b.glb: " in result.stderr
     assert "colour" in result.stderr
     assert not list(Path("out").glob("*.glb"))
 

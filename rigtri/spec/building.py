@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from rigtri import scratch
 from rigtri.delivery import same_file
 from rigtri.errors import NameNotFoundError, RigtriError
 from rigtri.inputs import opened
@@ -75,7 +75,7 @@ def build(
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     with (
         opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
-        tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder,
+        scratch.folder() if several else nullcontext("") as folder,
     ):
         work.spooled = str(source) == "-"
         for one in spec.steps[:-1]:

@@ -1,0 +1,43 @@
+"""Temporary folders: of whom is dead nothing stays, of whom lives nothing goes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HOLD = "import sys; from rigtri import scratch; print(scratch.folder().name, flush=True); sys.stdin.read()"
+POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+
+
+def hold(place: Path) -> tuple[subprocess.Popen[str], Path]:
+    """A process that has a temporary folder, and its own, until its input ends."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLD],
+        env=os.environ | {"TMPDIR": str(place)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    return process, Path(process.stdout.readline()).parent
+
+
+@POSIX
+def test_the_next_process_removes_what_a_killed_one_has_left_and_nothing_of_others(tmp_path: Path) -> None:
+    (tmp_path / "rigtri-mine").mkdir()
+    dead, its = hold(tmp_path)
+    alive, own = hold(tmp_path)
+    dead.send_signal(signal.SIGKILL)
+    dead.communicate()
+    assert its.is_dir()
+    other, _ = hold(tmp_path)
+    assert not its.exists()
+    assert own.is_dir()
+    other.communicate()
+    alive.communicate()
+    assert [path.name for path in tmp_path.iterdir()] == ["rigtri-mine"]
