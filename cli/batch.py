@@ -216,6 +216,10 @@ def _found(
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
     targets.check(found.entries, layers=task.layers, beside=task.beside, relink=task.relink)
+    kept = {"--log": values["log"], "--manifest": _manifest(values, out_dir)}
+    lists = [word[1:] for word in inputs if word.startswith("@") and word != "@-"]
+    reads = [*task.sources, *task.files(), *([job] if job else []), *map(Path, lists)]
+    targets.check_apart(found.entries, {flag: Path(path) for flag, path in kept.items() if path}, reads)
     return found
 
 

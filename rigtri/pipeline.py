@@ -95,7 +95,9 @@ def edit(
     clock = _Clock()
     with opened(source) as path:
         to_stdout = str(target) == "-"
-        options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
+        options = options or Options()
+        spooled = options.from_stream or str(source) == "-"
+        options = replace(options, from_stream=spooled, to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
         if not to_stdout:
             _check_suffix(path, final, options)

@@ -48,7 +48,7 @@ moving scenery attached
 watched
 compare descriptions description changes
 advice stilled intended
-delivery
+delivery plain_files
 ahead ops formats
 bridge
 inputs outputs

@@ -14,6 +14,7 @@ from typing import Any
 
 from rigtri.batch import urls
 from rigtri.errors import FileError, UsageError
+from rigtri.plain_files import text_of
 
 _WILD = re.compile(r"[*?\[]")
 _KEYS = {"input", "output", "variables"}
@@ -110,11 +111,11 @@ def _named(words: Sequence[str]) -> list[_Input]:
 def _listed(name: str) -> list[str]:
     """The lines of a list of files."""
     try:
-        text = sys.stdin.read() if name == "-" else Path(name).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise FileError(f"@{name} cannot be read: {error.strerror}") from error
+        text = sys.stdin.read() if name == "-" else text_of(name)
     except UnicodeDecodeError as error:
         raise FileError(f"@{name} is no UTF-8 text: {error}") from error
+    except FileError as error:
+        raise FileError(f"@{name}: {error}") from error
     names = [line for line in text.splitlines() if line.strip()]
     if not names:
         raise UsageError(f"@{name} names no files")
@@ -205,12 +206,7 @@ def _kept(item: _Input, out_dir: Path | str | None, layers: bool) -> str:
 
 def _of_job(path: Path) -> list[_Input]:
     """The lines of a job file; a UsageError that tells all that is wrong with them."""
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise FileError(f"{path} is no UTF-8 text: {error}") from error
+    lines = text_of(path, "--job").splitlines()
     found: list[_Input] = []
     faults: list[str] = []
     for number, line in enumerate(lines, 1):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from rigtri.batch.entries import MOST, Entry
 from rigtri.batch.fetched import is_elsewhere
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
+from rigtri.outputs import destination
 
 
 def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", relink: bool = False) -> None:
@@ -42,6 +43,22 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     shut = "nothing can be written there, as it is no folder or may not be changed; give another -O"
     _refuse(_shut(entries), shut, FileError)
     _try_stores(entries)
+
+
+def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequence[Path]) -> None:
+    """UsageError where what a batch writes would take the place of a file that it needs.
+
+    kept: what it writes besides outputs, by the option that says where. needed: what it reads besides inputs.
+    """
+    reads = {os.path.realpath(file): file for file in needed}
+    lost = [entry.target for entry in entries if _real(entry.target) in reads]
+    _refuse(lost, "the spec, a file that it names or a list of inputs would be replaced", UsageError)
+    taken = set(reads).union(*((_real(entry.source), _real(entry.target)) for entry in entries))
+    for option, path in kept.items():
+        if os.path.realpath(path) in taken:
+            raise UsageError(f"{option} {path} names a file that is needed for something else")
+        taken.add(os.path.realpath(path))
+        destination(path)  # no device or pipe
 
 
 def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:

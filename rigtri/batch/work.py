@@ -56,6 +56,10 @@ class Task(Protocol):
     def files(self) -> Sequence[Path]:
         """The files that are read besides the source."""
 
+    @property
+    def sources(self) -> Sequence[Path]:
+        """The files that say what is done."""
+
     def run(
         self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
     ) -> Outcome:
