@@ -102,9 +102,10 @@ def test_what_some_files_have_not_is_counted_at_the_end(app: click.Group, here: 
     given = ("--spec", "rig.yaml", "-O", "out", "-j", "1", "--no-verify")
     result = CliRunner().invoke(app, ["batch", "in/a.glb", "in/tail.glb", "in/hand.glb", *given])
     assert result.exit_code == 7
-    assert result.stderr.splitlines()[-2:] == [
+    assert result.stderr.splitlines()[-3:] == [
         "3 files: 1 warned, 2 error",
         "in 2 of them: No joint is named 'hips'",
+        "in 2 of them: No joint is named 'hand_L'",
     ]
 
 
