@@ -54,34 +54,36 @@ def _made() -> str:
 
     while True:
         place = tempfile.mkdtemp(prefix=PREFIX)
-        # Somebody who clears may have been faster than the lock.
-        if fcntl is None or (_locked(place) is not None and os.path.isdir(place)):
+        try:
+            _hold(place)
+        except (BlockingIOError, FileNotFoundError):  # somebody who clears was faster
+            continue
+        except OSError:  # a file system without such locks: nobody can clear there either
+            pass
+        if os.path.isdir(place):
             # After multiprocessing has removed its own folder, which may be in there.
             Finalize(None, shutil.rmtree, args=(place, True), exitpriority=-200)
             return place
 
 
-def _locked(place: str) -> int | None:
-    """A descriptor that holds a folder until it is closed; None where somebody else does."""
-    try:
-        held = os.open(place, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
-    except OSError:
-        return None
+def _hold(place: str) -> int:
+    """A descriptor that locks a folder until it is closed. BlockingIOError where somebody else does."""
+    if fcntl is None:
+        raise OSError("no locks of folders")
+    held = os.open(place, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     try:
         fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         os.close(held)
-        return None
+        raise
     return held
 
 
 def _clear(place: str) -> None:
     """Remove the folders of processes that are no more."""
-    if fcntl is None:
-        return
     with suppress(OSError), os.scandir(place) as found:
         for name in [entry.path for entry in found if entry.name.startswith(PREFIX)]:
-            held = _locked(name)
-            if held is not None:
+            with suppress(OSError):  # somebody's who lives
+                held = _hold(name)
                 shutil.rmtree(name, ignore_errors=True)
                 os.close(held)

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from rigtri import scratch
+
 HOLD = "import sys; from rigtri import scratch; print(scratch.folder().name, flush=True); sys.stdin.read()"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 
@@ -41,3 +43,15 @@ def test_the_next_process_removes_what_a_killed_one_has_left_and_nothing_of_othe
     other.communicate()
     alive.communicate()
     assert [path.name for path in tmp_path.iterdir()] == ["rigtri-mine"]
+
+
+def test_a_file_system_without_locks_is_used_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scratch, "fcntl", None)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    (tmp_path / "rigtri-tmp-of-another").mkdir()
+    monkeypatch.setattr(scratch._Own, "root", "")
+    with scratch.folder() as name:
+        assert Path(name).parent.parent == tmp_path
+    assert len(list(tmp_path.iterdir())) == 2
