@@ -44,8 +44,10 @@ def command(source: str, target: str, overwrite: bool, as_json: bool, **values: 
     from rigtri.formats import read
     from rigtri.inputs import opened
     from rigtri.outputs import write_text
+    from rigtri.spec.loading import need_extra
     from rigtri.spec.starter import plain_values, starter
 
+    need_extra()
     path = Path(target)
     if target != "-" and path.suffix.lower() not in (".yaml", ".yml", ".json"):
         raise UsageError(f"{target}: the spec is YAML or JSON; give it the suffix .yaml or .json")

@@ -78,6 +78,16 @@ class GeometryError(RigtriError):
     exit_code = 5
 
 
+class NoLimbError(GeometryError):
+    """A character of whose limbs none is known, by VRM or by names."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "--limbs auto: no VRM humanoid map and no joint names that say arms or legs. Name the "
+            "limbs with --limb ROOT MIDDLE END; see the joints with: rigtri inspect FILE"
+        )
+
+
 class DeviationError(RigtriError):
     """The result would look different from the source; nothing was written."""
 

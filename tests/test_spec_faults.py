@@ -259,3 +259,29 @@ def test_a_spec_without_bounds_is_refused_soon(text: str, said: str, tmp_path: P
     else:
         load(path)
     assert time.perf_counter() - began < 10
+
+
+def test_a_file_that_is_not_there_is_told_at_its_word_beside_all_else(tmp_path: Path) -> None:
+    text = """\
+steps:
+  - do: orient-joints
+    up: q
+    like: nowhere.glb
+  - do: take-clips
+    from: neither.glb
+"""
+    assert list(faults(write(tmp_path, text))) == [(3, 9), (4, 11), (6, 11)]
+    with pytest.raises(SpecError) as caught:
+        load(write(tmp_path, text.replace("    up: q\n", "")))
+    assert caught.value.exit_code == 3
+
+
+def test_an_optional_step_is_left_out_where_no_limb_is_known(tmp_path: Path) -> None:
+    step = "steps: [{do: orient-joints}, {do: add-twist, limbs: auto, optional: true}]"
+    done = build(SAMPLES / "tail.glb", tmp_path / "out.glb", write(tmp_path, step))
+    assert [notice.code for notice in done.done[1].report.warnings] == ["step-left-out"]
+    with pytest.raises(SpecError) as caught:
+        build(
+            SAMPLES / "tail.glb", tmp_path / "no.glb", write(tmp_path, step.replace(", optional: true", ""))
+        )
+    assert caught.value.exit_code == 5

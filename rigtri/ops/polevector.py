@@ -14,7 +14,7 @@ import numpy as np
 
 from rigtri.bend import Bend, bend, crossings
 from rigtri.bounds import refuse_unworkable
-from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.ops.added import add, find, free_name, home, noted, plain_name, renamed, stand
 from rigtri.ops.drawings import KEYS
@@ -104,10 +104,7 @@ def _limbs(rig: Rig, options: Options, report: Report) -> list[Limb]:
     if options.auto:
         found = [limb for limb in recognise(rig) if limb.triple not in {k.triple for k in limbs}]
         if not found and not limbs:
-            raise GeometryError(
-                "--limbs auto: no VRM humanoid map and no joint names that say arms or legs. "
-                "Name the limbs with --limb ROOT MIDDLE END; see the joints with: rigtri inspect FILE"
-            )
+            raise NoLimbError
         limbs.extend(found)
         _tell_left_out(rig, limbs, report)
     if not limbs:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError, NoLimbError, UsageError
 from rigtri.limbs import Limb, along, recognise
 from rigtri.matrices import inverse, nearest_rotation, transform_points
 from rigtri.ops.added import find, noted, plain_name
@@ -134,10 +134,7 @@ def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
     both = options.upper == options.lower
     limbs = [*options.limbs, *(recognise(rig) if options.auto else ())]
     if options.auto and not limbs:
-        raise GeometryError(
-            "--limbs auto: no VRM humanoid map and no joint names that say arms or legs. Name the "
-            "limbs with --limb ROOT MIDDLE END; see the joints with: rigtri inspect FILE"
-        )
+        raise NoLimbError
     found = []
     for limb in limbs:
         found += [_Bone(limb.start, limb.middle, True)] if both or options.upper else []

@@ -10,7 +10,7 @@ from typing import Any
 
 from rigtri import scratch
 from rigtri.delivery import same_file
-from rigtri.errors import NameNotFoundError, RigtriError
+from rigtri.errors import NameNotFoundError, NoLimbError, RigtriError
 from rigtri.inputs import opened
 from rigtri.outputs import Written, spare
 from rigtri.pipeline import Outcome, check_target, edit
@@ -125,16 +125,26 @@ class _Work:
                 more = missing(self.spec, one, seen[0], str(error)) if seen else ()
                 self.lost.append(((self.spec.fault(one, error), *more), error))
                 return False
-            report = Report()
-            report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
-            self.report.hear(report.warnings)
-            self.done.append(Done(one, report))
-            return False
+            return self._leave_out(one, error)
+        except NoLimbError as error:
+            if not one.optional:
+                self._give_up(one, error)
+            return self._leave_out(one, error)
         except RigtriError as error:
-            self.lost.append(((self.spec.fault(one, error),), error))
-            self.tell_lost()
+            self._give_up(one, error)
         self.done.append(Done(one, report))
         return True
+
+    def _leave_out(self, one: PlannedStep, error: RigtriError) -> bool:
+        report = Report()
+        report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
+        self.report.hear(report.warnings)
+        self.done.append(Done(one, report))
+        return False
+
+    def _give_up(self, one: PlannedStep, error: RigtriError) -> None:
+        self.lost.append(((self.spec.fault(one, error),), error))
+        self.tell_lost()
 
     def edit(self, step: Step, target: Path | str, **last: Any) -> Report:
         """Apply a step to the character as it is, and note what came of it."""

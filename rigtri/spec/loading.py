@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rigtri.compare import TOLERANCE
-from rigtri.errors import RigtriError, UsageError
+from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.formats import Options
+from rigtri.plain_files import check_plain
 from rigtri.spec.faults import Fault, Place, SpecError
 from rigtri.spec.tree import Keys, Label, Tree
 from rigtri.spec.validating import step_models, validated, value_at, where_of
@@ -116,21 +117,23 @@ def load(path: Path | str, *, variables: Mapping[str, str] | None = None) -> Spe
     variables: values instead of those in the spec. Raises FileError for a file that cannot be read,
     SpecError, a UsageError, with all that is wrong in it.
     """
-    _need_extra()
+    need_extra()
     from rigtri.spec.merging import merged
 
     path = Path(path)
     tree, sources, faults = merged(path, variables or {})
     unsure = {fault.place for fault in faults}
-    _find_files(tree)
+    lost = [one for one in _find_files(tree) if one[1].place not in unsure]
     model, found = validated(tree)
     wrong = {keys[1] for keys, _ in found if len(keys) > 1 and keys[0] == "steps"}
     wrong |= {n for n, _ in enumerate(tree.labels) if unsure & {p for _, p in tree.under(("steps", n))}}
     # A value with a variable that there is not is wrong for no other reason.
     faults += [one for keys, one in found if not unsure & {place for _, place in tree.under(keys)}]
-    if model is None or faults:
-        faults += [fault for fault, _ in _contradictions(tree, wrong)]
-        raise SpecError(faults)
+    if model is None or faults or lost:
+        code = UsageError.exit_code if faults else FileError.exit_code
+        wrong |= {number for number, _ in lost}
+        contradictions = [fault for fault, _ in _contradictions(tree, wrong)]
+        raise SpecError([*faults, *(fault for _, fault in lost), *contradictions], code)
     if not model.steps:
         raise SpecError([Fault(tree.place(("steps",)), "", "the spec has no steps; say what is to be done")])
     return Spec(path, model, _planned(model, tree), tree, sources)
@@ -158,8 +161,12 @@ def _contradiction(tree: Tree, number: int, do: str, asked: Request) -> tuple[Fa
     return None
 
 
-def _find_files(tree: Tree) -> None:
-    """Let the files that steps name be seen from the file of the spec that says so."""
+def _find_files(tree: Tree) -> list[tuple[int, Fault]]:
+    """Let the files that steps name be seen from the file of the spec that says so.
+
+    The numbers of steps whose files are not there, each with the fault.
+    """
+    lost = list[tuple[int, Fault]]()
     models = step_models()
     steps = tree.values.get("steps")
     for number, one in enumerate(steps if isinstance(steps, list) else ()):
@@ -167,11 +174,17 @@ def _find_files(tree: Tree) -> None:
         for name, about in model.model_fields.items() if model else ():
             option = about.alias or name
             if name in _FILES and isinstance(one.get(option), str) and one[option]:
-                folder = Path(tree.place(("steps", number, option)).file).parent
-                one[option] = str(folder / one[option])
+                place = tree.place(("steps", number, option))
+                one[option] = str(Path(place.file).parent / one[option])
+                try:
+                    check_plain(one[option], option)
+                except FileError as error:
+                    lost.append((number, Fault(place, where_of(tree, ("steps", number)), str(error))))
+    return lost
 
 
-def _need_extra() -> None:
+def need_extra() -> None:
+    """UsageError where what reads specs is not installed."""
     missing = [name for name in ("pydantic", "ruamel.yaml") if not _has(name)]
     if missing:
         words = " and ".join(missing)
