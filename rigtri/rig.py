@@ -7,6 +7,7 @@ nodes; matrices are row-vector matrices (`rigtri.matrices`).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
@@ -44,6 +45,8 @@ ADDED = (
 VERSION, KNOWN = 1, (*ADDED, "frame")
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
+# What the script of export-blender puts below an IK end, as Blender numbers its names.
+SWITCH = re.compile(r"rigtri_ik([._]\d+)?")
 
 
 def illegible(note: Mapping[str, Any]) -> str:
@@ -190,7 +193,14 @@ class Rig:
             for child in self.children[node]
             if self.payload[child] < 0 and made.issuperset(self.children[child] or (-1,))
         )
-        return frozenset(made.union(drawings, between))
+        # What the script of export-blender puts below IK ends.
+        switches = (
+            child
+            for node in made
+            for child in self.children[node]
+            if SWITCH.fullmatch(self.names[child]) and self.payload[child] < 0 and not self.children[child]
+        )
+        return frozenset(made.union(drawings, between, switches))
 
     def below(self, node: int) -> list[int]:
         """A node and everything under it, parents first."""

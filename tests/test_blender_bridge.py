@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from engines import Shown, blender_setup, blender_trip
+from engines import Shown, blender_scenes, blender_setup, blender_trip
+from gltf_files import glb_bytes, glb_parts
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files
 
 from rigtri.bridge import blender
@@ -228,7 +229,7 @@ def test_controls_animated_in_blender_come_back_as_joint_keys(
         assert CliRunner().invoke(app, line).exit_code == 0
     by = [0.05, -0.12, 0.1]
     names = {"script": str(tmp_path / "setup.py"), "target": str(tmp_path / "edited.glb")}
-    blender_trip(names | {"control": "hand_L_ik_ctl", "by": by}, folder=tmp_path)
+    blender_trip(names | {"keys": {"hand_L_ik_ctl": {"by": by}}}, folder=tmp_path)
     for line in block("and back"):
         result = CliRunner().invoke(app, line)
         assert result.exit_code == 0, result.stderr
@@ -243,10 +244,105 @@ def test_controls_animated_in_blender_come_back_as_joint_keys(
         assert np.abs(posed.world(final.find(name))[0, 3, :3] - place).max() < IK, name
 
 
+# What an animator gives keys to, and the IK ends whose IK is off; nothing else has keys.
+TAKES: dict[str, dict[str, Any]] = {
+    "hips": {"keys": {"hips_ctl": {"by": [0.0, 0.02, -0.05], "turn": 20}}},
+    "fk": {"keys": {"forearm_L_ctl": {"turn": 25}, "spine_ctl": {"turn": 15}}},
+    "ends": {"keys": {"hand_L_ik_ctl": {"by": [0.05, -0.12, 0.1]}, "foot_R_ik_ctl": {"by": [0, 0, 0.1]}}},
+    "off": {
+        "keys": {"hand_L_ik_ctl": {"by": [0.05, -0.12, 0.1]}, "upper_arm_L_ctl": {"turn": 30}},
+        "off": ["hand_L_ik_ctl", "foot_L_ik_ctl"],
+    },
+}
+
+
+@pytest.mark.slow
+def test_what_is_seen_in_blender_comes_home_whatever_has_keys(
+    rigged: dict[str, Path], app: Any, tmp_path: Path
+) -> None:
+    """Feet that nothing has keys of stay planted, in the file as in Blender; IK that is off stays off."""
+    source = rigged["biped.glb"]
+    script = script_for(source, source.parent)
+    files = {
+        word: {"target": str(tmp_path / f"{word}.glb"), "seen": str(tmp_path / f"{word}.npz")}
+        for word in TAKES
+    }
+    blender_trip(
+        *({"script": str(script)} | files[word] | take for word, take in TAKES.items()), folder=tmp_path
+    )
+    rest = read(source).rig
+    size = float(np.linalg.norm(np.ptp(rest.world[np.flatnonzero(rest.is_joint), 3, :3], axis=0)))
+    for word, told in files.items():
+        out = str(tmp_path / f"{word}-home.glb")
+        line = ["bake", told["target"], "--rig", str(source), "-o", out, "--json"]
+        result = CliRunner().invoke(app, line)
+        assert result.exit_code == 0, result.stderr
+        codes = {warning["code"] for warning in json.loads(result.stdout)["warnings"]}
+        assert ("ik-off" in codes) == (word == "off")
+        final, seen = read(Path(out)).rig, arrays(told["seen"])
+        (clip,) = final.clips
+        start = min(float(track.times[0]) for track in clip.tracks)
+        posed = Posed(final, sampled(final, clip, start + np.arange(25) / 24.0))
+        for name in seen:
+            found = np.broadcast_to(posed.world(final.find(name))[:, 3, :3], (25, 3))
+            assert np.abs(found - seen[name]).max() <= IK * size, (word, name)
+
+
+@pytest.mark.parametrize(("scale", "holds"), [(1.5, True), (1.0, False), (0.5, False)])
+def test_a_switch_below_an_ik_end_tells_bake_of_ik_without_keys(
+    scale: float, holds: bool, rigged: dict[str, Path], app: Any, tmp_path: Path
+) -> None:
+    """The clip turns the hips' control alone. What tells goes with the controls."""
+    rig = read(rigged["biped.glb"]).rig
+    source, out, bare = (tmp_path / name for name in ("in.glb", "out.glb", "bare.glb"))
+    document, binary = glb_parts(rigged["biped.glb"])
+    names = [node.get("name") for node in document["nodes"]]
+    end, hips = names.index("foot_L_ik_ctl"), names.index("hips_ctl")
+    document["nodes"][end].setdefault("children", []).append(len(names))
+    document["nodes"].append({"name": "rigtri_ik.001", "scale": [scale] * 3})
+    keys = np.array([0, 1, 0, 0, 0, 1, *turn("z", 20)], "<f4").tobytes()
+    with_clip(document, hips, keys)
+    source.write_bytes(glb_bytes(document, binary[: document["buffers"][0]["byteLength"] - len(keys)] + keys))
+    line = ["bake", str(source), "--rig", str(rigged["biped.glb"]), "-o", str(out), "-q"]
+    result = CliRunner().invoke(app, line)
+    assert result.exit_code == 0, result.stderr
+    final = read(out).rig
+    (clip,) = final.clips
+    posed = Posed(final, sampled(final, clip, np.array([1.0])))
+    foot, thigh = (rig.world[rig.find(name), 3, :3] for name in ("foot_L", "thigh_L"))
+    moved = float(np.linalg.norm(posed.world(final.find("foot_L"))[0, 3, :3] - foot))
+    assert (moved < 1e-3) == holds  # the leg is too straight by half a millimetre
+    assert float(np.linalg.norm(posed.world(final.find("thigh_L"))[0, 3, :3] - thigh)) > 0.01
+    result = CliRunner().invoke(app, ["strip", str(out), "-o", str(bare), "-q"])
+    assert result.exit_code == 0, result.stderr
+    assert "rigtri_ik.001" not in read(bare).rig.names
+
+
+def arrays(path: str) -> Shown:
+    with np.load(path) as found:
+        return dict(found)
+
+
+def with_clip(document: dict[str, Any], node: int, keys: bytes) -> None:
+    """Make a turn of one node, at 0 and 1 seconds, the only clip; its keys come behind the buffer's bytes."""
+    start = document["buffers"][0]["byteLength"]
+    document["buffers"][0]["byteLength"] = start + len(keys)
+    views, accessors = document["bufferViews"], document["accessors"]
+    views += [{"buffer": 0, "byteOffset": start + a, "byteLength": b} for a, b in ((0, 8), (8, 32))]
+    accessors += [
+        {"bufferView": len(views) - 2, "componentType": 5126, "count": 2, "type": "SCALAR"}
+        | {"min": [0.0], "max": [1.0]},
+        {"bufferView": len(views) - 1, "componentType": 5126, "count": 2, "type": "VEC4"},
+    ]
+    sampler = {"input": len(accessors) - 2, "output": len(accessors) - 1}
+    channel = {"sampler": 0, "target": {"node": node, "path": "rotation"}}
+    document["animations"] = [{"name": "walk", "channels": [channel], "samplers": [sampler]}]
+
+
 def block(mark: str) -> list[list[str]]:
     """The commands of a marked block of docs/blender.md."""
     page = (ROOT / "docs" / "blender.md").read_text("utf-8")
-    found = re.search(rf"<!-- {mark} -->\n```sh\n(.*?)```", page, re.S)
+    found = re.search(rf"<!-- {mark} -->\n(?:<!-- [^>]*-->\n|\n)*```sh\n(.*?)```", page, re.S)
     assert found, mark
     return [line.split()[1:] for line in found.group(1).strip().splitlines()]
 
@@ -288,6 +384,39 @@ def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp
     job = {"source": str(rigged["biped.glb"]), "script": str(script)}
     with pytest.raises(AssertionError, match=r"nothing is set up[^^]*no bone is 'haed'"):
         blender_setup(job, folder=tmp_path)
+
+
+@pytest.mark.slow
+def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], app: Any, tmp_path: Path) -> None:
+    """Two characters, two of one file, and what the user has changed before."""
+    first, second = rigged["biped.glb"], tmp_path / "tpose.glb"
+    line = ["add-controls", str(SAMPLES / "tpose.glb"), "-o", str(second), "--whole-character", "-q"]
+    assert CliRunner().invoke(app, line).exit_code == 0
+    scripts = [script_for(path, tmp_path) for path in (first, second)]
+    found = blender_scenes(str(first), str(scripts[0]), str(second), str(scripts[1]), folder=tmp_path)
+    both, again, one = (found["several"][word] for word in ("both", "again", "one"))
+    assert all(both.values())
+    assert len(both) == 2
+    assert again == both
+    assert [name for name, count in one.items() if count] == ["biped"]
+    twins = found["twins"]
+    count = both["biped"]
+    assert twins["one"] == {"biped": count, "biped.001": 0}
+    assert twins["two"] == twins["after"] == {"biped": count, "biped.001": count}
+    code, told = twins["unclear"]
+    assert code == 1
+    assert "select the one that is meant, of 'biped', 'biped.001'" in told
+    assert twins["removed"] == {"biped": count, "biped.001": 0}
+    changed = found["changed"]
+    assert changed["told"] == [0, ""]
+    assert changed["mode"] == "POSE"
+    assert changed["kept"] == ["rigtri mine"]
+    assert changed["moved"][0] == 0
+    assert "'biped' does not stand where the file has it" in changed["moved"][1]
+    code, told = changed["renamed"]
+    assert code == 1
+    assert told.count("nothing is set up") == 1
+    assert "'shin_L' (if that is 'knee' now, rename it back)" in told
 
 
 def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(app: Any, tmp_path: Path) -> None:

@@ -53,9 +53,18 @@ class Plan:
                     "joint": bool(rig.is_joint[node]),
                     "note": {key: _told(note[key]) for key in _TELLING if key in note},
                     "world": flat(self.reference.world[node]),
+                    "stands": self._stands(node),
                 }
             )
         return self._words[node]
+
+    def _stands(self, node: int) -> list[list[float]]:
+        """Where a first joint stands at rest and in the bind pose, 16 numbers each; nothing for others."""
+        above = int(self.rig.parents[node])
+        if not self.rig.is_joint[node] or (above >= 0 and self.rig.is_joint[above]):
+            return []
+        found = [self.rig.world[node], self.reference.world[node], _binds(self.rig).get(node)]
+        return [flat(place) for place in found if place is not None]
 
     def bone_axes(self, node: int) -> bool:
         """Whether Blender makes a bone of a node: bones and objects have other axes there."""

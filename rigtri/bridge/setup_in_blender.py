@@ -14,6 +14,7 @@ import argparse
 import json
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,11 @@ from mathutils import Matrix, Vector
 
 RIG: dict[str, Any] = json.loads("{}")
 
-# The custom property by which this script knows what it has made, and the first word of its constraints.
+# The custom property by which this script knows what it has made, the first word of its names, and the
+# property of a collection that says which character it belongs to.
 MARK = "rigtri_setup"
 PREFIX = "rigtri "
+CHARACTER = "rigtri_character"
 DRIVE, SWITCH = "rigtri_drive", "rigtri_ik"
 # How much turns of bones may differ from those of the file's joints, in the numbers of a matrix.
 SAME = 1e-2
@@ -176,9 +179,51 @@ def find() -> tuple[list[Any], list[str]]:
             told = ", ".join(repr(bone or thing.name) for thing, bone in found[:4])
             text = f"{len(found)} could be meant by {about['title']!r}: {told}; select one character alone"
         else:
-            text = f"no {kind} is {about['title']!r}"
+            text = f"no {kind} is {about['title']!r}{renamed(about)}"
         wrong.append(text)
     return nodes, wrong
+
+
+def renamed(about: dict[str, Any]) -> str:
+    """The bone that a joint without one may have become: in its place, and called as no joint is."""
+    names = [each["name"] for each in (*RIG["axes"], *RIG["nodes"])]
+    found = [
+        bone.name
+        for armature in armatures()
+        for bone in armature.data.bones
+        if about["joint"]
+        and bone.parent is not None
+        and below(line(bone)[:2], about["above"])
+        and not any(called(bone.name, name, 63) for name in names)
+    ]
+    return f" (if that is {found[0]!r} now, rename it back)" if len(found) == 1 else ""
+
+
+def character(nodes: list[Any]) -> Any:
+    """The object that most of the nodes are in: the armature, where there is one; None for too few."""
+    things = [thing for thing, _ in filter(None, nodes)]
+    if not things or len(things) * 2 < len(nodes):
+        return None
+    return Counter(things).most_common(1)[0][0]
+
+
+def elsewhere(nodes: list[Any]) -> str:
+    """What to tell of an armature that stands neither where the file has its joints nor as they are bound."""
+    bpy.context.view_layer.update()
+    size = max((Vector(about["world"][12:15]).length for about in RIG["nodes"]), default=0.0) or 1.0
+    for about, (armature, name) in zip(RIG["nodes"], nodes, strict=True):
+        if name and about["stands"]:
+            seen = armature.matrix_world @ armature.data.bones[name].matrix_local
+            apart = [
+                (seen.translation - (from_file() @ matrix(place)).translation).length
+                for place in about["stands"]
+            ]
+            if min(apart) > SAME * size * RIG["meters"]:
+                return (
+                    f"{armature.name!r} does not stand where the file has it, and moves there while controls "
+                    "drive; move what both it and the controls hang on, after the set-up"
+                )
+    return ""
 
 
 def other_axes(nodes: list[Any]) -> list[str]:
@@ -203,30 +248,39 @@ def other_axes(nodes: list[Any]) -> list[str]:
 # -- what is set up --------------------------------------------------------------------------------
 
 
-def remove() -> int:
-    """Take out all that this script has made; how many things that were."""
-    count = 0
-    for thing in bpy.data.objects:
+def made_for(owner: Any) -> list[Any]:
+    """The script's collections for a character; those whose character is gone are anyone's."""
+    return [one for one in bpy.data.collections if MARK in one and one.get(CHARACTER) in (owner, None)]
+
+
+def remove(nodes: list[Any], owner: Any) -> int:
+    """Take out all that this script has made for a character; how many things that were."""
+    collections = made_for(owner)
+    made = {thing for collection in collections for thing in collection.objects if MARK in thing}
+    count = len(made)
+    for thing in {thing for thing, _ in filter(None, nodes)}:
         for constrained in (thing, *(thing.pose.bones if thing.pose else ())):
-            for constraint in list(constrained.constraints):
-                if constraint.name.startswith(PREFIX):
-                    path = f"{constraint.path_from_id()}.influence"
-                    thing.driver_remove(path)
-                    constrained.constraints.remove(constraint)
-                    count += 1
-        if MARK not in thing:
-            for key in (DRIVE, SWITCH):
-                if key in thing:
-                    del thing[key]
-    for thing in [thing for thing in bpy.data.objects if MARK in thing]:
-        count += 1
+            for constraint in [one for one in constrained.constraints if is_ours(one, made)]:
+                thing.driver_remove(f"{constraint.path_from_id()}.influence")
+                constrained.constraints.remove(constraint)
+                count += 1
+        for key in (DRIVE, SWITCH):
+            if key in thing:
+                del thing[key]
+    for thing in made:
         armature = thing.data if thing.type == "ARMATURE" else None
         bpy.data.objects.remove(thing)
         if armature is not None:
             bpy.data.armatures.remove(armature)
-    for collection in [one for one in bpy.data.collections if MARK in one]:
+    for collection in collections:
         bpy.data.collections.remove(collection)
     return count
+
+
+def is_ours(constraint: Any, made: set[Any]) -> bool:
+    """Whether a constraint looks at what the script has made, or looked at it until somebody deleted it."""
+    target = getattr(constraint, "target", None)
+    return target in made or (target is None and bool(re.match(rf"{PREFIX}\d+$", constraint.name)))
 
 
 def property_of(thing: Any, name: str, value: float, text: str) -> None:
@@ -241,15 +295,17 @@ class Setup:
 
     def __init__(self, nodes: list[Any], drive: float, switches: dict[str, float]) -> None:
         self.nodes = nodes
-        self.master = next((thing for thing, bone in nodes if bone), nodes[0][0])
+        self.master = character(nodes)
         self.collection = bpy.data.collections.new("rigtri setup")
         self.collection[MARK] = 1
+        self.collection[CHARACTER] = self.master
         bpy.context.scene.collection.children.link(self.collection)
         property_of(self.master, DRIVE, drive, "1: rigtri's controls drive; 0: the joints' own keys")
         for word in RIG["limbs"]:
             thing = self.target(word)[0]
             value = switches.get(thing.name, 1.0)
             property_of(thing, SWITCH, value, "1: IK moves the limb; 0: its FK controls")
+            self.tell(thing)
         self.names: list[str] = []
         self.frames: list[Matrix] = []
         self.solver: Any = None
@@ -269,6 +325,22 @@ class Setup:
         thing.hide_viewport = thing.hide_render = thing.hide_select = True
         return thing
 
+    def tell(self, thing: Any) -> None:
+        """A visible empty below an IK end, whose scale says in what is exported whether IK moves the limb.
+
+        Half or one and a half: IK is off or on; one: nothing drives. ``rigtri bake --rig`` reads it.
+        """
+        for former in [child for child in thing.children if plain(child.name) == SWITCH]:
+            bpy.data.objects.remove(former)  # of a file that came back
+        teller = self.added(SWITCH)
+        teller.name = SWITCH
+        teller.hide_viewport = teller.hide_render = False
+        teller.empty_display_size = 1e-4
+        teller.parent = thing
+        for curve in teller.driver_add("scale"):
+            self.by_switches(curve.driver, [("drive", self.master, DRIVE), ("ik", thing, SWITCH)])
+            curve.driver.expression = "1 + drive * (ik - 0.5)"
+
     def empty(self, about: dict[str, Any]) -> Any:
         thing = self.added(about["name"])
         thing.rotation_mode = "QUATERNION"
@@ -281,7 +353,8 @@ class Setup:
         solver.hide_viewport = solver.hide_select = False
         view = bpy.context.view_layer
         active, selected = view.objects.active, [one for one in view.objects if one.select_get()]
-        if active is not None and active.mode != "OBJECT":
+        mode = active.mode if active is not None else "OBJECT"
+        if mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         view.objects.active = solver
         bpy.ops.object.mode_set(mode="EDIT")
@@ -299,6 +372,8 @@ class Setup:
         view.objects.active = active
         for one in selected:
             one.select_set(True)
+        if mode != "OBJECT":
+            bpy.ops.object.mode_set(mode=mode)
         solver.hide_viewport = solver.hide_select = True
         return solver
 
@@ -412,12 +487,17 @@ class Setup:
         limb = self.target(RIG["limbs"][about["limb"]])[0] if about["limb"] >= 0 else None
         switches = [("drive", self.master, DRIVE)] if master else []
         switches += [("ik", limb, SWITCH)] if limb is not None else []
+        self.by_switches(driver, switches)
+        driver.expression = " * ".join([repr(about["share"]), *(name for name, _, _ in switches)])
+
+    @staticmethod
+    def by_switches(driver: Any, switches: list[tuple[str, Any, str]]) -> None:
+        """Give a driver a variable for each switch: its name, the object and the property there."""
         for name, owner, key in switches:
             variable = driver.variables.new()
             variable.name, variable.type = name, "SINGLE_PROP"
             variable.targets[0].id = owner
             variable.targets[0].data_path = f'["{key}"]'
-        driver.expression = " * ".join([repr(about["share"]), *(name for name, _, _ in switches)])
 
 
 # -- the run -----------------------------------------------------------------------------------------
@@ -464,13 +544,25 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
             + more
             + "\nImport the file anew with the importer's own settings, or let the script do it"
         )
-    master = next((thing for thing, bone in nodes if bone), nodes[0][0])
+    master = character(nodes)
+    if text := elsewhere(nodes):
+        print(f"rigtri: warning: {text}", file=sys.stderr)
     before = float(master.get(DRIVE, 1.0))
     switches = {thing.name: float(thing[SWITCH]) for thing, _ in nodes if SWITCH in thing}
-    remove()
+    remove(nodes, master)
     Setup(nodes, before if drive is None else drive, switches)
     bpy.context.view_layer.update()
     return len(RIG["constraints"])
+
+
+def take_out() -> int:
+    """Take out what was made for the character in the scene; how many things that were."""
+    nodes, wrong = find()
+    owner = character(nodes)
+    if owner is None and made_for(None) != (every := [one for one in bpy.data.collections if MARK in one]):
+        names = ", ".join(repr(one[CHARACTER].name) for one in every if one.get(CHARACTER))
+        raise SetupError(f"nothing is taken out: select the one that is meant, of {names}\n  {wrong[0]}")
+    return remove(nodes, owner)
 
 
 def main(arguments: list[str]) -> None:
@@ -480,7 +572,7 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--remove", action="store_true", help="take out all that this script has made")
     given = parser.parse_args(arguments)
     if given.remove:
-        print(f"rigtri: {remove()} objects and constraints taken out")
+        print(f"rigtri: {take_out()} objects and constraints taken out")
         return
     print(f"rigtri: {set_up(given.file, given.drive)} constraints set up")
 
@@ -489,5 +581,7 @@ if __name__ == "__main__":
     try:
         main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
     except SetupError as error:
+        if not bpy.app.background:  # an exit would close Blender's window; it shows what is raised
+            raise
         print(f"rigtri: {error}", file=sys.stderr)
-        raise
+        sys.exit(1)

@@ -14,6 +14,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.matrices import decompose, inverse, multiply
+from rigtri.ops.held_limbs import held_limbs
 from rigtri.ops.held_poses import held
 from rigtri.ops.operation import operation
 from rigtri.ops.taking.notices import some
@@ -68,7 +69,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
         return whole
     rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
-    return held(whole, rested, described, both.of, report)
+    return held_limbs(held(whole, rested, described, both.of, report), report)
 
 
 def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:

@@ -70,6 +70,16 @@ def blender_trip(*jobs: dict[str, Any], folder: Path) -> None:
     _call([python, str(_HERE / "blender_trip.py")], jobs, folder)
 
 
+def blender_scenes(*places: str, folder: Path) -> dict[str, Any]:
+    """What scripts do in scenes of several characters (`blender_scenes.py`). Skips as `blender`."""
+    python = os.environ.get("BPY_PYTHON")
+    if not python:
+        pytest.skip(NO_BLENDER)
+    target = folder / "scenes.json"
+    _call([python, str(_HERE / "blender_scenes.py")], [[*places, str(target)]], folder)
+    return dict(json.loads(target.read_text("utf-8")))
+
+
 def blender_limbs(*paths: Path, folder: Path) -> list[Any]:
     """Where Blender's IK puts the limbs of each file over time (`blender_limbs.py`). Skips as `blender`."""
     return list(_told_by_blender("blender_limbs.py", paths, folder))

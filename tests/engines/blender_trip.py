@@ -1,17 +1,47 @@
 """An animator at work with a script of ``export-blender``: ``python blender_trip.py JOBS.json`` with ``bpy``.
 
 JOBS is a list of objects: the script ``script`` imports the file that lies beside it and sets it up. The
-object ``control`` gets keys in a clip of its own: at frame 1 where it stands, at frame 25 moved by ``by``
-in its own channels. What is visible is exported to ``target``.
+objects of ``keys`` get keys in a clip of their own: at frame 1 where they stand, at frame 25 moved by ``by``
+in their own channels, and turned by ``turn`` degrees about their y axis. ``off`` are IK ends whose IK is off.
+What is visible is exported to ``target``; ``seen``, a .npz, gets the places of all joints, of all frames, in
+the file's axes.
 """
 
 import contextlib
 import json
+import math
 import runpy
 import sys
 from pathlib import Path
 
 import bpy
+import numpy as np
+from mathutils import Quaternion
+
+
+def animate(control, given):
+    control.rotation_mode = "QUATERNION"
+    paths = [path for path, word in (("location", "by"), ("rotation_quaternion", "turn")) if word in given]
+    for path in paths:
+        control.keyframe_insert(path, frame=1)
+    control.location = [a + b for a, b in zip(control.location, given.get("by", (0, 0, 0)), strict=True)]
+    control.rotation_quaternion @= Quaternion((0, 1, 0), math.radians(given.get("turn", 0)))
+    for path in paths:
+        control.keyframe_insert(path, frame=25)
+
+
+def places():
+    armature = next(
+        thing for thing in bpy.data.objects if thing.type == "ARMATURE" and "rigtri_setup" not in thing
+    )
+    found = {bone.name: [] for bone in armature.pose.bones}
+    for frame in range(1, 26):
+        bpy.context.scene.frame_set(frame)
+        seen = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        for bone in seen.pose.bones:
+            x, y, z = (seen.matrix_world @ bone.matrix).translation
+            found[bone.name].append((x, z, -y))
+    return found
 
 
 def work(job):
@@ -25,14 +55,17 @@ def work(job):
                 thing.animation_data.nla_tracks.remove(track)
     for action in list(bpy.data.actions):
         bpy.data.actions.remove(action)
-    control = bpy.data.objects[job["control"]]
-    control.keyframe_insert("location", frame=1)
-    control.location = [a + b for a, b in zip(control.location, job["by"], strict=True)]
-    control.keyframe_insert("location", frame=25)
+    for name in job.get("off", ()):
+        bpy.data.objects[name]["rigtri_ik"] = 0.0
+        bpy.data.objects[name].update_tag()
+    for name, given in job["keys"].items():
+        animate(bpy.data.objects[name], given)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 25
     bpy.ops.export_scene.gltf(
-        filepath=job["target"], use_visible=True, export_animation_mode="ACTIVE_ACTIONS", export_extras=True
+        filepath=job["target"], use_visible=True, export_animation_mode="ACTIVE_ACTIONS"
     )
+    if "seen" in job:
+        np.savez(job["seen"], **places())
 
 
 with contextlib.redirect_stdout(sys.stderr):
