@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -127,7 +128,11 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
         rigtri batch --spec rig.yaml 'assets/**/*.glb' -O out/
         rigtri batch-report out/
     """
-    sys.exit(run(inputs, values, _tasks(values)))
+    try:
+        sys.exit(run(inputs, values, _tasks(values)))
+    except KeyboardInterrupt:  # before files are worked on, or after
+        click.echo("\ninterrupted: what is done is done; run it again for the rest", err=True)
+        sys.exit(128 + signal.SIGINT)
 
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
@@ -164,7 +169,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         plan = session.plan(chosen, lambda: bool(heard))
         if len(plan.assignments) > 1 and not plan.settled and not heard:
             engines.append(batch_engine.local(values, folder, len(chosen), dry_run=True))
-            _try_out(plan, engines[1])
+            _try_out(plan, engines[1], quiet=values["quiet"])
         _work(session, plan, engine, log, values, str(shard) if shard else None)
         if kept is not None:
             kept.end(dict(session.counts))
@@ -211,6 +216,10 @@ def _found(
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
     targets.check(found.entries, layers=task.layers, beside=task.beside, relink=task.relink)
+    kept = {"--log": values["log"], "--manifest": _manifest(values, out_dir)}
+    lists = [word[1:] for word in inputs if word.startswith("@") and word != "@-"]
+    reads = [*task.sources, *task.files(), *([job] if job else []), *map(Path, lists)]
+    targets.check_apart(found.entries, {flag: Path(path) for flag, path in kept.items() if path}, reads)
     return found
 
 
@@ -235,10 +244,11 @@ def _shard(values: dict[str, Any]) -> Shard | None:
     return parse(values["shard"]) if values["shard"] else of_slurm(os.environ)
 
 
-def _try_out(plan: Plan, engine: Engine) -> None:
+def _try_out(plan: Plan, engine: Engine, *, quiet: bool) -> None:
     from rigtri.batch.run import try_out
 
-    try_out(plan, engine)
+    if (said := try_out(plan, engine)) and not quiet:
+        click.echo(plain(said, one_line=True), err=True)
 
 
 def _work(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from rigtri import scratch
 from rigtri.errors import UsageError
 from rigtri.ops.presets import PRESETS
 
@@ -147,7 +147,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     asked = step(request(values))
     given = given_options(ctx)
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    with scratch.folder() as folder:
         if values["source"] is None:
             values["source"] = _blank(Path(folder), values)
         else:

@@ -490,7 +490,8 @@ def check_side_files(values: dict[str, Any]) -> None:
     from rigtri.delivery import same_file
     from rigtri.outputs import destination
 
-    read = {"IN": values["source"], "--like": values.get("like"), "--frames": values.get("frames")}
+    names = {"like": "--like", "frames": "--frames", "edited": "--from", "described": "--rig"}
+    read = {"IN": values["source"], **{flag: values.get(name) for name, flag in names.items()}}
     known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
     if str(values["target"]) != "-":
         target = Path(values["target"])

@@ -13,22 +13,31 @@ from .options import json_option
 _SUFFIX = ".schema.json"
 
 
+def _known() -> list[str]:
+    folder = files("rigtri.schemas")
+    return sorted(one.name.removesuffix(_SUFFIX) for one in folder.iterdir() if one.name.endswith(_SUFFIX))
+
+
+def _beginning(start: str) -> list[str]:
+    """For shells that complete."""
+    return [name for name in _known() if name.startswith(start)]
+
+
 @click.command("schema")
-@click.argument("name", default="spec")
+@click.argument("name", default="spec", shell_complete=lambda _, __, start: _beginning(start))
 @json_option
 def command(name: str, as_json: bool) -> None:
     """Print a JSON Schema: of rig specs, or of what rigtri writes.
 
-    NAME is spec unless given; others are batch, batch-report, check, diff, error, frames, mirror, node,
-    pose, report and rig.
+    NAME is spec unless given; others are batch, batch-report, check, diff, draw, error, explain, frames,
+    mirror, node, pose, report and rig.
 
     \b
     Examples:
         rigtri schema > spec.schema.json
         rigtri schema report
     """
-    folder = files("rigtri.schemas")
-    known = sorted(one.name.removesuffix(_SUFFIX) for one in folder.iterdir() if one.name.endswith(_SUFFIX))
+    known = _known()
     if name not in known:
         raise UsageError(f"there is no schema '{name}'; choose of {', '.join(known)}")
-    click.echo((folder / f"{name}{_SUFFIX}").read_text(encoding="utf-8"), nl=False)
+    click.echo((files("rigtri.schemas") / f"{name}{_SUFFIX}").read_text(encoding="utf-8"), nl=False)

@@ -33,7 +33,8 @@ def command(source: str, target: str, overwrite: bool, as_json: bool, **values: 
     """Write a rig spec to start from: steps for the joints that a character has.
 
     Limbs that are known by their names or by VRM get twist joints, controls and pole vectors; all
-    joints stand in it as a comment. --json prints the spec as JSON, which `rigtri build` reads as well.
+    joints stand in it as a comment. --json prints the spec as JSON, which `rigtri build` reads as well;
+    FILE.json gets it so.
 
     \b
     Example:
@@ -46,17 +47,18 @@ def command(source: str, target: str, overwrite: bool, as_json: bool, **values: 
     from rigtri.spec.starter import plain_values, starter
 
     path = Path(target)
-    if target != "-" and path.suffix.lower() not in (".yaml", ".yml"):
-        raise UsageError(f"{target}: the spec is YAML; give it the suffix .yaml")
+    if target != "-" and path.suffix.lower() not in (".yaml", ".yml", ".json"):
+        raise UsageError(f"{target}: the spec is YAML or JSON; give it the suffix .yaml or .json")
     if target != "-" and path.exists() and not overwrite:
         raise UsageError(f"{target} exists; it is replaced only with --overwrite")
     with opened(source) as file:
         text = starter(read(file, read_options(values)).rig, Path(source).name)
+    in_json = json.dumps(plain_values(text), indent=2, ensure_ascii=False)
     if as_json:
-        click.echo(json.dumps(plain_values(text), indent=2, ensure_ascii=False))
+        click.echo(in_json)
     elif target == "-":
         click.echo(plain(text), nl=False)
     if target == "-":
         return
-    write_text(path, text)
+    write_text(path, in_json + "\n" if path.suffix.lower() == ".json" else text)
     click.echo(f"Wrote {target}", err=True)

@@ -23,7 +23,7 @@ from rigtri.driven import Driven, moved, set_aside
 from rigtri.errors import FileError
 from rigtri.matching import Matching, match, played_together
 from rigtri.moving import moving_nodes, part_of
-from rigtri.playing import side_by_side
+from rigtri.playing import joined, side_by_side
 from rigtri.quaternions import norm
 from rigtri.reach import TOLERANCE as TOLERANCE
 from rigtri.reach import fits, size_of
@@ -449,18 +449,16 @@ def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
     if not tally.watched:
         return
     (before, after), tally.watched = _needed(before, after, tally.watched)
-    still = [pose.worlds(rig, pose.rest(rig, normalised=normalised))[np.newaxis] for rig in (before, after)]
-    tally.add(Moment(still[0], still[1], (None, None), np.zeros(1)), "")
+    both, count = joined(before, after), len(before)  # one evaluation costs less than two
+    still = pose.worlds(both, pose.rest(both, normalised=normalised))[np.newaxis]
+    tally.add(Moment(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
     size = min(max(map(_times_at_once, (before, after))), _times_of_points(tally.watched))
-    for clips in zip(before.clips, after.clips, strict=True):
-        motions = [pose.Motion(rig, clip) for rig, clip in zip((before, after), clips, strict=True)]
-        times = pose.between_keys(np.concatenate([pose.key_times(clip) for clip in clips]))
+    for clip, *clips in zip(both.clips, before.clips, after.clips, strict=True):
+        motion, times = pose.Motion(both, clip), pose.between_keys(pose.key_times(clip))
         for start in range(0, len(times), size):
             some = times[start : start + size]
-            worlds = [
-                pose.worlds(motion.rig, motion.locals_at(some, normalised=normalised)) for motion in motions
-            ]
-            tally.add(Moment(worlds[0], worlds[1], clips, some), clips[0].name)
+            worlds = pose.worlds(both, motion.locals_at(some, normalised=normalised))
+            tally.add(Moment(worlds[:, :count], worlds[:, count:], (clips[0], clips[1]), some), clip.name)
 
 
 def _times_at_once(rig: Rig) -> int:

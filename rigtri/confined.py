@@ -8,20 +8,24 @@ ended and replaced, and its task becomes a FileError.
 from __future__ import annotations
 
 import contextlib
+import errno
 import gc
 import multiprocessing
 import os
 import signal
+import tempfile
 import threading
 import time
 import traceback
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
+from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from types import TracebackType
 from typing import Any, ClassVar, Self, TypeVar
 
 from rigtri.errors import FileError, RigtriError
+from rigtri.scratch import adopt, root
 
 T = TypeVar("T")
 
@@ -31,6 +35,15 @@ _PRELOADED = ["rigtri.pipeline", "rigtri.formats.gltf.document", "rigtri.formats
 # How many more objects there must be before rings of them are looked for, and how often that must have
 # been so before older ones are looked at, too.
 _RINGS = 20_000, 5, 10
+# What the loader of libraries says where there is no memory for them.
+_NO_ROOM = ("failed to map segment", "Cannot allocate memory", "cannot allocate memory")
+# So often, seconds apart, a process is started before that is given up: its server may have been killed.
+_STARTS, _BETWEEN = 5, 0.1
+# Names of sockets are short: about 100 characters, 32 of them below this folder's.
+_LONGEST = 70
+
+# M_TRIM_THRESHOLD, M_TOP_PAD and M_MMAP_THRESHOLD of mallopt(3), bytes each.
+_KEPT = (-1, 1 << 26), (-2, 1 << 22), (-3, 1 << 24)
 
 
 class CrashError(FileError):
@@ -141,14 +154,31 @@ class Confined:
 
     def _started(self) -> Connection:
         if self._pipe is None:
-            mine, theirs = self._context.Pipe()
-            process = self._context.Process(target=_serve, args=(theirs, self._memory), daemon=True)
-            process.start()
-            theirs.close()
-            self._process, self._pipe = process, mine
+            self._process, self._pipe = self._start()
             with contextlib.suppress(EOFError, ConnectionError):  # told with the task that it does not take
-                mine.recv()  # it is ready: the time of a task does not begin with imports
+                self._pipe.recv()  # it is ready: the time of a task does not begin with imports
         return self._pipe
+
+    def _start(self) -> tuple[Any, Connection]:
+        """A new child. FileError where none comes into being."""
+        place = root()
+        _keep_sockets(place)
+        for number in range(_STARTS):
+            mine, theirs = self._context.Pipe()
+            process = self._context.Process(target=_serve, args=(theirs, self._memory, place), daemon=True)
+            try:
+                process.start()
+            except (EOFError, OSError) as error:  # the next time the server is started anew
+                mine.close()
+                if number == _STARTS - 1:
+                    said = str(error) or type(error).__name__
+                    raise FileError(f"no process can be started to work on files ({said})") from error
+                time.sleep(_BETWEEN)  # a server that was killed just now is not seen to be dead at once
+            else:
+                return process, mine
+            finally:
+                theirs.close()
+        raise AssertionError("unreachable")
 
     def _death(self) -> str:
         """What ended the child, in words; another will be started for the next task."""
@@ -182,8 +212,19 @@ def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError
     return error
 
 
-def _serve(pipe: Connection, memory: int | None) -> None:
-    """The life of a child: tasks until the pipe closes."""
+def _keep_sockets(place: str) -> None:
+    """Let multiprocessing have its own folder there, which stays when this process is killed."""
+    if len(place) <= _LONGEST:
+        before, tempfile.tempdir = tempfile.tempdir, place
+        try:
+            get_temp_dir()
+        finally:
+            tempfile.tempdir = before
+
+
+def _serve(pipe: Connection, memory: int | None, place: str) -> None:
+    """The life of a child: tasks until the pipe closes. place: for its temporary files."""
+    adopt(place)
     # The parent hears of an interrupt, and then ends us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # For the parent we are a daemon, which it ends at its exit; a task may have children of its own.
@@ -197,6 +238,7 @@ def _serve(pipe: Connection, memory: int | None) -> None:
     # costs more than it finds, and what was imported has none that go.
     gc.freeze()
     gc.set_threshold(*_RINGS)
+    _keep_memory()
     with contextlib.suppress(EOFError, ConnectionError):
         pipe.send("ready")
         while True:
@@ -205,12 +247,35 @@ def _serve(pipe: Connection, memory: int | None) -> None:
                 answer: tuple[str, Any] = "done", task(*arguments)
             except RigtriError as error:
                 answer = "refused", (type(error), error.args)
-            except MemoryError:
-                answer = "memory", None
-            except Exception:  # noqa: BLE001 - whatever it is, the parent raises it
+            except Exception as error:  # noqa: BLE001 - whatever it is, the parent raises it
+                if of_memory(error):
+                    pipe.send(("memory", None))
+                    continue
                 pipe.send(("failed", traceback.format_exc()))
                 raise SystemExit(1) from None
             pipe.send(answer)
+
+
+def _keep_memory() -> None:
+    """Let freed memory stay with this process, up to a limit: the next file needs it again, and to take it
+    from the system page by page costs as much as the sums that are done in it. Only where the C library
+    can be told so (glibc).
+    """
+    import ctypes
+
+    with contextlib.suppress(OSError, AttributeError, TypeError):
+        for parameter, size in _KEPT:
+            ctypes.CDLL(None).mallopt(parameter, size)
+
+
+def of_memory(error: BaseException) -> bool:
+    """Whether an error says, in the words of some library or system, that there is no memory left."""
+    return (
+        isinstance(error, MemoryError)
+        or (isinstance(error, OSError) and error.errno == errno.ENOMEM)
+        or (isinstance(error, RuntimeError) and str(error) == "can't start new thread")
+        or (isinstance(error, ImportError) and any(words in str(error) for words in _NO_ROOM))
+    )
 
 
 def _end_with_parent() -> None:

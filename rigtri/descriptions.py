@@ -160,7 +160,7 @@ def _weighted(rig: Rig) -> Booleans:
 def _heading(rig: Rig) -> str:
     counts = [
         _count(len(rig), "node"),
-        _count(int(rig.is_joint.sum()), "joint"),
+        _count(int(np.count_nonzero(rig.is_joint)), "joint"),
         _count(len(rig.skins), "skin"),
         _count(len(rig.shown_clips), "clip"),
     ]
@@ -270,7 +270,7 @@ def _skin_words(skin: Skin, number: int) -> list[str]:
     return [
         shown_name(skin.name) or f"#{number}",
         _count(len(skin.joints), "joint"),
-        f"{int(skin.weighted.sum())} weighted",
+        f"{int(np.count_nonzero(skin.weighted))} weighted",
         "inverse binds stored" if skin.stored else "no inverse binds",
     ]
 
@@ -336,7 +336,7 @@ def _skin_json(rig: Rig, skin: Skin) -> dict[str, Any]:
     return {
         "name": skin.name,
         "joints": [rig.labels[joint] for joint in skin.joints.tolist()],
-        "weighted": int(skin.weighted.sum()),
+        "weighted": int(np.count_nonzero(skin.weighted)),
         "inverse_binds_stored": skin.stored,
     }
 

@@ -6,12 +6,12 @@ what it would save is what is read, and what is written it reads again.
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rigtri import scratch
 from rigtri.errors import UsageError
 from rigtri.formats import Options
 from rigtri.formats.gltf.container import glb
@@ -49,7 +49,7 @@ def to_pygltflib(rig: Rig, **keywords: Any) -> GLTF2:
     origin = rig.origin
     if origin is None or origin.path.suffix.lower() not in (".glb", ".vrm", ".vrma"):
         raise UsageError("to_pygltflib takes rigs of from_pygltflib, and those that were read from a .glb")
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    with scratch.folder() as folder:
         target = Path(folder, origin.path.name)
         write(rig, target, **keywords)
         made = GLTF2.load_binary(target)

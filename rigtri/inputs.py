@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import shutil
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
-from rigtri.errors import FileError, RigtriError
+from rigtri import scratch
+from rigtri.errors import RigtriError
+from rigtri.plain_files import check_plain
 
 # The first bytes of a stream tell its format, and with it the suffix that `read` goes by.
 _MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
@@ -29,18 +30,11 @@ def opened(source: Path | str) -> Iterator[Path]:
 def _on_disk(source: Path | str) -> Iterator[Path]:
     """The source as it lies; standard input is spooled, its first bytes say the format."""
     if str(source) != "-":
-        path = Path(source)
-        if path.is_dir():
-            raise FileError(f"{path} is a folder, not a file")
-        if not path.exists():
-            raise FileError(f"There is no file {path}")
-        if not path.is_file():
-            raise FileError(f"{path} is a device or a pipe; give a plain file, or - for standard input")
-        yield path
+        yield check_plain(source)
         return
     start = sys.stdin.buffer.read(16)
     suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    with scratch.folder() as folder:
         path = Path(folder, f"stdin{suffix}")
         with path.open("wb") as file:
             file.write(start)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from pathlib import Path
 
-from rigtri import compare, formats
+from rigtri import compare, formats, scratch
 from rigtri.compare import TOLERANCE, Comparison, Source
 from rigtri.errors import UsageError
 from rigtri.formats import Document, Options
@@ -82,7 +81,7 @@ def _file(origin: Origin) -> Iterator[Path]:
     if origin.content is None:
         yield origin.path
         return
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    with scratch.folder() as folder:
         path = Path(folder, origin.path.name)
         path.write_bytes(origin.content)
         yield path

@@ -23,6 +23,8 @@ from rigtri.quaternions import from_axes, rotate, to_axes
 from rigtri.trigonometry import Floats
 from rigtri.vectors import as_vectors, by_component, cross, dot, length, normalise
 
+# Of each of three axes the one after it and the one before.
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 # Axes that should meet at right angles do so within this cosine after float32 storage.
 SKEW = 1e-5
 
@@ -65,13 +67,14 @@ def inverse(m: ArrayLike) -> Floats:
     Source: GDC 2018, slide "Inverse matrix"; adjugate over determinant.
     """
     m = as_matrices(m)
-    x, y, z, t = (m[..., row, :3] for row in range(4))
-    columns = _side_by_side(cross(y, z), cross(z, x), cross(x, y)).swapaxes(-1, -2)
+    axes = m[..., :3, :3]
+    crossed = cross(axes[..., _NEXT, :], axes[..., _LAST, :])
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        linear = columns / determinant(m)[..., np.newaxis, np.newaxis]
+        volume = dot(crossed[..., 2, :], m[..., 2, :3])
+        linear = crossed.swapaxes(-1, -2) / volume[..., np.newaxis, np.newaxis]
         result = by_component(m.shape, 2)
         result[..., :3, :3] = linear
-        result[..., 3, :3] = -_row_times(t, linear)
+        result[..., 3, :3] = -_row_times(m[..., 3, :3], linear)
     result[..., :3, 3], result[..., 3, 3] = 0.0, 1.0
     return result
 

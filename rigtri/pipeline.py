@@ -6,7 +6,6 @@ import filecmp
 import os
 import shutil
 import sys
-import tempfile
 import threading
 import time
 from collections import Counter
@@ -19,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri import scratch
 from rigtri.advice import why_near
 from rigtri.ahead import Ahead
 from rigtri.compare import TOLERANCE, Comparison, self_check
@@ -95,7 +95,9 @@ def edit(
     clock = _Clock()
     with opened(source) as path:
         to_stdout = str(target) == "-"
-        options = replace(options or Options(), from_stream=str(source) == "-", to_stream=to_stdout)
+        options = options or Options()
+        spooled = options.from_stream or str(source) == "-"
+        options = replace(options, from_stream=spooled, to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
         if not to_stdout:
             _check_suffix(path, final, options)
@@ -327,7 +329,7 @@ def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
     if not elsewhere:
         yield final.parent
         return
-    with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
+    with scratch.folder() as folder:
         yield Path(folder)
 
 

@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import replace
 
+import numpy as np
+
 from rigtri.matching import Matching, timeline
-from rigtri.records import Clip
+from rigtri.records import Clip, Track
 from rigtri.rig import Rig
 
 
@@ -38,6 +40,31 @@ def side_by_side(before: Rig, after: Rig, m: Matching, *, added: bool = False) -
             mine.append(replace(shown, name=clip.name or f"#{k}"))
             theirs.append(clip.played)
     return replace(before, clips=tuple(mine)), replace(after, clips=tuple(theirs))
+
+
+def joined(before: Rig, after: Rig) -> Rig:
+    """All nodes of both as one rig, those of ``after`` behind, and their clips as one each: to be posed."""
+    count = len(before)
+    return Rig(
+        names=before.names + after.names,
+        parents=np.concatenate([before.parents, np.where(after.parents < 0, -1, after.parents + count)]),
+        translation=np.concatenate([before.translation, after.translation]),
+        rotation=np.concatenate([before.rotation, after.rotation]),
+        scale=np.concatenate([before.scale, after.scale]),
+        matrix=np.concatenate([before.matrix, after.matrix]),
+        has_matrix=np.concatenate([before.has_matrix, after.has_matrix]),
+        payload=np.full(count + len(after), -1),
+        keys=before.keys + after.keys,
+        labels=before.labels + after.labels,
+        clips=tuple(
+            Clip(one.name, one.tracks + tuple(_behind(track, count) for track in other.tracks))
+            for one, other in zip(before.clips, after.clips, strict=True)
+        ),
+    )
+
+
+def _behind(track: Track, count: int) -> Track:
+    return Track(count + track.node, track.path, track.interpolation, track.times, track.values)
 
 
 def _instead(rig: Rig, clip: Clip) -> Clip | None:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rigtri.matrices import compose, inverse, multiply
-from rigtri.quaternions import conjugate, from_axes, norm, rotate, slerp, unit
+from rigtri.quaternions import conjugate, from_axes, norm, rotate, slerp, slerp_rows, unit
 from rigtri.quaternions import multiply as product
 from rigtri.records import Clip, Integers, Interpolation, Mesh, Path, Skin, Track
 from rigtri.rig import Rig
@@ -83,7 +83,9 @@ class Motion:
         rig, count = self.rig, len(times)
         # Each number of a node at all times in one row of memory: what `worlds` multiplies by levels.
         local: Floats = np.empty((4, 4, len(rig), count)).transpose(3, 2, 0, 1)
-        local[:] = rest(rig, normalised=normalised)
+        still = np.ones(len(rig), dtype=bool)
+        still[self.driven] = False
+        local[:, still] = rest(rig, normalised=normalised)[still]
         if not len(self.driven):
             return local
         parts = {
@@ -176,9 +178,14 @@ def shares(mesh: Mesh) -> Floats:
 
     A point without any weight follows its first joint, as in engines; NaN stays NaN.
     """
-    total = np.abs(mesh.weights).sum(axis=1, keepdims=True)
+    columns = np.abs(mesh.weights).T
+    total = np.zeros((len(mesh.weights), 1))
+    for column in columns:
+        total[:, 0] += column
     first = np.zeros(mesh.weights.shape[1])
     first[:1] = 1.0
+    if total.all():  # NaN is any
+        return np.asarray(mesh.weights / total)
     return np.where(total == 0, first, mesh.weights / np.where(total == 0, 1.0, total))
 
 
@@ -339,8 +346,7 @@ class _Pack:
     def of(tracks: list[Track], driven: Integers) -> _Pack:
         first = tracks[0]
         values = by_component((len(first.values), len(tracks), *first.values.shape[1:]))
-        for column, track in enumerate(tracks):
-            values[:, column] = track.values
+        np.stack([track.values for track in tracks], axis=1, out=values)
         columns = np.searchsorted(driven, [track.node for track in tracks])
         return _Pack(first.path, first.interpolation, first.times, values, columns)
 
@@ -355,11 +361,11 @@ class _Pack:
         share = inside[:, np.newaxis, np.newaxis]
         if cubic:
             return _hermite(self.values, left, share, span[:, np.newaxis, np.newaxis], self.path)
+        if self.path == "rotation" and self.interpolation == "LINEAR":
+            return _turned(self.values, left, inside)
         here, there = _taken(self.values, left), _taken(self.values, left + 1)
         if self.interpolation == "STEP":
             return np.where(share >= 1.0, there, here)
-        if self.path == "rotation":
-            return _turn_between(here, there, share)
         return here + (there - here) * share
 
 
@@ -367,6 +373,20 @@ def _taken(values: Floats, rows: Integers) -> Floats:
     """Some rows of values, (k, tracks, c), each component in one row of memory as in `by_component`."""
     taken: Floats = np.take(values.transpose(2, 0, 1), rows, axis=1)
     return taken.transpose(1, 2, 0)
+
+
+def _turned(values: Floats, left: Integers, inside: Floats) -> Floats:
+    """Turns, (f, t, 4), between keys ``left`` and the next ones of values, (k, t, 4)."""
+    share = inside[:, np.newaxis, np.newaxis]
+    first, last = int(left.min()), int(left.max()) + 1
+    if last - first >= len(left):
+        return _turn_between(_taken(values, left), _taken(values, left + 1), share)
+    values, left = values[first : last + 1], left - first  # times are more than keys
+    size = norm(values)[..., np.newaxis]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = values / size
+        blended = slerp_rows(turns[:-1], turns[1:], left, inside)
+    return blended * ((1.0 - share) * size[left] + share * size[left + 1])
 
 
 def _turn_between(here: Floats, there: Floats, share: Floats) -> Floats:

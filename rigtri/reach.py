@@ -15,7 +15,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.pose import Motion, between_keys, deformed, key_times, morph_weights, rest, worlds
-from rigtri.records import Integers, Mesh
+from rigtri.records import Integers, Mesh, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import dot, length
@@ -31,26 +31,27 @@ _BLOCK = 1 << 20
 _sizes: WeakKeyDictionary[Rig, tuple[tuple[ref[Mesh], ...], float]] = WeakKeyDictionary()
 
 
-def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
+def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> float:
     """The diagonal of the box of all points at rest, in file units; without points, of joints' origins.
 
-    Measured once, as an edit and its check both ask for it.
+    Measured once, as an edit and its check both ask for it. world: (n, 4, 4) at rest, where it is known.
     """
     known = _sizes.get(rig)
     if known is not None and [one() for one in known[0]] == list(meshes):
         return known[1]
-    size = _measured(rig, meshes)
+    size = _measured(rig, meshes, worlds(rig, rest(rig)) if world is None else world)
     _sizes[rig] = tuple(map(ref, meshes)), size
     return size
 
 
-def _measured(rig: Rig, meshes: Sequence[Mesh]) -> float:
-    world = worlds(rig, rest(rig))[np.newaxis]
+def _measured(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:
+    world = world[np.newaxis]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             points = deformed(mesh, rig, world, morph_weights(mesh, None, np.zeros(1)))[0]
-        points = points[np.isfinite(points).all(axis=1)]
+        if not np.isfinite(points).all():
+            points = points[np.isfinite(points).all(axis=1)]
         low, high = (
             np.minimum(low, points.min(axis=0, initial=np.inf)),
             np.maximum(high, points.max(axis=0, initial=-np.inf)),
@@ -68,8 +69,8 @@ def fits(mesh: Mesh, rig: Rig) -> bool:
     """Whether all joints that a mesh names are joints of its skin."""
     if mesh.skin is None:
         return True
-    used = mesh.joints[mesh.weights != 0]
-    return not len(used) or 0 <= int(used.min()) <= int(used.max()) < len(rig.skins[mesh.skin].joints)
+    used, _ = mesh.moved
+    return not len(used) or 0 <= int(used[0]) <= int(used[-1]) < len(rig.skins[mesh.skin].joints)
 
 
 def reaches(rig: Rig) -> Floats:
@@ -129,7 +130,7 @@ class Reach:
         own, world = np.zeros(len(rig)), worlds(rig, rest(rig))
         for mesh in meshes:
             _own(rig, world, mesh, own)
-        size = size_of(rig, meshes)
+        size = size_of(rig, meshes, world)
         framed = frames_shown(rig, meshes)
         own[framed] = np.maximum(own[framed], _corner(world[framed, :3, :3]) * size)
         return own, size
@@ -148,17 +149,31 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
     high = np.sqrt(np.maximum.reduce([square[i] + aside[i] for i in range(3)]))
     low = np.sqrt(np.maximum(np.minimum.reduce([square[i] - aside[i] for i in range(3)]), 0.0))
     least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
-    for track in (track for clip in rig.clips for track in clip.tracks):
-        node, spline = track.node, track.interpolation == "CUBICSPLINE"
-        if track.path == "translation":
-            far = np.inf if spline else float(length(track.values).max(initial=0.0))
-            bones[node] = max(bones[node], far)
-        elif track.path == "scale":
-            sizes = np.abs(track.values)
-            turns_over = spline or (track.values.max(axis=0) * track.values.min(axis=0) <= 0.0).any()
-            least[node] = 0.0 if turns_over else min(least[node], float(sizes.min(initial=np.inf)))
-            most[node] = np.inf if spline else max(most[node], float(sizes.max(initial=0.0)))
+    moved, scaled = (
+        [t for clip in rig.clips for t in clip.tracks if t.path == path and len(t.values)]
+        for path in ("translation", "scale")
+    )
+    for track in (track for track in (*moved, *scaled) if track.interpolation == "CUBICSPLINE"):
+        (bones if track.path == "translation" else most)[track.node] = np.inf
+        least[track.node] = least[track.node] if track.path == "translation" else 0.0
+    for node, values, starts in _keys(moved):
+        np.maximum.at(bones, node, np.maximum.reduceat(length(values), starts))
+    for node, values, starts in _keys(scaled):
+        smallest, largest = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+        turns_over = (smallest * largest <= 0.0).any(axis=1)
+        sizes = np.abs(np.stack([smallest, largest]))
+        np.minimum.at(least, node, np.where(turns_over, 0.0, sizes.min(axis=(0, 2))))
+        np.maximum.at(most, node, sizes.max(axis=(0, 2)))
     return (low, high), (least, most), bones
+
+
+def _keys(tracks: Sequence[Track]) -> Iterator[tuple[Integers, Floats, Integers]]:
+    """The nodes, (t,), of tracks without splines, their values in one, (k, 3), and where each starts."""
+    plain = [track for track in tracks if track.interpolation != "CUBICSPLINE"]
+    if plain:
+        counts = np.array([len(track.values) for track in plain])
+        values = np.concatenate([track.values for track in plain])
+        yield np.array([track.node for track in plain]), values, np.cumsum(counts) - counts
 
 
 def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
@@ -223,15 +238,18 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
     with np.errstate(invalid="ignore", over="ignore"):
         # From a point to its direction from each joint, as the joint stands: rows, components, joints.
         seen = transform_directions(into[..., :3], world[skin.joints][:, np.newaxis]).transpose(1, 2, 0)
-        rows, joints = np.nonzero(mesh.weights.T)[1], mesh.joints.T[mesh.weights.T != 0]
+        joints, rows = mesh.moved
+        points = [mesh.points[:, k][rows] for k in range(3)]
         square = np.zeros(len(rows))
         for axis in range(3):
             along = seen[3, axis][joints]
             for k in range(3):
-                along += mesh.points[:, k][rows] * seen[k, axis][joints]
+                along += points[k] * seen[k, axis][joints]
             square += along * along
-        far = np.sqrt(square)
-    np.maximum.at(reach, skin.joints[joints], np.where(np.isfinite(far), far, 0.0))
+        far = np.sqrt(np.where(np.isfinite(square), square, 0.0))
+    if len(joints):
+        starts = np.flatnonzero(np.diff(joints, prepend=-1))
+        np.maximum.at(reach, skin.joints[joints[starts]], np.maximum.reduceat(far, starts))
     if mesh.box is not None:
         corners = np.broadcast_to(mesh.box.reshape(2, -1, 3), (2, len(skin.joints), 3))
         for picked in np.ndindex(2, 2, 2):

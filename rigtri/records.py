@@ -196,6 +196,16 @@ class Mesh:
     box: Floats | None = None
 
     @cached_property
+    def moved(self) -> tuple[Integers, Integers]:
+        """Joint and point of each weight that is not 0, (w,) each, joint by joint."""
+        points, columns = np.nonzero(self.weights)
+        joints = self.joints[points, columns]
+        few = len(joints) and 0 <= int(joints.min()) <= int(joints.max()) < 1 << 16
+        # Of so few joints a sort counts, which is far faster.
+        order = np.argsort(joints.astype(np.uint16) if few else joints, kind="stable")
+        return joints[order], points[order]
+
+    @cached_property
     def surface_now(self) -> Surface | None:
         """Faces and normals; None when nobody can tell."""
         return None if self.surface is None else self.surface()

@@ -165,7 +165,7 @@ class Scales:
         largest = np.zeros(len(rig))
         np.maximum.at(largest, owner, np.abs(unsigned).max(axis=1))
         apart = np.zeros((len(rig), 3))
-        np.maximum.at(apart, owner, np.abs(unsigned - np.roll(unsigned, -1, axis=1)))
+        np.maximum.at(apart, owner, np.abs(unsigned - unsigned[:, [1, 2, 0]]))
         apart /= np.where(largest == 0, 1.0, largest)[:, np.newaxis]
         return Scales(rows, owner, sign, apart, np.full(len(rig), SAME_SCALE))
 
@@ -187,7 +187,7 @@ class Scales:
         would be exact but not both, and a second run would find a third.
         """
         over = self.apart > self.same[:, np.newaxis]
-        return np.asarray((over & np.roll(over, 1, axis=1)).any(axis=1))
+        return np.asarray((over & over[:, [2, 0, 1]]).any(axis=1))
 
     @property
     def spread(self) -> Floats:
@@ -306,10 +306,12 @@ def _turn_clips(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: Sca
             rows = _sandwich(above[node], rows, fold[node], turn[node])
         else:
             rows = _turned_scale(rows, node, turn, fold, scales)
-        for k, part in zip(mine, np.split(rows, np.cumsum([len(r) for r in flat])[:-1]), strict=True):
-            values = part.reshape(tracks[k].values.shape)
-            if path != "scale" or not np.array_equal(values, tracks[k].values):
-                changed[k] = replace(tracks[k], values=values)
+        start = 0
+        for k, old in zip(mine, flat, strict=True):
+            part, track = rows[start : start + len(old)], tracks[k]
+            start += len(old)
+            if path != "scale" or not np.array_equal(part, old):
+                changed[k] = replace(track, values=part.reshape(track.values.shape))
     if not changed:
         return rig
     after = iter(changed.get(k, track) for k, track in enumerate(tracks))

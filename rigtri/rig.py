@@ -142,10 +142,10 @@ class Rig:
     @cached_property
     def levels(self) -> tuple[Integers, ...]:
         """Node indices by depth, roots first: each level's parents lie in the level before."""
-        depth = np.array(self.depth, dtype=np.int64)
-        order = np.argsort(depth, kind="stable")
-        cuts = np.flatnonzero(np.diff(depth[order])) + 1
-        return tuple(np.split(order, cuts)) if len(self) else ()
+        levels: list[list[int]] = [[] for _ in range(max(self.depth, default=-1) + 1)]
+        for node, depth in enumerate(self.depth):
+            levels[depth].append(node)
+        return tuple(np.array(level, dtype=np.int64) for level in levels)
 
     @cached_property
     def depth(self) -> list[int]:

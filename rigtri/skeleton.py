@@ -169,7 +169,9 @@ def _reference(
     world = _own_frames(tree, world)
     points = world[list(tree.joints), 3, :3]
     extent = float(length(points.max(axis=0) - points.min(axis=0)))
-    differs = not np.allclose(world[:, 3], other[:, 3], rtol=0, atol=SAME_POSE * extent)
+    with np.errstate(invalid="ignore"):
+        near = (np.abs(world[:, 3] - other[:, 3]) <= SAME_POSE * extent) | (world[:, 3] == other[:, 3])
+    differs = not near.all()
     return Reference(world, other if differs else None, kind, extent, rounding)
 
 
@@ -257,8 +259,7 @@ def _same_pose(rig: Rig, skin: Skin, posed: Floats) -> bool:
     parents = rig.parents[nodes]
     a, b = local(posed[nodes], posed[parents]), local(at_rest[nodes], at_rest[parents])
     size = np.maximum(np.abs(b[:, :3, :3]).max(axis=(1, 2)), 1e-30)
-    points = local(at_rest[nodes], at_rest[parents])[:, 3, :3]
-    reach = max(float(np.abs(points).max(initial=0.0)), 1e-30)
+    reach = max(float(np.abs(b[:, 3, :3]).max(initial=0.0)), 1e-30)
     turned = np.abs(a - b)[:, :3, :3].max(axis=(1, 2)) > 10 * SAME_POSE * size
     moved = np.abs(a - b)[:, 3, :3].max(axis=1) > SAME_POSE * reach
     return not (turned | moved).any()

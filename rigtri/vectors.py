@@ -9,6 +9,9 @@ Cross Product" and the appendices.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import isfinite, sqrt
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -102,6 +105,17 @@ def normalise(v: ArrayLike) -> Floats:
         result = by_component(v.shape)
         result[..., 0], result[..., 1], result[..., 2] = x / size, y / size, z / size
     return result
+
+
+def unit_of(numbers: Sequence[float]) -> list[float] | None:
+    """As `normalise`, to the bit, of one vector in plain numbers, which are far faster then; None for NaN."""
+    x, y, z = numbers
+    largest = max(abs(x), abs(y), abs(z))
+    if not (largest > 0.0 and isfinite(x) and isfinite(y) and isfinite(z)):
+        return None
+    x, y, z = x / largest, y / largest, z / largest
+    size = sqrt(x * x + y * y + z * z)
+    return [x / size, y / size, z / size]
 
 
 def project(point: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:

@@ -297,15 +297,16 @@ def boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
         return np.broadcast_to(mesh.box[0], (count, 3)), np.broadcast_to(mesh.box[1], (count, 3))
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     near, far = extent(mesh)
-    live = (mesh.weights != 0) & np.isfinite(near).all(axis=1).reshape(-1, 1)
-    joints = mesh.joints[live]
-    order = np.argsort(joints.astype(np.uint16) if count <= 1 << 16 else joints, kind="stable")
-    if not len(order):
+    joints, points = mesh.moved
+    if not np.isfinite(near).all():
+        live = np.asarray(np.isfinite(near).all(axis=1))[points]
+        joints, points = joints[live], points[live]
+    if not len(joints):
         return low, high
-    joints, points = joints[order], np.nonzero(live)[0][order]
     starts = np.flatnonzero(np.diff(joints, prepend=-1))
-    low[joints[starts]] = np.minimum.reduceat(near[points], starts, axis=0)
-    high[joints[starts]] = np.maximum.reduceat(far[points], starts, axis=0)
+    for axis in range(3):
+        low[joints[starts], axis] = np.minimum.reduceat(near[:, axis][points], starts)
+        high[joints[starts], axis] = np.maximum.reduceat(far[:, axis][points], starts)
     return low, high
 
 

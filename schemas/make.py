@@ -112,8 +112,32 @@ def spec_schema() -> dict[str, Any]:
                 if name in told:
                     options[name] = {"description": told[name], **_or_variable(about)}
                 about.pop("title", None)
+    whole = found["properties"]
+    for name in set(whole) - {"$schema", "version", "name", "extends", "variables", "defaults", "steps"}:
+        whole[name] = _or_variable(whole[name])
+    whole["defaults"] = _defaults(whole["defaults"], found["$defs"])
+    found["minProperties"] = 1
     about = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": "urn:rigtri:schema:spec:1"}
     return about | found
+
+
+def _defaults(about: dict[str, Any], models: dict[str, Any]) -> dict[str, Any]:
+    """By operation its options, as its steps have them."""
+    operations = {
+        model["properties"]["do"]["const"]: {
+            "type": "object",
+            "additionalProperties": False,
+            "properties": {
+                option: {"$ref": f"#/$defs/{name}/properties/{option}"}
+                for option in model["properties"]
+                if option != "do"
+            },
+        }
+        for name, model in models.items()
+        if "do" in model["properties"]
+    }
+    kept = {key: about[key] for key in ("description", "type")}
+    return {**kept, "additionalProperties": False, "properties": operations}
 
 
 def _help(command: str) -> dict[str, str]:

@@ -33,6 +33,7 @@ class Turn:
     joint: str | None = None
     layers: bool = False
     beside: str = ""
+    sources: tuple[Path, ...] = ()
 
     def key(self) -> str:
         return f"turn {self.label} {self.verify} {self.relink} {self.joint}"

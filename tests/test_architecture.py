@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(
 # Each module may import from lines above its own, and from its own line what the comment says.
 ORDER = """
 errors
-bounds columns plain
+bounds columns plain scratch
 trigonometry
 vectors
 quaternions
@@ -48,7 +48,7 @@ moving scenery attached
 watched
 compare descriptions description changes
 advice stilled intended
-delivery
+delivery plain_files
 ahead ops formats
 bridge
 inputs outputs

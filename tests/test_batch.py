@@ -127,8 +127,12 @@ def test_a_name_is_on_the_disk_before_it_is_put_down_as_done(
 
 
 def test_only_what_has_changed_is_done_again(batch: Batch, samples: Path) -> None:
-    shutil.copy(samples / "biped.gltf", "in/sub/g.gltf")
+    text = json.loads((samples / "biped.gltf").read_text())
+    text["images"] = [{"uri": "skin.png"}]
+    Path("in/sub/g.gltf").write_text(json.dumps(text))
     shutil.copy(samples / "biped.bin", "in/sub/biped.bin")
+    image = Path("in/sub/skin.png")
+    image.write_bytes(b"\x89PNG\r\n\x1a\n red")
     extra = Path("like.json")
     extra.write_text("1")
     inputs = ("in/**/*.glb", "in/**/*.gltf")
@@ -147,6 +151,9 @@ def test_only_what_has_changed_is_done_again(batch: Batch, samples: Path) -> Non
     buffer = Path("in/sub/biped.bin")
     buffer.write_bytes(buffer.read_bytes() + bytes(4))  # a file that the source refers to
     assert again() == {"g.gltf"}
+    image.write_bytes(image.read_bytes().replace(b"red", b"blue"))
+    assert again() == {"g.gltf"}
+    assert Path("out/sub/skin.png").read_bytes() == image.read_bytes()
     Path("out/sub/c.glb").unlink()  # an output that is gone
     assert again() == {"c.glb"}
     Path("out/sub/biped.bin").unlink()  # a file beside it
@@ -231,6 +238,8 @@ def test_variables_of_a_file_are_its_own(batch: Batch) -> None:
     job.write_text("\n".join(text))
     assert statuses(batch("--json", "--job", "job.jsonl", inputs=())) == {"a.glb": "ok", "b.glb": "ok"}
     assert set(contents()) == {"a.glb", "x/y.glb"}
+    based = batch("--json", "--base", ".", "--dry-run", "--job", "job.jsonl", inputs=())
+    assert {line["output"] for line in lines(based).values()} == {"out/in/a.glb", "out/x/y.glb"}
     job.write_text("\n".join([text[0].replace('"1"', '"2"'), text[1]]))
     again = statuses(batch("--json", "--job", "job.jsonl", inputs=()))
     assert again == {"a.glb": "ok", "b.glb": "skipped"}
@@ -365,7 +374,7 @@ def test_a_manifest_of_another_version_or_another_file_is_refused(batch: Batch) 
     base.close()
     result = batch()
     assert result.exit_code == 2
-    assert "version 2, and this rigtri writes version 1" in result.stderr
+    assert "version 2, and this rigtri knows version 1" in result.stderr
     manifest.write_bytes(b"SQLite it is not" * 100)
     result = batch()
     assert result.exit_code == 3
@@ -410,6 +419,60 @@ def test_a_task_that_fits_no_file_is_told_before_anything_is_written(batch: Batc
     result = batch("--json", joint="hips")
     assert result.exit_code == 7
     assert statuses(result) == {"a.glb": "ok", "b.glb": "ok", "c.glb": "ok", "tail.glb": "error"}
+
+
+def test_files_that_fail_otherwise_do_not_hide_that_a_task_fits_none(batch: Batch, samples: Path) -> None:
+    add(samples / "biped.glb", "refuse")
+    Path("in/damaged.glb").write_bytes(b"glTF")
+    result = batch("--json", joint="hipz")
+    assert result.exit_code == 4
+    assert "No joint is named 'hipz'. Did you mean 'hips'?" in result.stderr
+    assert "(3 of 5)" in result.stderr
+    assert "no way up (1 of 5)" in result.stderr
+    assert contents() == {}
+
+
+def test_that_none_of_the_tried_can_be_done_is_said_and_the_others_are(batch: Batch, samples: Path) -> None:
+    add(samples / "biped.glb", "refuse1", "refuse2")
+    result = batch(inputs=("in/refuse*",))
+    assert result.exit_code == 7
+    said = "None of the 2 files that were tried can be done: no way up (2 of 2)"
+    assert said in result.stderr.splitlines()
+    assert said not in batch("-q", "--overwrite", inputs=("in/refuse*",)).stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+def test_what_a_pattern_finds_that_is_no_file_is_told_and_holds_nobody_up(batch: Batch, here: Path) -> None:
+    os.mkfifo("in/pipe.glb")
+    os.symlink("gone.glb", "in/link.glb")
+    os.symlink("/dev/null", "in/device.glb")
+    result = batch("--json")
+    assert result.exit_code == 7
+    found = lines(result)
+    assert {name: line["status"] for name, line in found.items() if line["status"] != "ok"} == dict.fromkeys(
+        ("pipe.glb", "link.glb", "device.glb"), "error"
+    )
+    assert found["pipe.glb"]["message"] == "in/pipe.glb is no plain file but a pipe"
+    assert found["link.glb"]["message"] == "in/link.glb is a link to gone.glb, and that is not there"
+    assert found["device.glb"]["message"] == "in/device.glb is no plain file but a device"
+    named = batch(inputs=("in/pipe.glb", "in/link.glb"))
+    assert named.exit_code == 3
+    assert "only plain files can be read: in/link.glb is a link to gone.glb" in named.stderr
+    assert "in/pipe.glb is no plain file but a pipe" in named.stderr
+    # What was done from a file that is a pipe now is no reason to wait.
+    Path("in/a.glb").unlink()
+    os.mkfifo("in/a.glb")
+    assert statuses(batch("--json"))["a.glb"] == "error"
+
+
+def test_an_interrupt_before_work_begins_is_told(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "_found", interrupted)
+    result = batch()
+    assert result.exit_code == 130
+    assert "interrupted: what is done is done; run it again for the rest" in result.stderr
 
 
 def test_manifests_of_one_folder_remember_the_axes_of_all_files(batch: Batch) -> None:

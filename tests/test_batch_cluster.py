@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
@@ -204,6 +205,15 @@ def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
     assert not Path("out").exists()
 
 
+@pytest.mark.parametrize("address", ["foo", "tcp://foo", "foo://127.0.0.1:1"])
+def test_what_is_no_address_is_told_at_once(tmp_path: Path, address: str) -> None:
+    begin = time.monotonic()
+    with pytest.raises(FileError, match=f"no Dask scheduler answers at {address}"):
+        cluster.Cluster(address, str(tmp_path)).__enter__()
+    assert time.monotonic() - begin < cluster.REACHED
+    assert not [found for found in gc.get_objects() if type(found).__name__ == "Client"]
+
+
 class Silent:
     """A client whose chunks end when their messages have been read."""
 
@@ -286,3 +296,31 @@ def test_a_worker_that_cannot_do_it_is_named_before_anything_is_done(
         engine.check([Entry(str(tmp_path / "a.glb"), "out/a.glb")])
     if not question.startswith("v"):
         engine.check([Entry("memory://in/a.glb", "memory://out/a.glb")])
+
+
+class Gone(Asked):
+    """A client whose scheduler dies at some question."""
+
+    def __init__(self, question: str) -> None:
+        super().__init__("", None)
+        self._at = question
+
+    def __getattribute__(self, name: str) -> Any:
+        if name == object.__getattribute__(self, "_at"):
+            raise OSError("ConnectionPool closing.")
+        return object.__getattribute__(self, name)
+
+
+@pytest.mark.parametrize("question", ["submit", "run", "nthreads"])
+def test_a_scheduler_that_dies_is_told_alike_whenever_it_does(tmp_path: Path, question: str) -> None:
+    (tmp_path / "a.glb").touch()
+    entry = Entry(str(tmp_path / "a.glb"), "out/a.glb")
+    engine = cluster.Cluster("", str(tmp_path))
+    engine._client = Gone(question)
+
+    def all_of_it() -> None:
+        engine.check([entry])
+        list(engine.run([Assignment(entry, Turn())], lambda *_: None))
+
+    with pytest.raises(FileError, match=r"cannot go on \(ConnectionPool closing.*run it again"):
+        all_of_it()

@@ -126,7 +126,7 @@ def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> Non
     [
         (["in/*.fbx"], UsageError, "matches no file"),
         (["in"], UsageError, "is a folder"),
-        (["@missing"], FileError, "cannot be read"),
+        (["@missing"], FileError, "@missing: There is no file"),
         (["@empty"], UsageError, "names no files"),
         ([], UsageError, "name the files"),
     ],

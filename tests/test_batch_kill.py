@@ -10,6 +10,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -57,6 +58,14 @@ def start(tmp_path: Path, samples: Path) -> Iterator[Start]:
             stream.close()
 
 
+@pytest.fixture
+def temporary(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Where the temporary files of what is started go; sockets need a short name."""
+    with tempfile.TemporaryDirectory() as name:
+        monkeypatch.setenv("TMPDIR", name)
+        yield Path(name)
+
+
 def expected(folder: Path) -> dict[str, bytes]:
     """What a batch that nobody disturbs would leave."""
     alone = folder / "alone"
@@ -78,7 +87,7 @@ def left_behind(folder: Path) -> list[str]:
 @POSIX
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_kills_at_any_moment_lose_nothing_and_do_nothing_twice(
-    seed: int, tmp_path: Path, start: Start
+    seed: int, tmp_path: Path, start: Start, temporary: Path
 ) -> None:
     chance, want = random.Random(seed), expected(tmp_path)
     first: dict[str, tuple[int, int]] = {}
@@ -118,7 +127,7 @@ def test_kills_at_any_moment_lose_nothing_and_do_nothing_twice(
     assert (
         set(known) == {path.name for path in outputs(tmp_path)} == {n for n in want if not n.endswith(".bin")}
     )
-    assert left_behind(tmp_path) == []
+    assert left_behind(tmp_path) == list(temporary.iterdir()) == []
     assert {p.name: p.read_bytes() for p in (tmp_path / "out").glob("*.bin")} == {
         name: content for name, content in want.items() if name.endswith(".bin")
     }

@@ -152,7 +152,7 @@ import os, signal, sys
 from rigtri.batch import urls
 from rigtri.cli.main import program
 put = urls.put
-urls.put = lambda *words: (put(*words), os.kill(os.getpid(), signal.SIGKILL))
+urls.put = lambda place, url: (put(place, url), url.endswith(".glb") and os.kill(os.getpid(), signal.SIGKILL))
 program(sys.argv[1:])
 """
 
@@ -215,7 +215,8 @@ def test_what_a_file_refers_to_elsewhere_is_not_fetched(
     done = batch("-O", "s3://studio/out", inputs=("s3://studio/bad/*.gltf",))
     assert set(statuses(done).values()) == {"error"}
     assert "fetches nothing from" in done.stderr
-    assert done.stderr.count("lies outside the folder of the file") == 2
+    told = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+    assert sum("lies outside the folder of the file" in line for line in told) == 2
     assert str(tmp_path.parent.parent) not in done.stderr.replace(str(samples), "")
     assert not bucket.exists("studio/out")
 
@@ -254,3 +255,20 @@ def test_without_a_manifest_here_or_the_extra_it_says_what_to_do(
     monkeypatch.setitem(sys.modules, "fsspec", None)
     told = CliRunner().invoke(app, words)
     assert (told.exit_code, 'pip install "rigtri[remote]"' in told.stderr) == (2, True)
+
+
+def test_a_store_that_takes_nothing_is_told_once_before_any_work(batch: Batch, bucket: Any) -> None:
+    told = batch("-O", "s3://nobucket/out")
+    assert told.exit_code == 3
+    assert json.loads(told.stdout)["error"]["message"] == (
+        "nothing can be written to s3://nobucket/out: there is no s3://nobucket; make it, or give another -O"
+    )
+    assert batch("-O", "s3://studio/out", "--dry-run").exit_code == 0
+    assert not bucket.exists("studio/out"), "what was tried with is still there"
+
+
+@pytest.mark.parametrize("pattern", ["s3://nobucket/*.glb", "s3://nobucket/in/**/*.*l*"])
+def test_a_bucket_that_is_not_there_is_named(batch: Batch, bucket: Any, pattern: str) -> None:
+    told = batch("-O", "out", inputs=(pattern,))
+    assert told.exit_code == 2
+    assert f"'{pattern}' matches no file; there is no s3://nobucket" in told.stdout

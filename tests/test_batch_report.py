@@ -22,6 +22,12 @@ from rigtri.batch.work import Record
 from rigtri.quaternions import from_axis_angle
 from rigtri.reframe import reframe
 
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
 JOINTS = json.dumps([[-1, "hips"], [0, "spine"]])
 
 
@@ -123,6 +129,49 @@ def test_words_say_the_same(app: click.Group, tmp_path: Path) -> None:
     assert "one skeleton of 2 joints, different axes (3 files)" in told
     assert "2  the axes of most  in/a.glb" in told
     assert "1  spine 90.0° off   in/c.glb" in told
+
+
+def test_files_are_named_as_they_are_seen_from_here(
+    app: click.Group, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    base = tmp_path / "show"
+    base.mkdir()
+    wrote(base, {"a.glb": ok(1e-7, 0.5), "b.glb": missing("hips")})
+    assert "1.00e-07  show/in/a.glb" in report(app, "show").stdout
+    assert "No joint is named 'hips'  show/in/b.glb" in report(app, "show").stdout
+    monkeypatch.chdir(base)
+    (row,) = json.loads(report(app, ".", "--json").stdout)["worst"]
+    assert (row["file"], row["output"]) == ("in/a.glb", "out/a.glb")
+    (base / "in").mkdir()
+    monkeypatch.chdir("in")
+    assert "1.00e-07  a.glb" in report(app, "..").stdout
+    (base / "x").mkdir()
+    monkeypatch.chdir(base / "x")
+    assert f"1.00e-07  {base / 'in' / 'a.glb'}" in report(app, "..").stdout
+
+
+def test_a_manifest_of_old_gets_what_a_quick_summary_needs(tmp_path: Path) -> None:
+    path = wrote(tmp_path, {"a.glb": ok(1e-7, 0.5)})
+    wanted = {"files_status", "files_deviation", "files_seconds", "files_axes", "warnings_code"}
+    with sqlite3.connect(path) as base:
+        for name in wanted:
+            base.execute(f"DROP INDEX {name}")
+    base.close()
+    assert summarise([path])["files"] == 1
+    wrote(tmp_path, {"a.glb": ok(1e-7, 0.5)})
+    with sqlite3.connect(path) as base:
+        found = {name for (name,) in base.execute("SELECT name FROM sqlite_master WHERE type='index'")}
+        ways = [
+            base.execute(f"EXPLAIN QUERY PLAN {query}").fetchone()[3]
+            for query in (
+                "SELECT status, count(*) FROM files GROUP BY status",
+                "SELECT total(seconds) FROM files",
+                "SELECT axes, count(*), min(id) FROM files WHERE axes IS NOT NULL GROUP BY axes",
+            )
+        ]
+    base.close()
+    assert wanted <= found
+    assert all("COVERING INDEX" in way for way in ways), ways
 
 
 def test_a_file_that_was_mended_counts_as_it_is_now(tmp_path: Path) -> None:

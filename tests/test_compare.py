@@ -22,7 +22,8 @@ from rigtri.compare import (
     verify,
 )
 from rigtri.errors import FileError
-from rigtri.pose import Motion, between_keys, worlds
+from rigtri.playing import joined
+from rigtri.pose import Motion, between_keys, locals_at, worlds
 from rigtri.quaternions import from_axis_angle, multiply
 from rigtri.records import Mesh
 from rigtri.reframe import reframe
@@ -296,7 +297,8 @@ def test_only_the_branch_that_changed_is_evaluated(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(Motion, "locals_at", counting)
     before = character()
     self_check(before, replace(before, rig=nudged(before.rig, ARM)))
-    assert max(seen) == 6  # hips, spine, arm and what hangs on it; not body and face
+    # hips, spine, arm and what hangs on it, of both; not body and face
+    assert max(seen) == 2 * 6
     seen.clear()
     result = self_check(before, replace(before, rig=replace(before.rig)))
     assert result.poses == 0
@@ -317,6 +319,18 @@ def test_blocks_of_times_do_not_change_the_result(monkeypatch: pytest.MonkeyPatc
     for one, other in zip(whole, split, strict=True):
         assert one["deviation"] == pytest.approx(other["deviation"], rel=1e-12)
         assert (one["poses"], one["worst"]) == (other["poses"], other["worst"])
+
+
+def test_both_rigs_in_one_stand_as_each_by_itself() -> None:
+    mine, theirs = random_rig(3), random_rig(4)
+    theirs = replace(theirs, clips=theirs.clips[: len(mine.clips)])
+    mine = replace(mine, clips=mine.clips[: len(theirs.clips)])
+    both, times = joined(mine, theirs), np.linspace(-0.5, 2.5, 40)
+    for k, clip in enumerate(both.clips):
+        apart = [worlds(rig, locals_at(rig, rig.clips[k], times)) for rig in (mine, theirs)]
+        assert np.array_equal(
+            worlds(both, locals_at(both, clip, times)), np.concatenate(apart, axis=1), equal_nan=True
+        )
 
 
 def test_times_lie_at_keys_between_them_and_beyond() -> None:

@@ -26,6 +26,8 @@ def test_the_lines_for_a_shell_ask_rigtri(app: click.Group, shell: str) -> None:
         ("rigtri ori", "plain,orient-joints"),
         ("rigtri orient-joints --pre", "plain,--preset"),
         ("rigtri bake --to ", "plain,controls"),
+        ("rigtri schema ", "plain,explain"),
+        ("rigtri schema batch-", "plain,batch-report"),
     ],
 )
 def test_bash_gets_what_may_come_next(app: click.Group, words: str, wanted: str) -> None:

@@ -89,5 +89,6 @@ def test_the_site_builds_without_a_fault(tmp_path: Path) -> None:
     assert 'id="rigtri-orient-joints"' in commands
     python = (tmp_path / "site" / "api" / "index.html").read_text("utf-8")
     assert 'id="rigtri.orient_joints"' in python
+    assert "up_from" in python  # a keyword that the operation gets when it is imported
     loaded = re.findall(r'(?:src|href)="(https?://[^"]+\.(?:js|css|woff2?))"', commands)
     assert not loaded

@@ -22,7 +22,7 @@ from gltf_files import Builder, character, glb_json, small
 from rigtri.compare import self_check
 from rigtri.errors import FileError
 from rigtri.formats import read
-from rigtri.formats.gltf import mapped, meshes
+from rigtri.formats.gltf import mapped, meshes, writer
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.ops.orient import Options, orient_joints
 from rigtri.ops.select import Selection
@@ -70,6 +70,7 @@ def all_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
     """Treat files of any size as large."""
     monkeypatch.setattr(mapped, "MAP_FROM", 1)
     monkeypatch.setattr(mapped, "WORTHWHILE", 1)
+    monkeypatch.setattr(writer, "BUFFERING", 16)  # what is smaller is written in one go
 
 
 def refuse(number: int) -> Any:

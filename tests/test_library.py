@@ -329,3 +329,42 @@ def test_it_runs_in_blenders_python(tmp_path: Path) -> None:
     rig = rigtri.add_controls(rigtri.add_twist(rig, auto=True), whole_character=True)
     rigtri.write(rig, tmp_path / "here.glb", verify=False)
     assert out.read_bytes() == (tmp_path / "here.glb").read_bytes()
+
+
+def test_without_openusd_all_else_works_and_usd_says_what_to_install(tmp_path: Path) -> None:
+    code = """
+import sys
+class Missing:
+    def find_spec(self, name, *rest):
+        if name.split(".")[0] == "pxr":
+            raise ModuleNotFoundError(f"No module named {name!r}", name="pxr")
+sys.meta_path.insert(0, Missing())
+from rigtri import RigtriError, check, read
+glb, usda = sys.argv[1:]
+assert not [finding for finding in check(glb) if finding.severity == "error"]
+for function in (read, check):
+    try:
+        function(usda)
+    except RigtriError as error:
+        assert "pip install usd-core" in str(error), error
+    else:
+        raise SystemExit("USD was read")
+"""
+    files = [SAMPLES / "biped.glb", SAMPLES / "biped.usda"]
+    done = subprocess.run([sys.executable, "-c", code, *files], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_is_no_rig_is_told_so() -> None:
+    with pytest.raises(TypeError, match=r"orient_joints: give a rig, as rigtri\.read does, not NoneType"):
+        rigtri.orient_joints(None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["hero.glb", "hero.gltf", "hero.usda", "hero.usdc"])
+def test_a_pointer_of_git_lfs_is_named_as_such(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 7\n")
+    with pytest.raises(FileError, match=r"is a Git LFS pointer.* git lfs pull"):
+        rigtri.read(path)
+    (only,) = rigtri.check(path)
+    assert "git lfs pull" in str(only)

@@ -224,3 +224,15 @@ def test_points_take_nothing_from_joints_without_weight_and_the_sum_of_the_other
         used = [(j, w) for j, w in zip(joints[v], weights[v], strict=True) if w]
         wanted = sum(w * (full[v] @ matrices[:, j])[:, :3] for j, w in used)
         assert np.allclose(moved[:, v], wanted, rtol=0, atol=1e-14)
+
+
+def test_what_joints_move_is_told_joint_by_joint() -> None:
+    joints = np.array([[2, 0], [70_000, 2], [0, 0], [1, -1]])
+    weights = np.array([[0.5, 0.5], [1.0, 0.0], [np.nan, 0.25], [0.0, -0.5]])
+    for usual in (False, True):
+        rows = np.where((joints < 0) | (joints > 2), 1, joints) if usual else joints
+        found = list(
+            zip(*(x.tolist() for x in Mesh("m", 0, np.zeros((4, 3)), 0, rows, weights).moved), strict=True)
+        )
+        live = [(int(rows[v, k]), v) for v in range(4) for k in range(2) if weights[v, k] != 0]
+        assert found == sorted(live)

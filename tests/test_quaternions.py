@@ -121,6 +121,17 @@ def test_slerp_half_way_is_half_the_angle() -> None:
     same_turn(q.slerp(q.IDENTITY, -quarter, 0.5), eighth)
 
 
+def test_slerp_of_many_times_is_slerp_of_each_to_the_bit() -> None:
+    random = np.random.default_rng(5)
+    keys = q.unit(random.normal(size=(6, 3, 4)))
+    keys[1, 0], keys[2, 1], keys[3, 2] = keys[0, 0], -keys[1, 1], keys[2, 2] + 1e-9
+    rows = np.array([0, 0, 1, 1, 2, 3, 3, 4, 4])
+    share = np.array([0.0, 0.29, 0.5, 1.0, 0.0, 1e-9, 0.5, 0.29, 1.0])
+    together = q.slerp_rows(keys[:-1], keys[1:], rows, share)
+    each = [q.slerp(keys[row], keys[row + 1], part) for row, part in zip(rows, share, strict=True)]
+    assert_array_equal(together, each)
+
+
 def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
     assert_allclose(q.rotate([0, 0, np.sqrt(0.5), np.sqrt(0.5)], [1, 0, 0]), [0, 1, 0], atol=1e-15)
 

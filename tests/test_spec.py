@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any, get_args
@@ -11,7 +13,7 @@ import click
 import jsonschema
 import pytest
 from click.testing import CliRunner
-from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files
 from ruamel.yaml import YAML
 from second_opinions import validator
 
@@ -20,6 +22,7 @@ from rigtri.compare import verify
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import read
 from rigtri.pipeline import edit
+from rigtri.rig import Rig
 from rigtri.spec.building import build
 from rigtri.spec.faults import SpecError
 from rigtri.spec.loading import load
@@ -174,7 +177,7 @@ def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: 
     spec = load(write(tmp_path, WHOLE))
     at = source
     for one in spec.steps:
-        then = tmp_path / str(one.number) / source.name
+        then = tmp_path / str(one.index) / source.name
         then.parent.mkdir()
         edit(at, then, step(one.do, one.request))
         at = then
@@ -245,9 +248,9 @@ def test_all_faults_are_told_at_once_with_their_places(tmp_path: Path) -> None:
     assert "(it is 99)" in told[9, 12]
 
 
-def test_a_fault_of_toml_has_the_line_of_its_key(tmp_path: Path) -> None:
+def test_a_fault_of_toml_has_the_place_of_its_value(tmp_path: Path) -> None:
     text = 'version = 1\n\n[[steps]]\ndo = "orient-joints"\n\n[[steps]]\ndo = "add-twist"\n  count = 99\n'
-    with pytest.raises(SpecError, match=r"rig\.toml:8:3 step 2 \(add-twist\): count"):
+    with pytest.raises(SpecError, match=r"rig\.toml:8:11 step 2 \(add-twist\): count"):
         load(write(tmp_path, text, "rig.toml"))
 
 
@@ -336,7 +339,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ), "more values"),
         ("steps: " + "[" * 500 + "]" * 500, "recursion"),
         ("extends: rig.yaml\n", "in a circle"),
-        ("extends: nowhere.yaml\n", "does not exist"),
+        ("extends: nowhere.yaml\n", "There is no file"),
     ],
 )  # fmt: skip
 def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: Path) -> None:
@@ -351,7 +354,7 @@ def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: 
 
 def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.yaml").mkdir()
-    with pytest.raises(FileError, match="does not exist"):
+    with pytest.raises(FileError, match="There is no file"):
         load(tmp_path / "rig.yaml")
     with pytest.raises(FileError, match="is a folder"):
         load(tmp_path / "folder.yaml")
@@ -504,6 +507,43 @@ def test_a_starter_is_a_spec_for_its_character(path: Path, tmp_path: Path) -> No
     if path.suffix == ".glb" and path.stat().st_size < 1 << 20:
         build(path, tmp_path / path.name, spec)
         assert verify(read(path), read(tmp_path / path.name)).passes(1e-5)
+
+
+def renamed(names: dict[str, str]) -> Rig:
+    rig = read(SAMPLES / "biped.glb").rig
+    return replace(rig, names=tuple(names.get(name, name) for name in rig.names))
+
+
+def test_a_starter_is_yaml_for_names_that_end_lines_or_cannot_be_seen() -> None:
+    strange = {"upper_arm_L": "arm\u2028L", "forearm_L": "fore\x85arm", "head": "\ufeffhead\U000e0001"}
+    text = starter(renamed(strange), "a\u2029b.glb")
+    assert all(letter.isprintable() or letter == "\n" for letter in text)
+    assert YAML(typ="safe", pure=True).load(text)["steps"]
+    comment = text[text.index("# The joints") :]
+    named = [YAML(typ="safe", pure=True).load(line.strip("# ")) for line in comment.splitlines()[1:]]
+    assert {"arm\u2028L", "fore\x85arm", "\ufeffhead\U000e0001"} <= set(named)
+
+
+def test_a_starter_calls_a_joint_by_what_means_it_alone() -> None:
+    rig = renamed({"head": "#12", "chest": "vrm:hips", "spine": "a{b,c}"})
+    text = starter(rig, "hero.glb")
+    comment = text[text.index("# The joints") :]
+    named = [json.loads(line.strip("# ")) for line in comment.splitlines()[1:]]
+    assert not {"#12", "vrm:hips", "a{b,c}"}.intersection(named)
+    assert len({rig.find(name) for name in named}) == len(named)
+
+
+def test_spec_init_writes_json_that_build_reads(tmp_path: Path) -> None:
+    source, spec = SAMPLES / "biped.glb", tmp_path / "rig.json"
+    result = CliRunner().invoke(program, ["spec-init", str(source), "-o", str(spec), "--json"])
+    assert result.exit_code == 0, result.output
+    assert json.loads(spec.read_text()) == json.loads(result.stdout)
+    assert load(spec).steps[0].do == "orient-joints"
+
+
+def test_the_help_of_schema_names_all_schemas() -> None:
+    words = re.findall(r"[a-z-]+", CliRunner().invoke(program, ["schema", "--help"]).stdout)
+    assert {path.name.split(".")[0] for path in (ROOT / "schemas").glob("*.json")} <= set(words)
 
 
 def test_spec_init_and_build_are_two_commands_from_a_character_to_its_rig(tmp_path: Path) -> None:

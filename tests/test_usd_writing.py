@@ -275,7 +275,7 @@ def test_an_animation_library_that_nobody_uses_is_left_alone_with_a_notice(tmp_p
     source = save(tmp_path, scene(skeleton(), animation(), animation("Run"), MESH))
     document = read(source)
     assert [notice.code for notice in document.warnings] == ["unbound-animation"]
-    assert "Where joints get other axes" in document.warnings[0].text
+    assert "What joints or controls get they do not" in document.warnings[0].text
     out = write(document, turned(document.rig), tmp_path / "out.usda")
     one, other = (Sdf.Layer.FindOrOpen(str(path)) for path in (source, out))
     place = "/Root/Run.rotations"

@@ -146,3 +146,15 @@ def test_components_of_many_vectors_lie_in_one_row_of_memory() -> None:
         assert np.moveaxis(made, range(-kept, 0), range(kept)).flags.c_contiguous
     crossed = v.cross(np.ones((7, 3)), [1.0, 2.0, 3.0])
     assert crossed[:, 0].flags.c_contiguous
+
+
+@given(vectors)
+def test_one_vector_in_plain_numbers_is_normalised_to_the_same_bits(a: Floats) -> None:
+    plain = v.unit_of(a.tolist())
+    assert_array_equal(v.normalise(a), [np.nan] * 3 if plain is None else plain)
+
+
+def test_what_has_no_direction_is_none_in_plain_numbers() -> None:
+    for numbers in ([0.0, 0.0, 0.0], [np.nan, 1.0, 0.0], [1.0, np.inf, 0.0]):
+        assert v.unit_of(numbers) is None
+        assert np.isnan(v.normalise(np.array(numbers))).any()

@@ -7,7 +7,7 @@ import os
 import pickle
 import queue
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
@@ -93,23 +93,27 @@ class Cluster:
         """Connect. UsageError without the extra, FileError where the scheduler does not answer."""
         try:
             from distributed import Client
+            from distributed.comm import get_address_host
         except ImportError:
             raise UsageError('--dask needs more packages: pip install "rigtri[dask]"') from None
         # What goes wrong is told by errors of ours, without tracebacks.
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
+            get_address_host(self._address)  # a client of what is no address waits for its own end
             self._client = Client(self._address, timeout=REACHED, set_as_default=False)
         except (OSError, ValueError) as error:
             raise FileError(
                 f"no Dask scheduler answers at {self._address} ({str(error).strip().splitlines()[0]}); start "
                 "one with: dask scheduler"
             ) from error
-        self._client.subscribe_topic(self._topic, lambda event: self._inbox.put(pickle.loads(event[1])))
+        with self._alive():
+            self._client.subscribe_topic(self._topic, lambda event: self._inbox.put(pickle.loads(event[1])))
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._client.close()
+        with suppress(OSError):  # of a scheduler that is gone, which has been told
+            self._client.close()
 
     def check(self, entries: Sequence[Entry]) -> None:
         """FileError where there are no workers, or one lacks this rigtri or does not see the files."""
@@ -117,6 +121,20 @@ class Cluster:
 
         from rigtri import __version__
 
+        with self._alive():
+            self._wait_for_workers()
+            versions = self._asked(version, "rigtri")
+        odd = {name: found for name, found in versions.items() if found != __version__}
+        for name, found in odd.items():
+            has = f"has rigtri {found}" if isinstance(found, str) else "has no rigtri"
+            raise FileError(
+                f"the worker {name} {has} ({len(odd)} of {len(versions)} workers), and this is "
+                f"{__version__}; install the same everywhere"
+            )
+        with self._alive():
+            self._look(entries, len(versions))
+
+    def _wait_for_workers(self) -> None:
         # A task, and no question, as there are clusters that start workers when there is something to do.
         probe = self._client.submit(os.getpid, pure=False)
         try:
@@ -126,15 +144,6 @@ class Cluster:
                 f"the Dask scheduler at {self._address} has no workers; start some with: dask worker "
                 f"{self._address}"
             ) from None
-        versions = self._asked(version, "rigtri")
-        odd = {name: found for name, found in versions.items() if found != __version__}
-        for name, found in odd.items():
-            has = f"has rigtri {found}" if isinstance(found, str) else "has no rigtri"
-            raise FileError(
-                f"the worker {name} {has} ({len(odd)} of {len(versions)} workers), and this is "
-                f"{__version__}; install the same everywhere"
-            )
-        self._look(entries, len(versions))
 
     def _look(self, entries: Sequence[Entry], workers: int) -> None:
         """Let workers look for what they need; where all is elsewhere that is nothing."""
@@ -160,6 +169,10 @@ class Cluster:
     def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
         every = list(assignments)
+        with self._alive():
+            yield from self._run(every, heard)
+
+    def _run(self, every: list[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         threads = sum(self._client.nthreads().values())
         state = _State(every, heard, _chunks(len(every), threads)[::-1])
         try:
@@ -174,8 +187,6 @@ class Cluster:
                         if self._max_errors is not None and self._failed > self._max_errors:
                             self._stopped = True
                         yield state.assignments[number], record
-        except OSError as error:
-            raise self._broken(str(error)) from error
         finally:
             with suppress(OSError):
                 self._client.cancel([sent.future for sent in state.sent.values()])
@@ -271,6 +282,16 @@ class Cluster:
             return
         said = f"{type(error).__name__}: {error}" if error else f"its tasks are {sent.future.status}"
         raise self._broken(said)
+
+    @contextmanager
+    def _alive(self) -> Iterator[None]:
+        """FileError where the scheduler goes meanwhile."""
+        from distributed import CancelledError
+
+        try:
+            yield
+        except (OSError, CancelledError) as error:
+            raise self._broken(str(error)) from error
 
     def _broken(self, said: str) -> FileError:
         return FileError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import stat
 import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -15,6 +16,7 @@ from rigtri.errors import FileError
 ABSENT = ""
 # A file of which others may need the hash soon, as they may a texture, is worth remembering it.
 _MANY = 4096
+_KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
 
 
 class Hashes:
@@ -69,6 +71,20 @@ def seen_from(folder: str, path: str) -> str:
         return whole
 
 
+def no_file(path: str) -> str:
+    """Why there is no plain file to read at a path, in words; "" where there is one."""
+    try:
+        mode = os.stat(path).st_mode
+    except OSError as error:
+        if os.path.islink(path) and isinstance(error, FileNotFoundError):
+            return f"{path} is a link to {os.readlink(path)}, and that is not there"
+        return f"there is no such file to read: {path}"
+    if stat.S_ISREG(mode):
+        return ""
+    what = next((word for is_one, word in _KINDS if is_one(mode)), "a device")
+    return f"{path} is no plain file but {what}"
+
+
 def newer(paths: Iterable[Path], moment: int) -> bool:
     """Whether one of these files was written after a moment (nanoseconds), so that a hash comes too late."""
     for path in paths:
@@ -82,4 +98,6 @@ def newer(paths: Iterable[Path], moment: int) -> bool:
 
 def _state(name: str) -> tuple[int, int, int, int]:
     known = os.stat(name)
+    if not stat.S_ISREG(known.st_mode):  # to open a pipe is to wait for its other end
+        raise FileNotFoundError(name)
     return known.st_dev, known.st_ino, known.st_size, known.st_mtime_ns

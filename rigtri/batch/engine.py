@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import queue
-import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
+from rigtri import scratch
 from rigtri.batch.fetched import Fetched, is_elsewhere
 from rigtri.batch.work import Assignment, Record, work
 from rigtri.confined import Confined, CrashError
@@ -89,7 +89,7 @@ class Local:
     def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
         # A worker that is killed cannot remove what it has written for itself.
-        with tempfile.TemporaryDirectory(prefix="rigtri-") as self._scratch:
+        with scratch.folder() as self._scratch:
             yield from self._run(iter(assignments), heard)
 
     def _run(self, source: Iterator[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:

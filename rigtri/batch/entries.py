@@ -8,12 +8,13 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from rigtri.batch import urls
 from rigtri.errors import FileError, UsageError
+from rigtri.plain_files import text_of
 
 _WILD = re.compile(r"[*?\[]")
 _KEYS = {"input", "output", "variables"}
@@ -23,21 +24,31 @@ MOST = 10
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One file of a batch: what is read, what is written, and the variables that hold for it alone."""
+    """One file of a batch: what is read, what is written, and the variables that hold for it alone.
+
+    found: by a pattern, and not named. line: of the job file that names it.
+    """
 
     source: str
     target: str
     variables: tuple[tuple[str, str], ...] = ()
+    found: bool = field(default=False, compare=False)
+    line: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class _Input:
-    """A file that was named. base: the folder whose tree is kept. output: where a job file says so."""
+    """A file that was named. base: the folder whose tree is kept. output: where a job file says so.
+
+    found, line: as of `Entry`.
+    """
 
     source: str
     base: str
     output: str | None = None
     variables: tuple[tuple[str, str], ...] = ()
+    found: bool = False
+    line: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,8 +90,8 @@ def entries(
     return Found(tuple(sorted(each, key=lambda entry: (entry.source, entry.target))), left_out)
 
 
-def _named(words: Sequence[str]) -> list[tuple[_Input, bool]]:
-    """The inputs, and whether a pattern found each."""
+def _named(words: Sequence[str]) -> list[_Input]:
+    """The inputs that words name."""
     plain, found = [], []
     for word in words:
         for name in _listed(word[1:]) if word.startswith("@") and not os.path.exists(word) else [word]:
@@ -90,21 +101,21 @@ def _named(words: Sequence[str]) -> list[tuple[_Input, bool]]:
             if start and not (urls.is_web(name) or _exists(name)):
                 fixed = os.path.dirname(name[: start.start()])
                 every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
-                found += [(_Input(path, fixed), True) for path in every]
+                found += [_Input(path, fixed, found=True) for path in every]
             else:
                 plain.append(name)
     base = _shared(plain)
-    return [*((_Input(name, base), False) for name in plain), *found]
+    return [*(_Input(name, base) for name in plain), *found]
 
 
 def _listed(name: str) -> list[str]:
     """The lines of a list of files."""
     try:
-        text = sys.stdin.read() if name == "-" else Path(name).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise FileError(f"@{name} cannot be read: {error.strerror}") from error
+        text = sys.stdin.read() if name == "-" else text_of(name)
     except UnicodeDecodeError as error:
         raise FileError(f"@{name} is no UTF-8 text: {error}") from error
+    except FileError as error:
+        raise FileError(f"@{name}: {error}") from error
     names = [line for line in text.splitlines() if line.strip()]
     if not names:
         raise UsageError(f"@{name} names no files")
@@ -112,15 +123,15 @@ def _listed(name: str) -> list[str]:
 
 
 def _expanded(pattern: str) -> list[str]:
-    """The files that a pattern matches, hidden ones left out."""
-    found = [path for path in glob.glob(pattern, recursive=True) if os.path.isfile(path)]
+    """The files that a pattern matches, hidden ones left out; also links to nothing, which work tells of."""
+    found = [path for path in glob.glob(pattern, recursive=True) if not os.path.isdir(path)]
     if not found:
         raise UsageError(f"'{pattern}' matches no file (seen from {os.getcwd()}); ** stands for all folders")
     return found
 
 
 def _exists(name: str) -> bool:
-    return urls.exists(name) if urls.is_url(name) else os.path.exists(name)
+    return urls.exists(name) if urls.is_url(name) else os.path.lexists(name)
 
 
 def _shared(names: Sequence[str]) -> str:
@@ -145,14 +156,12 @@ def _shared(names: Sequence[str]) -> str:
         raise UsageError("the files lie on several drives; give each drive a batch of its own") from None
 
 
-def _without_outputs(
-    named: list[tuple[_Input, bool]], out_dir: Path | str | None
-) -> tuple[list[_Input], int]:
+def _without_outputs(named: list[_Input], out_dir: Path | str | None) -> tuple[list[_Input], int]:
     if out_dir is None:
-        return [item for item, _ in named], 0
+        return named, 0
     place = os.path.join(_real(out_dir), "")
     # A pattern that finds what an earlier run has written is not meant so.
-    kept = [item for item, by_pattern in named if not by_pattern or not _real(item.source).startswith(place)]
+    kept = [item for item in named if not item.found or not _real(item.source).startswith(place)]
     return kept, len(named) - len(kept)
 
 
@@ -173,38 +182,38 @@ def _below(item: _Input, base: Path | str) -> _Input:
     relative = _relative(item.source, base)
     if relative.split(os.sep)[0] == os.pardir and item.output is None:
         raise UsageError(f"{item.source} does not lie below --base {base}")
-    return _Input(item.source, str(base), item.output, item.variables)
+    return replace(item, base=str(base))
 
 
 def _entry(item: _Input, out_dir: Path | str | None, layers: bool) -> Entry:
     """Where an input goes."""
-    if item.output is not None:
-        return Entry(item.source, item.output, item.variables)
+    target = item.output or _kept(item, out_dir, layers)
+    return Entry(item.source, target, item.variables, item.found, item.line)
+
+
+def _kept(item: _Input, out_dir: Path | str | None, layers: bool) -> str:
+    """The output's name, at its place in the tree."""
     if out_dir is None:
         raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
     relative = _relative(item.source, item.base or ".")
     if isinstance(out_dir, str):
-        return Entry(item.source, urls.beside(out_dir, relative.replace(os.sep, "/")), item.variables)
+        return urls.beside(out_dir, relative.replace(os.sep, "/"))
     target = out_dir / relative
     if layers and target.suffix.lower() == ".usdz":
         target = target.with_suffix(".usda")
-    return Entry(item.source, str(target), item.variables)
+    return str(target)
 
 
 def _of_job(path: Path) -> list[_Input]:
     """The lines of a job file; a UsageError that tells all that is wrong with them."""
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise FileError(f"{path} is no UTF-8 text: {error}") from error
+    lines = text_of(path, "--job").splitlines()
     found: list[_Input] = []
     faults: list[str] = []
     for number, line in enumerate(lines, 1):
         if line.strip():
             try:
-                found.append(_job_input(json.loads(line), path.parent))
+                item = _job_input(json.loads(line), path.parent)
+                found.append(replace(item, line=f"{path}:{number}"))
             except (ValueError, RecursionError) as error:
                 faults.append(f"{path}:{number}: {error}")
     if faults:
@@ -213,7 +222,7 @@ def _of_job(path: Path) -> list[_Input]:
     if not found:
         raise UsageError(f"{path} names no files")
     shared = _shared([item.source for item in found if item.output is None])
-    return [_Input(item.source, shared, item.output, item.variables) for item in found]
+    return [replace(item, base=shared) for item in found]
 
 
 def _job_input(line: Any, folder: Path) -> _Input:

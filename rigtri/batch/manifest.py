@@ -38,12 +38,10 @@ CREATE TABLE files(
     kind TEXT, reason TEXT, exit_code INTEGER NOT NULL, deviation REAL, seconds REAL, axes INTEGER,
     task TEXT NOT NULL, at REAL NOT NULL
 );
-CREATE INDEX files_status ON files(status, kind);
 CREATE TABLE contents(file INTEGER PRIMARY KEY, read TEXT NOT NULL, made TEXT NOT NULL, message TEXT);
 CREATE TABLE warnings(
     file INTEGER NOT NULL, code TEXT NOT NULL, joint TEXT, text TEXT NOT NULL
 );
-CREATE INDEX warnings_file ON warnings(file);
 CREATE TABLE skeletons(id INTEGER PRIMARY KEY, hash TEXT NOT NULL UNIQUE, joints TEXT NOT NULL);
 CREATE TABLE axes(
     id INTEGER PRIMARY KEY, skeleton INTEGER NOT NULL, turns BLOB NOT NULL, UNIQUE(skeleton, turns)
@@ -52,6 +50,15 @@ CREATE TABLE ready(output TEXT PRIMARY KEY, task TEXT NOT NULL, record TEXT NOT 
 CREATE TABLE runs(
     id INTEGER PRIMARY KEY, rigtri TEXT NOT NULL, shard TEXT, began REAL NOT NULL, ended REAL, counts TEXT
 );
+"""
+# With these a summary looks at no row of files but those that it tells; manifests of old get them, too.
+_INDEXES = """
+CREATE INDEX IF NOT EXISTS files_status ON files(status, kind);
+CREATE INDEX IF NOT EXISTS files_deviation ON files(deviation);
+CREATE INDEX IF NOT EXISTS files_seconds ON files(seconds);
+CREATE INDEX IF NOT EXISTS files_axes ON files(axes);
+CREATE INDEX IF NOT EXISTS warnings_file ON warnings(file);
+CREATE INDEX IF NOT EXISTS warnings_code ON warnings(code, file);
 """
 
 
@@ -91,6 +98,8 @@ class Manifest:
                         self._base.execute(statement)
                     self._base.execute(f"PRAGMA application_id={APPLICATION}")
                     self._base.execute(f"PRAGMA user_version={VERSION}")
+                for statement in _INDEXES.split(";\n"):
+                    self._base.execute(statement)
                 values = (__version__, shard, time.time())
                 row = self._base.execute("INSERT INTO runs(rigtri, shard, began) VALUES (?, ?, ?)", values)
                 self._run = row.lastrowid

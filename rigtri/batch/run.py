@@ -19,7 +19,7 @@ from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
 from rigtri.batch.manifest import Known, Manifest, look_up, name_of
-from rigtri.batch.work import Assignment, Record, Task, missing, reason
+from rigtri.batch.work import Assignment, Record, Task, faults, missing, reason
 from rigtri.delivery import sync_folder
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
 from rigtri.outputs import as_file_error, recover
@@ -84,7 +84,8 @@ class Run:
                 self._keys[variables] = self._key(self._tasks(variables))
             except RigtriError as error:
                 if variables:
-                    error.args = (f"{entry.source}: {error}", *error.args[1:])
+                    place = f"{entry.line}: {entry.source}" if entry.line else entry.source
+                    error.args = (f"{place}: {error}", *error.args[1:])
                 raise
         appeared: dict[str, Record] = {}
         if self._manifest is not None:
@@ -213,26 +214,35 @@ class Run:
         return bool(record.made) and self._hashes.same(record.made, self._folder)
 
 
-def try_out(plan: Plan, engine: Engine) -> None:
+def try_out(plan: Plan, engine: Engine) -> str:
     """Try some of the files: MisfitError or UsageError where what is asked for fits none of them.
 
     ``engine`` writes nothing. Files are taken from the whole of the plan, as folders hold one kind each.
+    Those that cannot be done for other reasons say nothing about that; where none can be done, and not
+    one of them for its names, that is no error but what is given back in words, else "".
     """
     count = len(plan.assignments)
     places = {k * (count - 1) // max(TRIED - 1, 1) for k in range(TRIED)} if count else set()
     some = [plan.assignments[place] for place in sorted(places)]
     reasons: Counter[str] = Counter()
-    kinds = set()
+    words: dict[str, str] = {}
+    kinds: list[str | None] = []
     for assignment, record in engine.run(some, lambda _, __: None):
-        reasons.update((reason(record, assignment.entry) or "").split("; "))
-        kinds.add(record.kind)
-        if not kinds <= _MISFITS:
+        if not record.failed:
             engine.stop()
-    if kinds and kinds <= _MISFITS:
-        told = "; ".join(f"{text} ({files} of {len(some)})" for text, files in reasons.most_common(MOST))
-        tried = f"{len(some)} files" if count == len(some) else f"{len(some)} of {count} files"
-        text = f"What is to be done fits none of the {tried} that were tried: {told}"
-        raise UsageError(text) if kinds == {"usage"} else MisfitError(text)
+        kinds.append(record.kind if record.failed else None)
+        for bare, whole in faults(record, assignment.entry):
+            reasons[bare] += 1
+            words.setdefault(bare, whole)
+    if not kinds or None in kinds:
+        return ""
+    told = "; ".join(f"{words[bare]} ({files} of {len(kinds)})" for bare, files in reasons.most_common(MOST))
+    tried = f"{len(kinds)} files" if count == len(kinds) else f"{len(kinds)} of {count} files"
+    misfits = _MISFITS.intersection(kinds)
+    if not misfits:
+        return f"None of the {tried} that were tried can be done: {told}"
+    text = f"What is to be done fits none of the {tried} that were tried: {told}"
+    raise UsageError(text) if misfits == {"usage"} else MisfitError(text)
 
 
 def _stands(target: str) -> bool:

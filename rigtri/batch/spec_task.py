@@ -55,6 +55,11 @@ class SpecTask:
         behind = [below for file in named for below in _behind(file, self.spec.reading)]
         return tuple(dict.fromkeys([*named, *behind]))
 
+    @property
+    def sources(self) -> Sequence[Path]:
+        """As `rigtri.batch.work.Task.sources`."""
+        return self.spec.sources
+
     def run(
         self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
     ) -> Outcome:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from rigtri.batch import urls
 from rigtri.batch.axes import angles, names
 from rigtri.batch.manifest import NAME, opened
 from rigtri.batch.work import STATUSES, missing
@@ -23,6 +26,8 @@ SAME = 0.1
 def summarise(paths: Sequence[Path], *, most: int = 10, within: float = SAME) -> dict[str, Any]:
     """What manifests, or all manifests of a folder, say; schemas/batch-report.schema.json describes it.
 
+    Files are named as they are seen from here, or by whole paths.
+
     most: how many of a kind are told. within: degrees that axes may differ by.
     FileError where there is no manifest or one cannot be read, UsageError for one of another version.
     """
@@ -30,7 +35,7 @@ def summarise(paths: Sequence[Path], *, most: int = 10, within: float = SAME) ->
     parts = []
     for file in files:
         with opened(file) as base:
-            parts.append(_Part(base, most))
+            parts.append(_Part(base, file.parent, most))
     return {
         "manifests": [str(file) for file in files],
         "files": sum(sum(part.statuses.values()) for part in parts),
@@ -60,26 +65,27 @@ def manifests(path: Path) -> list[Path]:
 
 
 class _Part:
-    """What one manifest says."""
+    """What one manifest says. folder: where it is, from which it sees files."""
 
-    def __init__(self, base: sqlite3.Connection, most: int) -> None:
+    def __init__(self, base: sqlite3.Connection, folder: Path, most: int) -> None:
         base.row_factory = sqlite3.Row
+        base.create_function("here", 1, partial(_here, os.path.abspath(folder)), deterministic=True)
         self.statuses = Counter(
             dict(base.execute("SELECT status, count(*) FROM files GROUP BY status").fetchall())
         )
         (self.unfinished,) = base.execute("SELECT count(*) FROM ready").fetchone()
         (total,) = base.execute("SELECT total(seconds) FROM files").fetchone()
         self.seconds = float(total)
-        columns = "SELECT source AS file, output, status, deviation, seconds FROM files"
+        columns = "SELECT here(source) AS file, here(output) AS output, status, deviation, seconds FROM files"
         self.worst = _rows(
-            base, f"{columns} WHERE deviation > 0 ORDER BY deviation DESC, output LIMIT ?", (most,)
+            base, f"{columns} WHERE deviation > 0 ORDER BY deviation DESC, files.output LIMIT ?", (most,)
         )
         self.slowest = _rows(
-            base, f"{columns} WHERE seconds IS NOT NULL ORDER BY seconds DESC, output LIMIT ?", (most,)
+            base, f"{columns} WHERE seconds IS NOT NULL ORDER BY seconds DESC, files.output LIMIT ?", (most,)
         )
         self.errors = _rows(
             base,
-            "SELECT status, kind, reason, count(*) AS files, min(source) AS example FROM files "
+            "SELECT status, kind, reason, count(*) AS files, here(min(source)) AS example FROM files "
             "WHERE status IN ('error', 'crashed') GROUP BY status, kind, reason",
         )
         self.warnings = _rows(
@@ -88,14 +94,21 @@ class _Part:
             "(SELECT code, count(DISTINCT file) AS files, min(rowid) AS first FROM warnings GROUP BY code)",
         )
         self.axes = base.execute(
-            "SELECT hash, joints, turns, files, (SELECT source FROM files WHERE id=first) AS example FROM "
-            "(SELECT axes AS own, count(*) AS files, min(id) AS first FROM files WHERE axes IS NOT NULL "
+            "SELECT hash, joints, turns, files, (SELECT here(source) FROM files WHERE id=first) AS example "
+            "FROM (SELECT axes AS own, count(*) AS files, min(id) AS first FROM files WHERE axes IS NOT NULL "
             "GROUP BY axes) JOIN axes ON axes.id=own JOIN skeletons ON skeletons.id=axes.skeleton"
         ).fetchall()
         self.runs = [
             dict(row) | {"counts": json.loads(row["counts"]) if row["counts"] else None}
             for row in base.execute("SELECT rigtri, shard, began, ended, counts FROM runs ORDER BY id")
         ]
+
+
+def _here(folder: str, name: str) -> str:
+    """A file's name as it is seen from here; the whole path of what does not lie below this folder."""
+    if urls.is_url(name):
+        return name
+    return os.path.normpath(os.path.join(folder, name)).removeprefix(os.path.join(os.getcwd(), ""))
 
 
 def _rows(base: sqlite3.Connection, query: str, values: tuple[Any, ...] = ()) -> list[dict[str, Any]]:

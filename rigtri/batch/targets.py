@@ -5,15 +5,17 @@ from __future__ import annotations
 import os
 import tempfile
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 from rigtri.batch import urls
+from rigtri.batch.contents import no_file
 from rigtri.batch.entries import MOST, Entry
 from rigtri.batch.fetched import is_elsewhere
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
+from rigtri.outputs import destination
 
 
 def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", relink: bool = False) -> None:
@@ -28,7 +30,9 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     _refuse(_loose_layers(away), "of USD only .usdz is fetched, which holds all it needs", UsageError)
     _refuse([e.target for e in away if urls.is_web(e.target)], "nothing can be written there", UsageError)
     known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
-    _refuse(_no_files(entries), "there is no such file to read", FileError)
+    named = [e.source for e in entries if not (e.found or urls.is_url(e.source))]
+    _refuse([name for name in named if not os.path.lexists(name)], "there is no such file to read", FileError)
+    _refuse([*filter(None, map(no_file, named))], "only plain files can be read", FileError)
     _refuse(_strange(entries), f"no rig file, as its name does not end with one of {known}", UsageError)
     _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
     _refuse(_clashes(entries), "more than one input for one output", UsageError)
@@ -38,6 +42,23 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     _refuse(_inputs_written(entries), "an input that an output would replace; give another -O", UsageError)
     shut = "nothing can be written there, as it is no folder or may not be changed; give another -O"
     _refuse(_shut(entries), shut, FileError)
+    _try_stores(entries)
+
+
+def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequence[Path]) -> None:
+    """UsageError where what a batch writes would take the place of a file that it needs.
+
+    kept: what it writes besides outputs, by the option that says where. needed: what it reads besides inputs.
+    """
+    reads = {os.path.realpath(file): file for file in needed}
+    lost = [entry.target for entry in entries if _real(entry.target) in reads]
+    _refuse(lost, "the spec, a file that it names or a list of inputs would be replaced", UsageError)
+    taken = set(reads).union(*((_real(entry.source), _real(entry.target)) for entry in entries))
+    for option, path in kept.items():
+        if os.path.realpath(path) in taken:
+            raise UsageError(f"{option} {path} names a file that is needed for something else")
+        taken.add(os.path.realpath(path))
+        destination(path)  # no device or pipe
 
 
 def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:
@@ -48,11 +69,6 @@ def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageEr
 
 def _strange(entries: Sequence[Entry]) -> list[str]:
     return [e.source for e in entries if not e.source.lower().endswith(GLTF_SUFFIXES + USD_SUFFIXES)]
-
-
-def _no_files(entries: Sequence[Entry]) -> list[str]:
-    near = (entry.source for entry in entries if not urls.is_url(entry.source))
-    return [name for name in near if not os.path.isfile(name)]
 
 
 def _names(entries: Sequence[Entry]) -> list[str]:
@@ -145,6 +161,16 @@ def _shut(entries: Sequence[Entry]) -> list[str]:
     folders = {os.path.dirname(os.path.abspath(entry.target)) for entry in entries}
     standing = {_standing(os.path.join(folder, "x")) for folder in folders}
     return sorted({*_not_open(standing), *_files_for_folders(entries)})
+
+
+def _try_stores(entries: Sequence[Entry]) -> None:
+    """FileError for a store that takes nothing; of each the folder that holds all outputs is tried."""
+    stores: dict[str, list[str]] = {}
+    for entry in entries:
+        if urls.is_url(entry.target):
+            stores.setdefault(urls.host(entry.target), []).append(entry.target)
+    for targets in stores.values():
+        urls.try_writing(urls.shared(targets))
 
 
 def _not_open(folders: set[str]) -> Iterator[str]:

@@ -9,12 +9,14 @@ from __future__ import annotations
 import hashlib
 import posixpath
 import re
+import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
+from uuid import uuid4
 
 from rigtri.errors import FileError, RigtriError, UsageError
 
@@ -55,7 +57,7 @@ def known(url: str) -> str:
     else:
         plain = _spelled(scheme + rest + query)
     if user:
-        _users[_host(plain)] = user
+        _users[host(plain)] = user
     return plain
 
 
@@ -69,6 +71,11 @@ def remember(found: Secrets) -> None:
     _queries.update(found[1])
 
 
+def host(url: str) -> str:
+    """What holds all of a store: s3://bucket, http://server."""
+    return "/".join(url.split("/", 3)[:3])
+
+
 def folder_of(url: str) -> str:
     return url.rpartition("/")[0]
 
@@ -80,22 +87,26 @@ def beside(folder: str, name: str) -> str:
 
 def shared(found: Sequence[str]) -> str:
     """The deepest folder that holds all of some URLs. UsageError where they are of several stores."""
-    hosts = {_host(url) for url in found}
+    hosts = {host(url) for url in found}
     if len(hosts) > 1:
         raise UsageError("the files lie in several stores; give each store a batch of its own")
-    (host,) = hosts
-    return host + posixpath.commonpath([posixpath.dirname(url.removeprefix(host)) for url in found])
+    (own,) = hosts
+    return own + posixpath.commonpath([posixpath.dirname(url.removeprefix(own)) for url in found])
 
 
 def expanded(pattern: str) -> list[str]:
     """The files that a pattern matches, hidden ones left out. UsageError for none."""
     store, path = _store(pattern)
-    with _told(pattern, "listed"):
-        details = store.glob(path, detail=True)
+    try:
+        with _told(pattern, "listed"):
+            details = store.glob(path, detail=True)
+    except AbsentError:  # some stores say so of a bucket that is not there, and some find nothing in it
+        details = {}
     fixed = len(re.split(r"[*?\[]", path)[0].rpartition("/")[0])
     found = [name for name, what in details.items() if what["type"] == "file" and "/." not in name[fixed:]]
     if not found:
-        raise UsageError(f"'{pattern}' matches no file; ** stands for all folders")
+        why = "** stands for all folders" if _has(host(pattern)) else f"there is no {host(pattern)}"
+        raise UsageError(f"'{pattern}' matches no file; {why}")
     return [known(store.unstrip_protocol(name)) for name in found]
 
 
@@ -155,6 +166,24 @@ def put(place: Path, url: str) -> None:
             store.mv(part, path)
 
 
+def try_writing(folder: str) -> None:
+    """Write an empty file into a folder, and remove it. FileError where nothing can be written there."""
+    url = beside(folder, f".rigtri-{uuid4().hex[:8]}")
+    with tempfile.NamedTemporaryFile(prefix="rigtri-") as empty:
+        try:
+            put(Path(empty.name), url)
+        except AbsentError:
+            raise FileError(
+                f"nothing can be written to {folder}: there is no {host(folder)}; make it, or give another -O"
+            ) from None
+        except FileError as error:
+            said = str(error).removeprefix(f"{url} cannot be written: ")
+            raise FileError(f"nothing can be written to {folder}: {said}") from error
+    store, path = _store(url)
+    with suppress(FileError), _told(url, "removed"):  # there are stores that take and never give back
+        store.rm_file(path)
+
+
 class AbsentError(FileError):
     """There is no such file."""
 
@@ -165,8 +194,11 @@ def _spelled(url: str) -> str:
     return spelled
 
 
-def _host(url: str) -> str:
-    return "/".join(url.split("/", 3)[:3])
+def _has(bucket: str) -> bool:
+    """Whether there is such a bucket, or what else a store calls its uppermost folders."""
+    store, path = _store(bucket)
+    with _told(bucket, "listed"):
+        return bool(store.exists(path))
 
 
 def _store(url: str) -> tuple[Any, str]:
@@ -175,8 +207,7 @@ def _store(url: str) -> tuple[Any, str]:
         import fsspec
     except ImportError:
         raise UsageError(f'{url}: URLs need more packages: pip install "rigtri[remote]"') from None
-    host = _host(url)
-    user = _users.get(host)
+    user = _users.get(host(url))
     whole = url.replace("://", f"://{user}@", 1) if user else url
     try:
         store, path = fsspec.core.url_to_fs(whole + _queries.get(url, ""), use_listings_cache=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import signal
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -15,13 +14,15 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rigtri.batch.axes import Axes, axes_of
-from rigtri.batch.contents import Hashes, newer, seen_from
+from rigtri.batch.contents import Hashes, newer, no_file, seen_from
 from rigtri.batch.entries import Entry
-from rigtri.confined import tell
-from rigtri.errors import RigtriError, kind_of
+from rigtri.confined import of_memory, tell
+from rigtri.errors import FileError, RigtriError, kind_of
 from rigtri.outputs import Written
 from rigtri.pipeline import Outcome
 from rigtri.report import Report
+from rigtri.scratch import adopt
+from rigtri.scratch import folder as temporary
 
 STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
 FAILED = ("error", "crashed")
@@ -30,6 +31,7 @@ _NAMES = ("name not found", "ambiguous name")
 # What a file has not, or not just one of, as these errors say it.
 _NOT_THERE = re.compile(r"No \w+ is named '.*'|\d+ \w+s are named '.*?'")
 _HINT = re.compile(r"(?<=')\. .*")
+_MEANT = re.compile(r"Did you mean [^?]*\?")
 Ready = Callable[[Outcome, Written], None]
 
 
@@ -53,6 +55,10 @@ class Task(Protocol):
 
     def files(self) -> Sequence[Path]:
         """The files that are read besides the source."""
+
+    @property
+    def sources(self) -> Sequence[Path]:
+        """The files that say what is done."""
 
     def run(
         self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
@@ -113,15 +119,20 @@ class Record:
 
 def reason(record: Record, entry: Entry) -> str | None:
     """Why a file failed, without its own name, so that files that failed alike can be counted."""
-    if record.message is None:
-        return None
-    text = record.message
+    return None if record.message is None else "; ".join(bare for bare, _ in faults(record, entry))
+
+
+def faults(record: Record, entry: Entry) -> Sequence[tuple[str, str]]:
+    """What a file failed for, fault by fault: without its own name and what may be meant, and with that."""
+    text = record.message or ""
     for name in (entry.source, entry.target):
         text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
-    first = text.strip().splitlines()[-1] if record.kind == "bug" else text
-    if record.kind in _NAMES:
-        first = "; ".join(_HINT.sub("", fault) for fault in first.split("; "))
-    return first.removeprefix("FILE: ")
+    first = text.strip().splitlines()[-1] if text and record.kind == "bug" else text
+    first = first.removeprefix("FILE: ")
+    if record.kind not in _NAMES:
+        return [(first, first)] if first else ()
+    found = ((_HINT.sub("", fault), _MEANT.search(fault)) for fault in first.split("; "))
+    return [(bare, f"{bare}. {meant[0]}" if meant else bare) for bare, meant in found]
 
 
 def missing(kind: str | None, reason: str | None) -> Sequence[str]:
@@ -145,7 +156,7 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
     _outlive_signals()
     if at:
         os.chdir(at)
-    tempfile.tempdir = scratch
+    adopt(scratch)
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
     report, told = Report(), []
 
@@ -154,6 +165,8 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
         tell(told[0])
 
     try:
+        if why := no_file(entry.source):
+            raise FileError(why)
         with _place(entry, dry_run) as target:
             outcome = assignment.task.run(
                 Path(entry.source),
@@ -166,6 +179,8 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
             record = told[0] if told else _record(outcome, folder, moment, None)
             record = replace(record, seconds=dict(outcome.seconds))
     except (RigtriError, OSError) as error:
+        if of_memory(error):
+            raise
         record = _refused(error, report)
     return replace(record, seconds=record.seconds | {"all": time.perf_counter() - began})
 
@@ -175,8 +190,8 @@ def _place(entry: Entry, dry_run: bool) -> Iterator[Path]:
     """The output's path, in a folder that is there; with dry_run in one that is thrown away."""
     target = Path(entry.target)
     if dry_run:
-        with tempfile.TemporaryDirectory(prefix="rigtri-") as folder:
-            yield Path(folder, target.name)
+        with temporary() as place:
+            yield Path(place, target.name)
     else:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield target

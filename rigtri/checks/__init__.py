@@ -11,7 +11,8 @@ from pathlib import Path
 from rigtri.checks.catalogue import RULES, UNREADABLE
 from rigtri.checks.findings import Finding, Findings, Rule
 from rigtri.errors import FileError
-from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, need_usd
+from rigtri.plain_files import check_no_pointer
 
 __all__ = ["RULES", "Finding", "Rule", "check", "unreadable"]
 
@@ -46,11 +47,13 @@ def unreadable(path: Path, error: FileError) -> list[Finding]:
 
 def _check(path: Path, findings: Findings, allow_external: bool, external: bool) -> None:
     suffix = path.suffix.lower()
+    check_no_pointer(path)
     if suffix in GLTF_SUFFIXES:
         from rigtri.checks.gltf.check import check_gltf
 
         check_gltf(path, findings, allow_external=allow_external)
     elif suffix in USD_SUFFIXES:
+        need_usd()
         from rigtri.checks.usd.check import check_usd
 
         check_usd(path, findings, external=external, allow_external=allow_external)

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal, Protocol
 
 from rigtri.changes.change import Change
 from rigtri.errors import FileError, UsageError
+from rigtri.plain_files import check_no_pointer
 from rigtri.records import Mesh
 from rigtri.report import Notice
 from rigtri.rig import Rig
@@ -129,6 +131,7 @@ def read(path: Path | str, options: Options | None = None) -> Document:
     """Read a rig file; its suffix says the format. Raises FileError for anything unreadable."""
     path, options = Path(path), options or Options()
     suffix = path.suffix.lower()
+    check_no_pointer(path)
     if suffix in GLTF_SUFFIXES:
         from rigtri.formats.gltf.document import GltfDocument
 
@@ -137,11 +140,25 @@ def read(path: Path | str, options: Options | None = None) -> Document:
             document.rig.find(options.root, "node")  # NameNotFoundError, whether a command needs it or not
         return document
     if suffix in USD_SUFFIXES:
+        need_usd()
         from rigtri.formats.usd.document import UsdDocument
 
         return UsdDocument.read(path, options)
     known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
     raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
+
+
+def _has(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def need_usd() -> None:
+    """UsageError where OpenUSD is not installed, as in programs that bring a Python of their own."""
+    if not _has("pxr"):
+        raise UsageError("USD files need OpenUSD; install it with: pip install usd-core")
 
 
 def references(path: Path) -> list[str]:
@@ -169,6 +186,7 @@ def write_blank(path: Path, *, up: str = "Y", unit: float = 0.01) -> None:
 
         write_gltf(path)
     elif suffix in USD_SUFFIXES:
+        need_usd()
         from rigtri.formats.usd.blank import write_blank as write_usd
 
         write_usd(path, up, unit)

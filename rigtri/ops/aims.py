@@ -17,7 +17,7 @@ from rigtri.rig import Rig
 from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
 from rigtri.trigonometry import Floats
 from rigtri.twist import is_twist
-from rigtri.vectors import dot, length, normalise
+from rigtri.vectors import dot, length, normalise, unit_of
 
 # A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
 CONTINUES = 0.8660254037844387
@@ -227,11 +227,9 @@ def _through_zero(tree: Skeleton, ref: Reference, joint: int, child: int) -> Aim
 
 
 def _at(ref: Reference, joint: int, node: int, how: str) -> Aim | None:
-    vector = _seen_from(ref, joint, [node])[0]
-    direction = normalise(vector)
-    if not np.isfinite(direction).all():
-        return None
-    return Aim(how, direction, node, _distance(ref, joint, node))
+    (x, y, z), (a, b, c, place) = ref.places[node], ref.inverse[joint].tolist()
+    direction = unit_of([x * a[k] + y * b[k] + z * c[k] + place[k] for k in range(3)])
+    return None if direction is None else Aim(how, np.array(direction), node, _distance(ref, joint, node))
 
 
 def _within(tree: Skeleton, ref: Reference, joint: int, child: int, cosine: float) -> bool:

@@ -35,16 +35,16 @@ SAME_REST = 1e-5
 
 
 def turn_onto(
-    world_axes: Floats, ref: Reference, joint: int, aim_axis: str = "x", up_axis: str = "y"
+    world_axes: Floats, ref: Reference, joints: Sequence[int], aim_axis: str = "x", up_axis: str = "y"
 ) -> Floats:
-    """The turn, (4,), that gives a joint these world axes (rows, any handedness).
+    """The turns, (j, 4), that give joints these world axes (rows, any handedness), (j, 3, 3).
 
     Carried into the joint's own space and made orthonormal there, first the aim axis, then
     the up axis; the third gives way where the handedness is not the joint's own.
     """
-    rows = transform_directions(world_axes, ref.inverse[joint])
+    rows = transform_directions(world_axes, ref.inverse[list(joints)][:, np.newaxis])
     aim, up = aim_axis[-1], up_axis[-1]
-    axes = frame(rows[axis_of(aim)[0]], rows[axis_of(up)[0]], aim_axis=aim, up_axis=up)
+    axes = frame(rows[:, axis_of(aim)[0]], rows[:, axis_of(up)[0]], aim_axis=aim, up_axis=up)
     return from_axes(axes)
 
 

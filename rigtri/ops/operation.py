@@ -47,6 +47,9 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
             report: Report | None = None,
             **keywords: Any,
         ) -> Rig:
+            if not isinstance(rig, Rig):
+                kind_given = type(rig).__name__
+                raise TypeError(f"{function.__name__}: give a rig, as rigtri.read does, not {kind_given}")
             if options is not None and keywords:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(keywords)}, not both")
             if kind is not None:

@@ -251,8 +251,14 @@ class Plan:
                 turns |= self._turns([joint], hinges, turns)
         else:  # no joint asks for the new axes of another but those that copy them
             turns = self._turns(first, hinges, turns)
-            for joint in order[len(first) :]:
-                turns |= self._turns([joint], hinges, turns)
+            after = order[len(first) :]
+            while after:  # all at once but those that copy one that is still to come
+                left = set(after)
+                ready = [joint for joint in after if joint in copies and self.tree.above[joint] not in left]
+                now = ready if after[0] in copies else [after[0]]
+                turns |= self._turns(now, hinges, turns)
+                left.difference_update(now)
+                after = tuple(joint for joint in after if joint in left)
         self.straight = hinges.straight
         return turns
 
@@ -268,7 +274,7 @@ class Plan:
     def _turns(self, joints: list[int], hinges: Hinges, turns: dict[int, Floats]) -> dict[int, Floats]:
         """The turns of joints that do not ask for each other's; ``turns`` are those found before."""
         found: dict[int, Floats] = {}
-        aimed = []
+        aimed, copying = [], []
         for joint in joints:
             aim = self.aims[joint]
             if self.style(joint).world or aim.how == "world":
@@ -276,21 +282,29 @@ class Plan:
             elif aim.how == "keep":
                 found[joint] = IDENTITY
             elif aim.how == "parent":
-                above = self.tree.above[joint]
-                if above in self.noise:
-                    self.noise[joint] = self.noise[above]
-                found[joint] = self._onto(joint, self._axes(above, turns))
+                copying.append(joint)
             else:
                 self.ups[joint] = self._up(joint, self.bones[joint], hinges, turns)
                 aimed.append(joint)
         for style in dict.fromkeys(self.style(joint) for joint in aimed):
             found |= self._framed([joint for joint in aimed if self.style(joint) == style], style)
+        for style in dict.fromkeys(self.style(joint) for joint in copying):
+            found |= self._copied([joint for joint in copying if self.style(joint) == style], style, turns)
         return found
+
+    def _copied(self, joints: list[int], style: Style, turns: dict[int, Floats]) -> dict[int, Floats]:
+        """The turns onto the new axes of the joints above."""
+        above = [self.tree.above[joint] for joint in joints]
+        for joint, parent in zip(joints, above, strict=True):
+            if parent in self.noise:
+                self.noise[joint] = self.noise[parent]
+        found = turn_onto(self._axes(above, turns), self.ref, joints, style.aim, style.up)
+        return dict(zip(joints, found, strict=True))
 
     def _onto(self, joint: int, world_axes: Floats) -> Floats:
         """The turn of a joint onto axes of the world (rows), of which it keeps its aim and up."""
         style = self.style(joint)
-        return turn_onto(world_axes, self.ref, joint, style.aim, style.up)
+        return np.asarray(turn_onto(world_axes[np.newaxis], self.ref, [joint], style.aim, style.up)[0])
 
     def _framed(self, joints: list[int], style: Style) -> dict[int, Floats]:
         """The turns onto aim and up direction, and what noise of them is to be expected."""
@@ -309,17 +323,18 @@ class Plan:
         axes = frame(aims, seen, aim_axis=style.aim, up_axis=style.up)
         return dict(zip(joints, from_axes(axes), strict=True))
 
-    def _axes(self, joint: int, turns: dict[int, Floats]) -> Floats:
-        """The world axes (rows) that a joint will have."""
-        axes = to_axes(self.quiet(joint, turns.get(joint, IDENTITY)))
-        uneven = self.scales.uneven[joint] and joint not in self.tree.rig.frame_of
-        if uneven and joint in turns:
+    def _axes(self, joints: list[int], turns: dict[int, Floats]) -> Floats:
+        """The world axes (rows) that joints will have, (j, 3, 3)."""
+        axes = to_axes(np.stack([self.quiet(joint, turns.get(joint, IDENTITY)) for joint in joints]))
+        for row, joint in enumerate(joints):
+            if not self.scales.uneven[joint] or joint in self.tree.rig.frame_of or joint not in turns:
+                continue
             style, policy = self.style(joint), self.options.on_nonuniform_scale
             if policy == "split" and joint in self.unsplittable:
                 policy = "skip"
             kept = axis_of(style.aim)[0], axis_of(style.up)[0]
-            axes = axes_taken(axes, policy, kept, self.scales, joint)
-        return normalise(transform_directions(axes, self.ref.world[joint]))
+            axes[row] = axes_taken(axes[row], policy, kept, self.scales, joint)
+        return normalise(transform_directions(axes, self.ref.world[joints][:, np.newaxis]))
 
     def _up(self, joint: int, bone: Floats, hinges: Hinges, turns: dict[int, Floats]) -> Up:
         """The up direction in the world by the ladder; for ``pole`` already turned to the bend's side."""
@@ -368,7 +383,7 @@ class Plan:
             other = None  # it copies this joint, so it has nothing to say
         if other is None or other < 0:
             return np.asarray(self.ref.world[joint, letter, :3] * sign)
-        return np.asarray(self._axes(other, turns)[letter] * sign)
+        return np.asarray(self._axes([other], turns)[0, letter] * sign)
 
 
 def _check_parallel(rig: Rig, options: Options) -> None:

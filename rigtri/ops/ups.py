@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import sqrt
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from rigtri.report import Report
 from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
 from rigtri.triangle import STRAIGHT_SINE, axis_of, bend_sine
 from rigtri.trigonometry import Floats, arc_tangent
-from rigtri.vectors import cross, dot, length, normalise
+from rigtri.vectors import cross, dot, length, normalise, unit_of
 
 _STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}
 
@@ -140,7 +141,9 @@ class Hinges:
         points = self.ref.world[nodes, 3, :3]
         bones = points[1:] - points[:-1]
         areas = cross(bones[:-1], bones[1:])
-        sines = bend_sine(points[:-2], points[1:-1], points[2:])
+        ways = normalise(bones)
+        sines = length(cross(ways[:-1], ways[1:]))
+        sines = np.where(np.isnan(sines), 0.0, sines)  # as `bend_sine`
         clear = sines >= STRAIGHT_SINE
         name = f"{self.tree.rig.title(nodes[0])} … {self.tree.rig.title(nodes[-1])}"
         if not clear.any():
@@ -305,8 +308,11 @@ def direction(text: str) -> tuple[float, float, float]:
 
 def crossing(up: Floats, aim: Floats) -> bool:
     """Whether an up direction is clear of the bone: at least `STRAIGHT_SINE` off it."""
-    with np.errstate(invalid="ignore"):
-        return bool(length(cross(normalise(up), normalise(aim))) >= STRAIGHT_SINE)
+    a, b = unit_of(up.tolist()), unit_of(aim.tolist())
+    if a is None or b is None:
+        return False
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    return sqrt(x * x + y * y + z * z) >= STRAIGHT_SINE
 
 
 def _up(found: Bend) -> Up:

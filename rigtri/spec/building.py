@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from rigtri import scratch
+from rigtri.delivery import same_file
 from rigtri.errors import NameNotFoundError, RigtriError
-from rigtri.outputs import Written
+from rigtri.inputs import opened
+from rigtri.outputs import Written, spare
 from rigtri.pipeline import Outcome, check_target, edit
 from rigtri.report import Report
-from rigtri.spec.faults import SpecError
+from rigtri.rig import Rig
+from rigtri.spec.faults import Fault, SpecError
 from rigtri.spec.loading import PlannedStep, Spec, load
+from rigtri.spec.missing import missing
 from rigtri.steps import step
 from rigtri.steps.request import Step
 
@@ -54,21 +58,28 @@ def build(
     as there, with what is to be said of the whole.
     """
     spec = spec if isinstance(spec, Spec) else load(spec)
+    spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
+    for place in spared:
+        if not (dry_run and same_file(place, Path(source))):
+            spare(place, spec.needed())
     last: dict[str, Any] = {
         "overwrite": overwrite,
         "dry_run": dry_run,
         "side_files": tuple(side_files),
     }
-    if len(spec.steps) > 1:
+    several = len(spec.steps) > 1
+    if several:
         check_target(source, target, overwrite=overwrite, options=spec.reading)
-    spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
-    work = _Work(spec, source, verify, report if report is not None else Report(), spared)
+    work = _Work(spec, verify, report if report is not None else Report(), spared)
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
-    several = len(spec.steps) > 1
-    with tempfile.TemporaryDirectory(prefix="rigtri-") if several else nullcontext("") as folder:
+    with (
+        opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
+        scratch.folder() if several else nullcontext("") as folder,
+    ):
+        work.spooled = str(source) == "-"
         for one in spec.steps[:-1]:
-            place = Path(folder, str(one.number), Path(source if str(source) != "-" else target).name)
+            place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()
             if work.do(one, place):
                 work.at = place
@@ -81,30 +92,38 @@ def build(
 @dataclass
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
-    build will write, which must be no file that the source refers to.
+    build will write, which must be no file that the source refers to. spooled: the source was a stream.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
     """
 
     spec: Spec
-    at: Path | str
     verify: bool
     report: Report
     spared: tuple[Path, ...]
+    at: Path = Path()
+    spooled: bool = False
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
-    lost: list[tuple[PlannedStep, RigtriError]] = field(default_factory=list)
+    lost: list[tuple[tuple[Fault, ...], RigtriError]] = field(default_factory=list)
 
     def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
         """Do a step; whether there is anything of it at ``target``."""
+        made, seen = step(one.do, one.request), []
+
+        def looking_on(rig: Rig, report: Report) -> Rig:
+            seen.append(rig)
+            return made(rig, report)
+
         try:
             if self.lost and last:
                 last["dry_run"] = True
-            report = self.edit(step(one.do, one.request), target, **last)
+            report = self.edit(looking_on, target, **last)
         except NameNotFoundError as error:
             if not one.optional:
-                self.lost.append((one, error))
+                more = missing(self.spec, one, seen[0], str(error)) if seen else ()
+                self.lost.append(((self.spec.fault(one, error), *more), error))
                 return False
             report = Report()
             report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
@@ -112,7 +131,7 @@ class _Work:
             self.done.append(Done(one, report))
             return False
         except RigtriError as error:
-            self.lost.append((one, error))
+            self.lost.append(((self.spec.fault(one, error),), error))
             self.tell_lost()
         self.done.append(Done(one, report))
         return True
@@ -122,6 +141,8 @@ class _Work:
         reading, model, report = self.spec.reading, self.spec.model, Report()
         if self.outcomes:  # what a step has written may refer to files of the source
             reading = replace(reading, allow_external_paths=True)
+        elif self.spooled:
+            reading = replace(reading, from_stream=True)
         if not last:
             reading = replace(reading, override="", relink=False)
             last = {"side_files": () if self.outcomes else self.spared}
@@ -145,7 +166,7 @@ class _Work:
     def tell_lost(self) -> None:
         """SpecError where steps could not be done; all of them, for names that are not there."""
         if self.lost:
-            faults = [self.spec.fault(*one) for one in self.lost]
+            faults = [fault for some, _ in self.lost for fault in some]
             raise SpecError(faults, self.lost[0][1].exit_code) from self.lost[0][1]
 
     def whole(self, last: Outcome | None = None) -> Outcome:

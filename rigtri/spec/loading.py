@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rigtri.compare import TOLERANCE
 from rigtri.errors import RigtriError, UsageError
 from rigtri.formats import Options
 from rigtri.spec.faults import Fault, Place, SpecError
-from rigtri.spec.tree import Keys, Tree
-from rigtri.steps import STEPS, step
+from rigtri.spec.tree import Keys, Label, Tree
+from rigtri.spec.validating import step_models, validated, value_at, where_of
+from rigtri.steps import step
 from rigtri.steps.request import Request
 
 if TYPE_CHECKING:
-    from pydantic_core import ErrorDetails
-
     from rigtri.spec.models.base import StepModel
     from rigtri.spec.models.spec import SpecModel
 
@@ -29,14 +28,20 @@ _FILES = ("like", "frames", "edited", "described")
 
 @dataclass(frozen=True)
 class PlannedStep:
-    """One step: its operation, what is asked of it, and where it stands."""
+    """One step: its operation, what is asked of it, and where it stands. index: among all, from 0."""
 
-    number: int
+    index: int
+    label: Label
     do: str
     request: Request
     optional: bool
     place: Place
     said: dict[str, Any]
+
+    @property
+    def number(self) -> int:
+        """Its number in the file, from 1; steps of the same braces have the same."""
+        return self.label.number
 
 
 @dataclass(frozen=True)
@@ -81,15 +86,28 @@ class Spec:
         named = [step.request.values.get(name) for step in self.steps for name in _FILES]
         return (*self.sources, *dict.fromkeys(Path(name) for name in named if name))
 
+    def needed(self) -> tuple[tuple[Path, str], ...]:
+        """`files`, each with what it is: nothing that is written may take their place."""
+        spec = self.sources[0]
+        said = {spec: "the spec", **dict.fromkeys(self.sources[1:], f"a spec that {spec} extends")}
+        return tuple((file, said.get(file, f"a file that {spec} names")) for file in self.files())
+
     def fault(self, step: PlannedStep, error: RigtriError) -> Fault:
         """What a step said about a character, at the word of the spec that it is about."""
-        keys: Keys = ("steps", step.number - 1)
+        keys: Keys = ("steps", step.index)
         text = str(error)
+        where = where_of(self.tree, keys)
         for below, place in self.tree.under(keys):
-            value = _at(self.tree.values, (*keys, *below))
-            if below and isinstance(value, str) and f"'{value}'" in text:
-                return Fault(place, _where(self.tree.values, keys), text)
-        return Fault(step.place, _where(self.tree.values, keys), text)
+            value = value_at(self.tree.values, (*keys, *below))
+            if below and any(f"'{name}'" in text for name in _names(value, below)):
+                return Fault(place, where, text)
+        return Fault(step.place, where, text)
+
+
+def _names(value: Any, keys: Keys) -> list[str]:
+    """What a value of a spec may name: itself, its key, or one of both sides of ``=``."""
+    words = [value, *value.split("=")] if isinstance(value, str) else []
+    return [word for word in (*words, keys[-1]) if isinstance(word, str)]
 
 
 def load(path: Path | str, *, variables: Mapping[str, str] | None = None) -> Spec:
@@ -99,20 +117,58 @@ def load(path: Path | str, *, variables: Mapping[str, str] | None = None) -> Spe
     SpecError, a UsageError, with all that is wrong in it.
     """
     _need_extra()
-    from pydantic import ValidationError
-
     from rigtri.spec.merging import merged
-    from rigtri.spec.models.spec import SpecModel
 
     path = Path(path)
-    tree, sources = merged(path, variables or {})
-    try:
-        model = SpecModel.model_validate(tree.values, context={"folder": path.parent})
-    except ValidationError as error:
-        raise SpecError([_fault(tree, told) for told in error.errors(include_url=False)]) from error
+    tree, sources, faults = merged(path, variables or {})
+    unsure = {fault.place for fault in faults}
+    _find_files(tree)
+    model, found = validated(tree)
+    wrong = {keys[1] for keys, _ in found if len(keys) > 1 and keys[0] == "steps"}
+    wrong |= {n for n, _ in enumerate(tree.labels) if unsure & {p for _, p in tree.under(("steps", n))}}
+    # A value with a variable that there is not is wrong for no other reason.
+    faults += [one for keys, one in found if not unsure & {place for _, place in tree.under(keys)}]
+    if model is None or faults:
+        faults += [fault for fault, _ in _contradictions(tree, wrong)]
+        raise SpecError(faults)
     if not model.steps:
         raise SpecError([Fault(tree.place(("steps",)), "", "the spec has no steps; say what is to be done")])
     return Spec(path, model, _planned(model, tree), tree, sources)
+
+
+def _contradictions(tree: Tree, wrong: Container[int | str]) -> list[tuple[Fault, int]]:
+    """What is wrong with options of steps together, where nothing is with any alone; with exit codes."""
+    steps = tree.values.get("steps")
+    found = []
+    for number, said in enumerate(steps if isinstance(steps, list) else ()):
+        if number not in wrong:
+            one = step_models()[said["do"]].model_validate(said)
+            asked = one.request({"root": None, "tolerance": TOLERANCE}, Options())
+            if told := _contradiction(tree, number, said["do"], asked):
+                found.append(told)
+    return found
+
+
+def _contradiction(tree: Tree, number: int, do: str, asked: Request) -> tuple[Fault, int] | None:
+    keys: Keys = ("steps", number)
+    try:
+        step(do, asked)
+    except RigtriError as error:
+        return Fault(tree.place(keys), where_of(tree, keys), str(error)), error.exit_code
+    return None
+
+
+def _find_files(tree: Tree) -> None:
+    """Let the files that steps name be seen from the file of the spec that says so."""
+    models = step_models()
+    steps = tree.values.get("steps")
+    for number, one in enumerate(steps if isinstance(steps, list) else ()):
+        model = models.get(str(one.get("do"))) if isinstance(one, dict) else None
+        for name, about in model.model_fields.items() if model else ():
+            option = about.alias or name
+            if name in _FILES and isinstance(one.get(option), str) and one[option]:
+                folder = Path(tree.place(("steps", number, option)).file).parent
+                one[option] = str(folder / one[option])
 
 
 def _need_extra() -> None:
@@ -135,13 +191,10 @@ def _planned(model: SpecModel, tree: Tree) -> tuple[PlannedStep, ...]:
     found, faults = [], []
     for number, one in enumerate(model.steps):
         asked = one.request(shared, reading)
-        keys: Keys = ("steps", number)
-        place = tree.place(keys)
-        try:
-            step(one.do, asked)
-        except RigtriError as error:
-            faults.append((Fault(place, _where(tree.values, keys), str(error)), error.exit_code))
-        found.append(PlannedStep(number + 1, one.do, asked, one.optional, place, _said(one)))
+        if told := _contradiction(tree, number, one.do, asked):
+            faults.append(told)
+        place, label = tree.place(("steps", number)), tree.labels[number]
+        found.append(PlannedStep(number, label, one.do, asked, one.optional, place, _said(one)))
     if faults:
         raise SpecError([fault for fault, _ in faults], faults[0][1])
     return tuple(found)
@@ -151,90 +204,3 @@ def _said(one: StepModel) -> dict[str, Any]:
     """The options that the spec gives a step, by their names there."""
     said = one.model_dump(mode="json", by_alias=True, exclude_unset=True)
     return {name: value for name, value in said.items() if name not in ("do", "optional")}
-
-
-def _fault(tree: Tree, told: ErrorDetails) -> Fault:
-    """A fault of the model in the user's words, at the place of the value."""
-    keys = _known(tree.values, told["loc"])
-    where = _where(tree.values, keys)
-    kind, ctx = told["type"], told.get("ctx", {})
-    name = str(told["loc"][-1]) if told["loc"] else ""
-    if kind == "extra_forbidden":
-        return Fault(tree.place(keys), where, f"there is no option '{name}'.{_near(tree, told['loc'])}")
-    if kind == "missing" and name.isdigit():
-        return Fault(tree.place(keys), where, f"{_option(keys)}: there are too few values")
-    if kind == "missing":
-        return Fault(tree.place(keys), where, f"'{name}' is missing")
-    if kind == "union_tag_not_found":
-        return Fault(tree.place(keys), where, "'do' is missing: the name of an operation, e.g. orient-joints")
-    if kind == "union_tag_invalid":
-        close = get_close_matches(str(ctx.get("tag")), STEPS, n=1)
-        hint = f" Did you mean '{close[0]}'?" if close else f" There are {', '.join(STEPS)}."
-        return Fault(tree.place((*keys, "do")), where, f"there is no operation {ctx.get('tag')!r}.{hint}")
-    text = told["msg"].removeprefix("Value error, ")
-    text = text[:1].lower() + text[1:]
-    shown = "" if kind == "value_error" else f" (it is {_short(told['input'])})"
-    option = _option(keys)
-    return Fault(tree.place(keys), where, f"{option}: {text}{shown}" if option else f"{text}{shown}")
-
-
-def _known(values: Any, loc: tuple[str | int, ...]) -> Keys:
-    """The keys of a fault that the spec has; pydantic puts words for its own choices between."""
-    keys: Keys = ()
-    for key in loc:
-        value = _at(values, keys)
-        if (isinstance(value, dict) and key in value) or (
-            isinstance(value, list) and isinstance(key, int) and key < len(value)
-        ):
-            keys = (*keys, key)
-    return keys
-
-
-def _at(values: Any, keys: Keys) -> Any:
-    for key in keys:
-        try:
-            values = values[key]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return values
-
-
-def _where(values: Any, keys: Keys) -> str:
-    """Which step it is: ``step 3 (add-twist)``, counted from 1."""
-    if len(keys) < 2 or keys[0] != "steps" or not isinstance(keys[1], int):
-        return ""
-    one = _at(values, keys[:2])
-    do = one.get("do") if isinstance(one, dict) else None
-    return f"step {keys[1] + 1} ({do})" if do else f"step {keys[1] + 1}"
-
-
-def _option(keys: Keys) -> str:
-    """The option that a fault is about."""
-    below = keys[2:] if keys[:1] == ("steps",) else keys
-    return ".".join(str(key) for key in below)
-
-
-def _near(tree: Tree, loc: tuple[str | int, ...]) -> str:
-    """What an unknown option may be meant to be."""
-    from rigtri.spec.models.spec import SpecModel
-
-    known: list[str] = [str(field.alias or name) for name, field in SpecModel.model_fields.items()]
-    for model in _step_models():
-        if len(loc) > 2 and loc[2] == model.model_fields["do"].annotation.__args__[0]:  # type: ignore[union-attr]
-            known = [str(field.alias or name) for name, field in model.model_fields.items()]
-    close = get_close_matches(str(loc[-1]), known, n=1)
-    return f" Did you mean '{close[0]}'?" if close else ""
-
-
-def _step_models() -> tuple[type[StepModel], ...]:
-    from typing import get_args
-
-    from rigtri.spec.models.spec import AnyStep
-
-    models: tuple[type[StepModel], ...] = get_args(get_args(AnyStep)[0])
-    return models
-
-
-def _short(value: Any) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= 60 else text[:57] + "…"

@@ -10,29 +10,33 @@ from typing import Any
 
 from rigtri.errors import FileError
 from rigtri.spec.faults import Fault, Place, SpecError
-from rigtri.spec.tree import MOST_VALUES, Keys, Tree, parse
+from rigtri.spec.parsing import parse
+from rigtri.spec.tree import MOST_VALUES, Keys, Label, Spot, Tree
 
 # A chain of specs longer than this is a mistake.
 MOST_EXTENDED = 32
+# Few texts of variables could else fill the memory.
+MOST_TEXT = 4_096
 _VARIABLE = re.compile(r"\$(\$?)\{([^{}]*)\}")
-_BRACES = re.compile(r"\{([^{}]*,[^{}]*)\}")
+_BRACES = re.compile(r"\{([^{}]*)\}")
+# So many steps, and words in the braces of one, are more than a rig has.
+MOST_STEPS = 10_000
+MOST_WORDS = 1_000
 # Keys whose values are no text of steps.
 _OWN = ("$schema", "version", "name", "extends", "variables", "defaults")
 
 
-def merged(path: Path, given: Mapping[str, str]) -> tuple[Tree, tuple[Path, ...]]:
-    """The spec with all that it extends, its variables filled in; and the files that it is made of.
+def merged(path: Path, given: Mapping[str, str]) -> tuple[Tree, tuple[Path, ...], list[Fault]]:
+    """The spec with all that it extends, its variables filled in; its files; variables that there are not.
 
-    given: variables that the user sets. Raises FileError, and SpecError with all faults.
+    given: variables that the user sets. Raises FileError, and SpecError for what hides the rest.
     """
     files: list[Path] = []
     tree = _extended(path, (), files)
     faults = _fill(tree, given)
-    if faults:
-        raise SpecError(faults)
     _default(tree)
     _expand(tree)
-    return tree, tuple(dict.fromkeys(files))
+    return tree, tuple(dict.fromkeys(files)), faults
 
 
 def _extended(path: Path, chain: tuple[Path, ...], files: list[Path]) -> Tree:
@@ -48,7 +52,7 @@ def _extended(path: Path, chain: tuple[Path, ...], files: list[Path]) -> Tree:
     bases = [bases] if isinstance(bases, str) else bases
     if not isinstance(bases, list | tuple) or not all(isinstance(base, str) for base in bases):
         return tree  # the model tells what is wrong with it
-    whole = Tree(tree.file, {})
+    whole = Tree(tree.file, {}, Spot(tree.spot.place))
     for number, base in enumerate(bases):
         try:
             _over(whole, _extended(path.parent / base, (*chain, real), files))
@@ -73,27 +77,24 @@ def _over(base: Tree, tree: Tree) -> None:
                     _put(base, (key, name), {}, tree)
         else:
             _put(base, (key,), value, tree)
-    base.places[()] = tree.place(())
 
 
 def _put(base: Tree, keys: Keys, value: Any, source: Tree) -> None:
     """A value of another tree, with its places, at the same keys of this one."""
-    for known in [known for known in base.places if known[: len(keys)] == keys]:
-        del base.places[known]
-    at = base.values
-    for length, key in enumerate(keys[:-1], 1):
-        base.places.setdefault(keys[:length], source.place(keys[:length]))
+    at, spot, own = base.values, base.spot, source.spot
+    for key in keys[:-1]:
+        own = own.at(key)
         if not isinstance(at.get(key), dict):
-            at[key] = {}
-        at = at[key]
-    at[keys[-1]] = value
-    base.places.update({(*keys, *below): place for below, place in source.under(keys)})
+            at[key], spot.below[key] = {}, Spot(own.place)
+        at, spot = at[key], spot.below[key]
+    at[keys[-1]], spot.below[keys[-1]] = value, own.at(keys[-1])
 
 
 def _fill(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     """Put variables' values into all texts; what is wrong with them."""
     said = tree.values.get("variables", {})
-    known = {**said, **given} if isinstance(said, Mapping) else dict(given)
+    known = dict(said) if isinstance(said, Mapping) else {}
+    known |= {name: _typed(text, known.get(name)) for name, text in given.items()}
     faults: list[Fault] = []
     unknown = [name for name in given if not isinstance(said, Mapping) or name not in said]
     faults += [
@@ -120,7 +121,23 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
     alone = _VARIABLE.fullmatch(value)
     if alone and not alone[1]:
         return known[alone[2]]  # a number stays one
-    return _VARIABLE.sub(lambda m: m[0][1:] if m[1] else str(known[m[2]]), value)
+    text = _VARIABLE.sub(lambda m: m[0][1:] if m[1] else str(known[m[2]]), value)
+    if len(text) > MOST_TEXT:
+        faults.append(Fault(tree.place(keys), "", f"a text with variables has at most {MOST_TEXT:,} letters"))
+        return value
+    return text
+
+
+def _typed(text: str, like: Any) -> Any:
+    """A variable's new value: a number or truth value where the one in the spec is one, if it can be."""
+    if isinstance(like, bool):
+        return {"true": True, "false": False}.get(text.lower(), text)
+    for kind in (int, float) if isinstance(like, int | float) else ():
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
 
 
 def _default(tree: Tree) -> None:
@@ -129,12 +146,13 @@ def _default(tree: Tree) -> None:
     if not isinstance(steps, list) or not isinstance(defaults, Mapping):
         return
     for number, step in enumerate(steps):
-        own = defaults.get(step.get("do")) if isinstance(step, dict) else None
+        do = step.get("do") if isinstance(step, dict) else None
+        own = defaults.get(do) if isinstance(do, str) else None
         for option, value in own.items() if isinstance(own, Mapping) else ():
             if option not in step:
                 step[option] = value
-                places = list(tree.under(("defaults", step["do"], option)))
-                tree.places.update({("steps", number, option, *below): at for below, at in places})
+                said = tree.spot.at("defaults").at(str(do)).at(option)
+                tree.spot.at("steps").at(number).below[option] = said
 
 
 def _expand(tree: Tree) -> None:
@@ -143,27 +161,34 @@ def _expand(tree: Tree) -> None:
     if not isinstance(steps, list):
         return
     found: list[Any] = []
-    places: dict[Keys, Place] = {k: place for k, place in tree.places.items() if k[:1] != ("steps",)}
-    places[("steps",)] = tree.place(("steps",))
+    spots: dict[str | int, Spot] = {}
+    values = 0
     for number, step in enumerate(steps):
-        for one in _ways(step, tree.place(("steps", number))):
-            below = tree.under(("steps", number))
-            places.update({("steps", len(found), *keys): place for keys, place in below})
+        spot = tree.spot.at("steps").at(number)
+        words = _words(step, spot.place)
+        values += max(1, len(words)) * sum(1 for _ in spot.all())
+        if len(found) + len(words) >= MOST_STEPS or values > MOST_VALUES:
+            text = f"a spec has at most {MOST_STEPS:,} steps and {MOST_VALUES:,} values"
+            raise SpecError([Fault(spot.place, "", text)])
+        for k in range(max(1, len(words))):
+            one, at = _way(step, spot, k) if words else (step, spot)
+            spots[len(found)] = at
             found.append(one)
-            if len(places) > MOST_VALUES:
-                raise SpecError([Fault(tree.place(("steps", number)), "", "too many steps")])
-    tree.values["steps"], tree.places = found, places
+            tree.labels.append(Label(number + 1, words[k] if words else ""))
+    tree.values["steps"] = found
+    tree.spot.below["steps"] = Spot(tree.place(("steps",)), spots)
 
 
-def _ways(step: Any, place: Place) -> list[Any]:
-    """The step once for each word in its braces; all braces of a step have as many words."""
-    counts = {group.count(",") + 1 for text in _texts(step) for group in _BRACES.findall(text)}
-    if not counts:
-        return [step]
+def _words(step: Any, place: Place) -> list[str]:
+    """The words of a step's first braces; all braces of a step have as many words."""
+    groups = [group for text in _texts(step) for group in _BRACES.findall(text) if "," in group]
+    counts = {group.count(",") + 1 for group in groups}
     if len(counts) > 1:
         words = " and ".join(str(count) for count in sorted(counts))
         raise SpecError([Fault(place, "", f"braces of one step have {words} words; give each as many")])
-    return [_way(step, number) for number in range(counts.pop())]
+    if counts and max(counts) > MOST_WORDS:
+        raise SpecError([Fault(place, "", f"braces have at most {MOST_WORDS:,} words")])
+    return [word.strip() for word in groups[0].split(",")] if groups else []
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -178,12 +203,23 @@ def _texts(value: Any) -> Iterator[str]:
             yield from _texts(part)
 
 
-def _way(value: Any, number: int) -> Any:
+def _way(value: Any, spot: Spot, number: int) -> tuple[Any, Spot]:
+    """A step, and where its parts stand, with one word of each of its braces."""
     if isinstance(value, str):
-        return _BRACES.sub(lambda found: found[1].split(",")[number].strip(), value)
-    if isinstance(value, dict):
-        return {_way(key, number): _way(part, number) for key, part in value.items()}
-    return [_way(part, number) for part in value] if isinstance(value, list) else value
+        return _word(value, number), spot
+    if not isinstance(value, dict | list):
+        return value, spot
+    pairs = value.items() if isinstance(value, dict) else enumerate(value)
+    found: dict[str | int, Any] = {}
+    at = Spot(spot.place)
+    for key, part in pairs:
+        name = _word(key, number) if isinstance(key, str) else key
+        found[name], at.below[name] = _way(part, spot.at(key), number)
+    return (found if isinstance(value, dict) else list(found.values())), at
+
+
+def _word(text: str, number: int) -> str:
+    return _BRACES.sub(lambda m: m[1].split(",")[number].strip() if "," in m[1] else m[0], text)
 
 
 def _near(name: str, known: Any) -> str:

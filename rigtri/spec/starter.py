@@ -21,7 +21,7 @@ def starter(rig: Rig, file: str) -> str:
     """
     tree = skeleton(rig)
     lines = [
-        f"# A rig spec to start from, for {json.dumps(file, ensure_ascii=False)}.",
+        f"# A rig spec to start from, for {_quoted(file)}.",
         "# Steps and options are those of the commands: rigtri COMMAND --help.",
         "# Editors check and complete it with the schema: rigtri schema spec > spec.schema.json",
         "version: 1",
@@ -86,9 +86,24 @@ def _names(rig: Rig, nodes: Iterable[int]) -> str:
 
 
 def _name(rig: Rig, node: int) -> str:
-    """What finds a node, as YAML has it; braces would mean something else in a spec."""
-    address = rig.address(node)
-    return json.dumps(rig.labels[node] if "{" in address else address, ensure_ascii=False)
+    """What finds a node, as YAML has it."""
+    ways = (rig.address(node), rig.path(node), rig.labels[node])
+    return _quoted(next((way for way in ways if _plain(way) and rig.known(way) == node), rig.labels[node]))
+
+
+def _plain(way: str) -> bool:
+    """Whether a node's name or path means nothing else in a spec: no braces, no index, no bone of VRM."""
+    return "{" not in way and not way.startswith(("#", "vrm:"))
+
+
+def _quoted(text: str) -> str:
+    """A text as YAML has it in quotes, what would end a line or cannot be seen as an escape."""
+    words = json.dumps(text, ensure_ascii=False)
+    return "".join(letter if letter.isprintable() else _escape(ord(letter)) for letter in words)
+
+
+def _escape(code: int) -> str:
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
 def _fingers(rig: Rig, tree: Skeleton) -> Iterator[str]:

@@ -6,13 +6,14 @@ from rigtri.formats import read
 from rigtri.ops.bake import Options, bake
 from rigtri.ops.described import as_described
 from rigtri.ops.joined import joined
+from rigtri.plain_files import check_plain
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.steps.request import Request, Step, clip_names
 
 
 def step(request: Request) -> Step:
-    """A step that works controls out into joint keys, or the reverse."""
+    """A step that works controls out into joint keys, or the reverse; FileError for --rig that is none."""
     options = Options(
         to=request["to"],
         clips=request["clips"],
@@ -25,6 +26,8 @@ def step(request: Request) -> Step:
     described, names = request["described"], clip_names(request["names"])
     if described is None:
         request.refuse({"--as": "names"}, "says what clips are in another file: name that file with --rig")
+    else:
+        check_plain(described, "--rig")
 
     def applied(rig: Rig, report: Report) -> Rig:
         if described is not None:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from rigtri.errors import FileError, RigtriError, UsageError
+from rigtri.errors import RigtriError, UsageError
 from rigtri.formats import read
 from rigtri.limbs import given
 from rigtri.ops.orient import Options, orient_joints
 from rigtri.ops.presets import PRESETS, Style
 from rigtri.ops.select import Selection
+from rigtri.plain_files import check_plain, json_of
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.steps.request import Request, Step
@@ -39,7 +38,7 @@ def step(request: Request) -> Step:
     style, chain_styles = _styles(request)
     rules = [word for word in request["branch"] if word in _BRANCHES]
     _check(request)
-    frames = load_json(request["frames"]) if request["frames"] else None
+    frames = json_of(request["frames"], "--frames") if request["frames"] else None
     like = _like(request["like"]) if request["like"] else None
 
     def applied(rig: Rig, report: Report) -> Rig:
@@ -71,16 +70,6 @@ def step(request: Request) -> Step:
         return orient_joints(rig, options=options, report=report)
 
     return applied
-
-
-def load_json(path: str) -> Any:
-    """A JSON file as Python values; FileError where it cannot be read."""
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror}") from error
-    except (ValueError, RecursionError) as error:
-        raise FileError(f"{path} is no JSON: {error}") from error
 
 
 def _styles(request: Request) -> tuple[Style, tuple[tuple[str, str, Style], ...]]:
@@ -148,9 +137,8 @@ def _pair(rig: Rig, text: str) -> tuple[str, str]:
 
 
 def _like(path: str) -> Rig:
-    if not Path(path).is_file():
-        raise FileError(f"--like {path}: there is no such file")
+    place = check_plain(path, "--like")
     try:
-        return read(Path(path)).rig
+        return read(place).rig
     except RigtriError as error:
         raise type(error)(f"--like: {error}") from error

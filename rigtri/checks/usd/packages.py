@@ -8,7 +8,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from rigtri.checks.findings import Findings, Rule
-from rigtri.formats.usd import package
 
 _PACK = "Pack it again, with usdzip or the program that wrote it."
 
@@ -48,6 +47,8 @@ RULES = (
 
 def check(path: Path, findings: Findings) -> None:
     """Note what is wrong with a package. FileError where it is none."""
+    from rigtri.formats.usd import package  # the rules are known also where USD is not installed
+
     whole = package.read(path)
     for entry in whole.entries:
         place = f"entry '{entry.name}'"

@@ -109,10 +109,13 @@ class Accessors:
 
     def read(self, index: int) -> Floats:
         """The numbers of accessor ``index``, (count, width)."""
+        with np.errstate(invalid="ignore"):  # some NaN are signalling ones, of which nobody wants to hear
+            return self.read_aloud(index)
+
+    def read_aloud(self, index: int) -> Floats:
+        """As `read`, for who asks for very many and has told numpy not to speak of what is invalid."""
         layout = self.layout(index)
-        if layout.plain:
-            return self._read_plain(layout)
-        return self._converted(index, layout)
+        return self._read_plain(layout) if layout.plain else self._converted(index, layout)
 
     def has_rows(self, index: int) -> bool:
         """Whether `rows` can read some rows alone: they are neither compressed nor sparse."""
@@ -152,16 +155,14 @@ class Accessors:
         # One float32 view of a buffer serves all its accessors: slicing it is cheap.
         start, rest = divmod(layout.start, 4)
         if rest:
-            with np.errstate(invalid="ignore"):
-                return self._elements(layout).astype(np.float64)
+            return self._elements(layout).astype(np.float64)
         whole = self._floats.get(layout.buffer)
         if whole is None:
             content = self.buffers.content(layout.buffer)
             whole = np.frombuffer(content, "<f4", len(content) // 4)
             self._floats[layout.buffer] = whole
         part = whole[start : start + layout.rows * layout.width]
-        with np.errstate(invalid="ignore"):
-            return part.astype(np.float64).reshape(layout.rows, layout.width)
+        return part.astype(np.float64).reshape(layout.rows, layout.width)
 
     def _lay_plain(self, raw: dict[str, Any]) -> Layout | None:
         """As `_lay`, for what is stored plainly, as nearly all is; None for what is not, or is wrong."""

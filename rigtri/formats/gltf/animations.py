@@ -72,13 +72,17 @@ class ClipReader:
         self._notices, self._lenient = notices, lenient
         self._nodes = gltf.object().get("nodes", [])
         self._times: dict[int, Floats] = {}
+        self._rising: set[bytes] = set()  # times that are in order: most tracks have the same
         self._values: dict[int, Floats] = {}
 
     def read(self) -> tuple[Clip, ...]:
         """All animations as clips. FileError, naming animation and channel, for what is broken."""
-        clips = tuple(
-            self._clip(number, animation) for number, animation in enumerate(self._gltf.each("animations"))
-        )
+        # Some NaN are signalling ones, of which nobody wants to hear; asked for once, not for each accessor.
+        with np.errstate(invalid="ignore"):
+            clips = tuple(
+                self._clip(number, animation)
+                for number, animation in enumerate(self._gltf.each("animations"))
+            )
         for clip in clips:
             self._check_values(clip)
         return clips
@@ -177,11 +181,14 @@ class ClipReader:
         index = self._accessor(index, place, "input")
         times = self._times.get(index)
         if times is None:
-            times = self._accessors.read(index)
+            times = self._accessors.read_aloud(index)
             if times.shape[1] != 1:
                 raise FileError(f"{place}: its times have {times.shape[1]} numbers each, not one")
             times = self._times[index] = times[:, 0].copy()
-            self._check_times(times, place)
+            content = times.tobytes()
+            if content not in self._rising:
+                self._check_times(times, place)
+                self._rising.add(content)
         return times
 
     def _check_times(self, times: Floats, place: str) -> None:
@@ -201,7 +208,7 @@ class ClipReader:
         index = self._accessor(index, place, "output")
         values = self._values.get(index)
         if values is None:
-            values = self._values[index] = self._accessors.read(index)
+            values = self._values[index] = self._accessors.read_aloud(index)
         return values
 
     def _morph_targets(self, node: int, place: str) -> int:

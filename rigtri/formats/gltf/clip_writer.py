@@ -259,16 +259,18 @@ class ClipWriter:
                 wish.refer(self._storage.add(wish.rows, wish.kind, wish.role))
             else:
                 together.setdefault(wish.accessor, []).append(wish)
+        changes: list[tuple[int, Singles]] = []
         for accessor, wishes in together.items():
             first = wishes[0]
             alone = self._storage.users[accessor] == len(wishes) and all(
                 np.array_equal(wish.rows.view(np.uint32), first.rows.view(np.uint32)) for wish in wishes[1:]
             )
             if alone and self._storage.owns(accessor):
-                self._storage.replace(accessor, first.rows)
+                changes.append((accessor, first.rows))
             else:
                 for wish in wishes:
                     wish.refer(self._storage.add(wish.rows, wish.kind, wish.role, accessor))
+        self._storage.replace(changes)
 
     # --- channels that move, come and go
 

@@ -35,6 +35,8 @@ MOST_OFFSETS = 1 << 25
 BLOCK = 1 << 15
 # Of what is outlined: so many samples of so many rows each.
 SAMPLES, SAMPLE = 16, 256
+# Joints and weights of so many primitives of one block are kept.
+MOST_KEPT = 16
 # A point counts as inside a box that misses it by this share of the coordinates.
 WITHIN = 1e-6
 
@@ -48,6 +50,8 @@ class MeshReader:
     def __init__(self, gltf: Value, accessors: Accessors, tree: Tree, notices: list[Notice]) -> None:
         self._gltf, self._accessors, self._tree, self._notices = gltf, accessors, tree, notices
         self._numbers: dict[int, Floats] = {}
+        # Joints and weights of small primitives, of which it was asked who moves them, until they are read.
+        self._influenced: dict[int, tuple[Integers, Floats]] = {}
         self._nodes: Sequence[Any] = gltf.object().get("nodes", [])
         self._meshes: Sequence[Any] = gltf.object().get("meshes", [])
 
@@ -69,6 +73,7 @@ class MeshReader:
                 else:
                     found += [mesh] if mesh is not None else []
         self._numbers.clear()
+        self._influenced.clear()
         return found
 
     def outlines(self, skins: Sequence[Skin], *, closely: bool = False) -> list[Mesh]:
@@ -178,6 +183,8 @@ class MeshReader:
         # Spread over the mesh: the first few may have met all joints.
         for block in (block for first in range(SAMPLES) for block in blocks[first::SAMPLES]):
             joints, weights = self._influences(primitive, [block])
+            if len(joints) < BLOCK and len(self._influenced) < MOST_KEPT:  # these are all that it has
+                self._influenced[id(primitive.raw)] = joints, weights
             live = joints[weights > 0]
             moves[live[(live >= 0) & (live < len(moves))]] = True
             if moves.all():
@@ -216,7 +223,10 @@ class MeshReader:
         skin, joints, weights = None, np.zeros((len(points), 0), dtype=np.int64), np.zeros((len(points), 0))
         if raw.get("skin") is not None and "JOINTS_0" in attributes:
             skin = Value(raw["skin"], f"{self._gltf.where} nodes[{node}].skin").index(len(skins), "skin")
-            joints, weights = self._influences(primitive, some)
+            kept = self._influenced.get(id(primitive.raw)) if some is None else None
+            if kept is None:
+                kept = self._influences(primitive, some)
+            joints, weights = kept
             joints, weights = _within(primitive, joints, weights, len(skins[skin].joints))
             if len(joints) != len(points):
                 primitive.fail(f"has {len(points)} positions and {len(joints)} sets of joints")
@@ -293,10 +303,11 @@ class MeshReader:
             sets += 1
         if len({len(rows) for rows in (*joints[1:], *weights[1:])}) > 1:
             primitive.fail("has sets of joints and weights of different lengths")
-        together = np.concatenate(joints[1:], axis=1) if sets else joints[0]
+        together = _side_by_side(joints)
         # What is no number, or none that an index can be, is no joint either.
-        together = np.where(np.abs(together) < 1 << 31, together, -1.0)
-        return together.astype(np.int64), np.concatenate(weights[1:], axis=1) if sets else weights[0]
+        if not (np.abs(together).max(initial=0.0) < 1 << 31):
+            together = np.where(np.abs(together) < 1 << 31, together, -1.0)
+        return together.astype(np.int64), _side_by_side(weights)
 
     def _morphs(self, primitive: Value, points: Floats, some: Some) -> Floats:
         """Offsets of all targets, (t, v, 3); zero for a target that moves no points."""
@@ -333,8 +344,15 @@ def _target_names(holders: Sequence[Any], count: int) -> tuple[str, ...]:
     return ()
 
 
+def _side_by_side(sets: list[Floats]) -> Floats:
+    """All sets behind the first, which is none, (v, 4·sets)."""
+    return sets[-1] if len(sets) <= 2 else np.concatenate(sets[1:], axis=1)
+
+
 def _within(primitive: Value, joints: Integers, weights: Floats, count: int) -> tuple[Integers, Floats]:
     """Joint indices that all exist; those without weight may have been anything."""
+    if 0 <= int(joints.min(initial=0)) <= int(joints.max(initial=0)) < count:
+        return joints, weights
     outside = (joints < 0) | (joints >= count)
     # A weight that is no number gives a point that is none, whatever the joint.
     wrong = outside & (weights != 0) & ~np.isnan(weights)

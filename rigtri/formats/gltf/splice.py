@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from math import isfinite
 from typing import Any, NamedTuple
 
 from rigtri.formats.gltf.spelling import Spelling
@@ -81,12 +82,15 @@ class _Splicer:
         text, keys, more = self.text, iter(new), True
         while more:
             before = at + 1
-            start = _skip(text, before)
+            start = before if text[before] > " " else _skip(text, before)
             key, colon = _scan(text, start)
             if next(keys, None) != key:
                 return -1
-            end = self.value(_skip(text, _skip(text, colon) + 1), old[key], new[key], depth + 1)
-            at = _skip(text, end)
+            at = (colon if text[colon] > " " else _skip(text, colon)) + 1
+            at = at if text[at] > " " else _skip(text, at)
+            was, now = old[key], new[key]
+            end = _scan(text, at)[1] if now is was else self.value(at, was, now, depth + 1)
+            at = end if text[end] > " " else _skip(text, end)
             more = text[at] == ","
         added = [
             f",{text[before:start]}{self.spelling.fragment(key, depth)}{self.spelling.colon}"
@@ -138,7 +142,7 @@ class _Splicer:
         for was, item in zip(old, new, strict=False):
             before = at + 1
             start = _skip(text, before)
-            end = self.value(start, was, item, depth + 1)
+            end = _scan(text, start)[1] if item is was else self.value(start, was, item, depth + 1)
             at = _skip(text, end)
         added = [
             f",{text[before:start]}{self.spelling.fragment(item, depth + 1)}" for item in new[len(old) :]
@@ -151,7 +155,13 @@ class _Splicer:
         """The text of a list that held numbers alone, and where the old one ends."""
         end = self.text.index("]", at)
         if not _BLANK_SOMEWHERE.search(self.text, at, end) and set(map(id, old)).isdisjoint(map(id, new)):
-            return f"[{','.join([self.spelling.fragment(item, depth + 1) for item in new])}]", end + 1
+            told = [
+                repr(item)
+                if type(item) is float and isfinite(item)
+                else self.spelling.fragment(item, depth + 1)
+                for item in new
+            ]
+            return f"[{','.join(told)}]", end + 1
         said, places = self.text[at + 1 : end].split(","), _places(old)
         items, last = [], len(said) - 1
         for number, item in enumerate(new):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -69,13 +69,20 @@ class Storage:
             self._free = _free_accessors(self._gltf, self._accessors)
         return accessor in self._free
 
-    def replace(self, accessor: int, rows: Singles) -> None:
-        """Write ``rows`` over the bytes of an accessor that `owns` allows, in their old layout."""
-        layout = self._accessors.layout(accessor)
-        self._patches.setdefault(layout.buffer, []).append((layout.start, rows))
-        raw = self._gltf["accessors"][accessor]
-        if "min" in raw or "max" in raw:
-            _set_bounds(self._draft.own("accessors", accessor), rows)
+    def replace(self, changes: Sequence[tuple[int, Singles]]) -> None:
+        """Write rows over the bytes of accessors that `owns` allows, in their old layout."""
+        bounded: dict[tuple[int, ...], list[tuple[int, Singles]]] = {}
+        for accessor, rows in changes:
+            layout = self._accessors.layout(accessor)
+            self._patches.setdefault(layout.buffer, []).append((layout.start, rows))
+            raw = self._gltf["accessors"][accessor]
+            if "min" in raw or "max" in raw:
+                bounded.setdefault(rows.shape, []).append((accessor, rows))
+        for alike in bounded.values():
+            stacked = np.stack([rows for _, rows in alike], axis=1)  # along the first axis is fastest
+            lows, highs = (bound.reduce(stacked, axis=0).tolist() for bound in (np.minimum, np.maximum))
+            for (accessor, _), low, high in zip(alike, lows, highs, strict=True):
+                _put_bounds(self._draft.own("accessors", accessor), low, high)
 
     def add(
         self,
@@ -261,9 +268,13 @@ class Storage:
 
 
 def _set_bounds(accessor: dict[str, Any], rows: Numbers) -> None:
-    for key, bound in (("min", np.minimum), ("max", np.maximum)):
+    _put_bounds(accessor, *(bound.reduce(rows, axis=0).tolist() for bound in (np.minimum, np.maximum)))
+
+
+def _put_bounds(accessor: dict[str, Any], low: list[float], high: list[float]) -> None:
+    for key, numbers in (("min", low), ("max", high)):
         if key in accessor:
-            accessor[key] = [float(number) for number in bound.reduce(rows, axis=0).tolist()]
+            accessor[key] = [float(number) for number in numbers]
 
 
 def _free_accessors(gltf: dict[str, Any], accessors: Accessors) -> set[int]:

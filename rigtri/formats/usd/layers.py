@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdUtils
 
+from rigtri import scratch
 from rigtri.errors import FileError
 from rigtri.formats.usd.expressions import evaluated, is_one, prefixed, variables_of
 
@@ -71,7 +71,7 @@ def to_bytes(layer: Any, encoding: str) -> bytes:
     """A layer as the bytes of a file in ``usda`` or ``usdc``."""
     if encoding == "usda":
         return str(layer.ExportToString()).encode("utf-8")
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch.folder() as folder:
         path = Path(folder, "layer.usdc")
         layer.Export(str(path))
         return path.read_bytes()

@@ -10,13 +10,13 @@ so that nothing here needs to know the whole grammar to be safe.
 from __future__ import annotations
 
 import re
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from pxr import Sdf, Tf
 
+from rigtri import scratch
 from rigtri.formats.usd.text import COMMENTS, STRINGS, Item, Span, Text, UnknownTextError
 
 # Blocks up to this depth are compared as a whole before they are taken apart.
@@ -39,7 +39,7 @@ def spliced(content: bytes, before: Any, wanted: Any, lost: list[str] | None = N
     lost: gets the names of the values that were written anew and had comments in them.
     UnknownTextError, with the reason, where that text would not say what ``wanted`` says.
     """
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch.folder() as folder:
         names = ("before", "wanted", "spliced", "seen")
         was, now, made, seen = (Path(folder, f"{name}.usda") for name in names)
         before.Export(str(was))

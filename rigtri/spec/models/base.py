@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from rigtri.formats import Options
+from rigtri.spec.models.values import Flag
 from rigtri.steps.request import Request
 
 
@@ -20,7 +21,7 @@ class StepModel(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=False, populate_by_name=False)
 
-    optional: bool = Field(
+    optional: Flag = Field(
         False,
         description="Leave the step out, with a warning, where a file has not the joints that it names.",
     )

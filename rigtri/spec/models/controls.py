@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, Strict
 
 from rigtri.spec.models.base import StepModel, option
 from rigtri.spec.models.joints import Placing
@@ -14,6 +14,7 @@ from rigtri.spec.models.values import (
     Auto,
     Direction,
     EndKind,
+    Flag,
     Integers,
     Joined,
     Name,
@@ -32,13 +33,13 @@ class AddControls(StepModel):
     """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters."""
 
     do: Literal["add-controls"]
-    whole_character: bool = option("whole-character", False)
+    whole_character: Flag = option("whole-character", False)
     joints: Names = ()
     chains: Pairs = option("chain", ())
     below: Names = ()
     skin: str | None = None
     exclude: Names = ()
-    root_control: bool = option("root-control", False)
+    root_control: Flag = option("root-control", False)
     ik: Triples = ()
     auto: Auto | None = option("limbs", None)
     shapes: Assignments = option("shape", ())
@@ -48,7 +49,7 @@ class AddControls(StepModel):
     reach: Above = 0.5
     kind: EndKind | None = option("as", None)
     soft: Share | None = None
-    stretch: bool | None = None
+    stretch: Flag | None = None
     facing: Direction | None = None
 
 
@@ -65,7 +66,7 @@ class AddPolevector(Placing):
     name: str | None = None
     kind: EndKind | None = option("as", None)
     pose: str = "nodes"
-    check_clips: bool = option("check-clips", False)
+    check_clips: Flag = option("check-clips", False)
 
 
 def _orient(value: Any) -> Any:
@@ -78,7 +79,7 @@ def _orient(value: Any) -> Any:
     return value
 
 
-Degrees = Annotated[float, Field(gt=-1e6, lt=1e6)]
+Degrees = Annotated[float, Strict(), Field(gt=-1e6, lt=1e6)]
 
 
 class Constrain(StepModel):
@@ -89,7 +90,7 @@ class Constrain(StepModel):
     child: str | None = None
     drivers: Annotated[Assignments, Field(min_length=1)] = option("driver")
     skip: Joined | None = None
-    maintain_offset: bool = option("maintain-offset", True)
+    maintain_offset: Flag = option("maintain-offset", True)
     rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] = option("rotate-order", "xyz")
     joint_orient: Annotated[
         Literal["rest", "none"] | tuple[Degrees, Degrees, Degrees], BeforeValidator(_orient)
@@ -102,7 +103,7 @@ class Constrain(StepModel):
     up_vector: Direction | None = option("up-vector", None)
     up_object: str | None = option("up-object", None)
     limb: Triple | None = None
-    vrm: bool = option("vrm-constraints", False)
+    vrm: Flag = option("vrm-constraints", False)
 
 
 class AddRivet(StepModel):

@@ -12,6 +12,7 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    Strict,
     WithJsonSchema,
 )
 from pydantic_core import CoreSchema, core_schema
@@ -26,6 +27,7 @@ from rigtri.spec.models.values import (
     Direction,
     EndKind,
     File,
+    Flag,
     Joined,
     Name,
     Names,
@@ -105,20 +107,20 @@ class OrientJoints(StepModel):
     limbs: Triples = option("limb", ())
     branch: Names = ()
     end: Literal["tip", "parent", "incoming", "keep", "world"] = "tip"
-    per_joint_plane: bool = option("per-joint-plane", False)
+    per_joint_plane: Flag = option("per-joint-plane", False)
     facing: Direction | None = None
     pose: str | None = None
-    world: bool = False
+    world: Flag = False
     on_nonuniform_scale: Scales = option("on-nonuniform-scale", "snap")
     on_constraint: Constraints = option("on-constraint", "freeze")
-    snap: bool = False
+    snap: Flag = False
     offset: Point = (0.0, 0.0, 0.0)
     mirror: Mode | None = None
     from_side: Side = option("from-side", "left")
     plane: Plane = "yz"
     like: File | None = None
     frames: File | None = None
-    inverse: bool = False
+    inverse: Flag = False
 
     def values(self) -> dict[str, Any]:
         """With the styles in the order of a command line: first all joints', then those of chains."""
@@ -147,7 +149,7 @@ class MakeLimb(Placing):
     do: Literal["make-limb"]
     locators: Names = ()
     points: Points = ()
-    planar: bool = False
+    planar: Flag = False
     preset: Preset | None = None
     aim: Axis | None = None
     up: Axis | None = None
@@ -158,8 +160,8 @@ class MakeLimb(Placing):
     side: Side | None = None
     names: Names = ()
     parent: str | None = None
-    skin: bool = True
-    pole: bool = True
+    skin: Flag = True
+    pole: Flag = True
     kind: EndKind | None = option("as", None)
     pose: str = "nodes"
     pole_name: str | None = option("pole-name", None)
@@ -173,14 +175,14 @@ class AddTwist(StepModel):
     auto: Auto | None = option("limbs", None)
     joints: Names = option("joint", ())
     children: Names = option("to", ())
-    upper: bool = False
-    lower: bool = False
-    count: Annotated[int, Field(ge=1, le=64)] = 2
+    upper: Flag = False
+    lower: Flag = False
+    count: Annotated[int, Strict(), Field(ge=1, le=64)] = 2
     weights: Joined | None = None
     axis: Direction | None = None
-    split_weights: bool = option("split-weights", False)
-    most: Annotated[int, Field(ge=0)] = option("max-influences", 0)
-    keys: bool = True
+    split_weights: Flag = option("split-weights", False)
+    most: Annotated[int, Strict(), Field(ge=0)] = option("max-influences", 0)
+    keys: Flag = True
     name: str = "{joint}_twist_{number}"
 
 
@@ -205,4 +207,4 @@ class Strip(StepModel):
     """Take out again what rigtri has put in."""
 
     do: Literal["strip"]
-    splits: bool = False
+    splits: Flag = False

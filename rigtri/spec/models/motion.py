@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from rigtri.spec.models.base import StepModel, option
-from rigtri.spec.models.values import Above, Assignments, File, Names, Share, Tolerance, Triples
+from rigtri.spec.models.values import Above, Assignments, File, Flag, Names, Share, Tolerance, Triples
 
 
 class TakeClips(StepModel):
@@ -24,7 +24,7 @@ class Snap(StepModel):
 
     do: Literal["snap"]
     limbs: Triples = option("limb", ())
-    all_limbs: bool = option("all-limbs", False)
+    all_limbs: Flag = option("all-limbs", False)
     to: Literal["ik", "fk"]
     at: Annotated[Names, Field(min_length=1)]
 
@@ -40,7 +40,7 @@ class Bake(StepModel):
     fps: Above | None = None
     between: Tolerance = 1e-3
     soft: Share | None = None
-    stretch: bool | None = None
+    stretch: Flag | None = None
 
 
 class Pose(StepModel):
@@ -48,4 +48,4 @@ class Pose(StepModel):
 
     do: Literal["pose"]
     at: str = "rest"
-    evaluate: bool = True
+    evaluate: Flag = True

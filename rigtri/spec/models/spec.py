@@ -10,7 +10,7 @@ from rigtri.formats import Options
 from rigtri.spec.models.controls import AddControls, AddPolevector, AddPosereader, AddRivet, Constrain
 from rigtri.spec.models.joints import AddTwist, MakeLimb, Mirror, OrientJoints, Strip
 from rigtri.spec.models.motion import Bake, Pose, Snap, TakeClips
-from rigtri.spec.models.values import File, Name, OneOrMany, Tolerance
+from rigtri.spec.models.values import File, Flag, Name, OneOrMany, Scalar, Tolerance
 
 AnyStep = Annotated[
     OrientJoints
@@ -44,15 +44,15 @@ class SpecModel(BaseModel):
         description="Specs whose options, variables and defaults hold here too, and whose steps are done "
         "where this spec has none. What stands here wins; of several, the later.",
     )
-    variables: dict[Name, str | int | float | bool] = Field(
+    variables: dict[Name, Scalar] = Field(
         {}, description="Values that ${NAME} stands for in the steps; --set NAME=VALUE gives others."
     )
     defaults: dict[str, dict[str, Any]] = Field(
         {}, description="By operation: options that its steps have where they do not say otherwise."
     )
     root: str | None = Field(None, description="Take this node and all below it as the rig.")
-    lenient: bool = Field(False, description="Read nodes that glTF forbids where the meaning is clear.")
-    allow_external_paths: bool = Field(
+    lenient: Flag = Field(False, description="Read nodes that glTF forbids where the meaning is clear.")
+    allow_external_paths: Flag = Field(
         False,
         alias="allow-external-paths",
         description="Read buffers and USD layers outside the folder of the file.",
@@ -62,8 +62,8 @@ class SpecModel(BaseModel):
         alias="unknown-node-ext",
         description="A glTF node with an extension that may hold directions in the node's axes.",
     )
-    bake_xform: bool = Field(False, alias="bake-xform", description="USD: rewrite plain hierarchies' ops.")
-    allow_rename: bool = Field(False, alias="allow-rename", description="USD: a split may rename joints.")
+    bake_xform: Flag = Field(False, alias="bake-xform", description="USD: rewrite plain hierarchies' ops.")
+    allow_rename: Flag = Field(False, alias="allow-rename", description="USD: a split may rename joints.")
     override: Literal["", "layer", "stage"] = Field(
         "", description="USD: write only opinions over the file, as a bare layer or with it as sublayer."
     )
@@ -71,9 +71,11 @@ class SpecModel(BaseModel):
         "copy", description="A .gltf in another folder takes its files along, or points back."
     )
     tolerance: Tolerance = Field(1e-5, description="Refuse a result farther off than this share of its size.")
-    strict: bool = Field(False, description="Make any warning an error.")
-    sidecar: bool = Field(False, description="Also write what rigtri has stored as OUT.rig.json.")
-    steps: tuple[AnyStep, ...] = Field((), description="What is done, in this order.")
+    strict: Flag = Field(False, description="Make any warning an error.")
+    sidecar: Flag = Field(False, description="Also write what rigtri has stored as OUT.rig.json.")
+    steps: tuple[AnyStep, ...] = Field(
+        (), description="What is done, in this order.", json_schema_extra={"minItems": 1}
+    )
 
     def reading(self) -> Options:
         """How files are read and written."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -14,7 +13,7 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    ValidationInfo,
+    Strict,
     WithJsonSchema,
 )
 from pydantic_core import CoreSchema, core_schema
@@ -110,17 +109,17 @@ def _finite(value: float) -> float:
     return value
 
 
+def _scalar(value: Any) -> Any:
+    if not isinstance(value, str | int | float):
+        raise ValueError("give a text, a number, true or false")
+    return value
+
+
 def one_of(word: str, known: Collection[str]) -> str:
     """A word of those that are known; ValueError for any other."""
     if word not in known:
         raise ValueError(f"'{word}' is none of {', '.join(known)}")
     return word
-
-
-def _beside(value: str, info: ValidationInfo) -> str:
-    """A file's name as seen from the spec that names it."""
-    folder = (info.context or {}).get("folder")
-    return value if folder is None else str(Path(folder, value))
 
 
 Name = Annotated[str, Field(min_length=1)]
@@ -129,11 +128,12 @@ Pair = tuple[Name, Name]
 Triple = tuple[Name, Name, Name]
 Pairs = Annotated[tuple[Pair, ...], OneOrMany(_row)]
 Triples = Annotated[tuple[Triple, ...], OneOrMany(_row)]
-Number = Annotated[float, AfterValidator(_workable)]
-Above = Annotated[float, Field(gt=0), AfterValidator(_workable)]
-Tolerance = Annotated[float, Field(ge=0), AfterValidator(_finite)]
-Share = Annotated[float, Field(ge=0, lt=1)]
-Integers = Annotated[tuple[int, ...], OneOrMany(_word)]
+Flag = Annotated[bool, Strict()]
+Number = Annotated[float, Strict(), AfterValidator(_workable)]
+Above = Annotated[float, Strict(), Field(gt=0), AfterValidator(_workable)]
+Tolerance = Annotated[float, Strict(), Field(ge=0), AfterValidator(_finite)]
+Share = Annotated[float, Strict(), Field(ge=0, lt=1)]
+Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany(_word)]
 Point = Annotated[tuple[float, float, float], BeforeValidator(_numbers), WithJsonSchema(_TRIPLE)]
 Points = Annotated[tuple[Point, ...], OneOrMany(_row)]
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction), WithJsonSchema(_TRIPLE)]
@@ -150,7 +150,11 @@ Joined = Annotated[
     WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": {"type": ["string", "number"]}}]}),
 ]
 TextOrPoint = Annotated[str, BeforeValidator(_text_or_point), WithJsonSchema(_TRIPLE)]
-File = Annotated[str, Field(min_length=1), AfterValidator(_beside)]
+File = Name
+# What a variable may stand for.
+Scalar = Annotated[
+    Any, AfterValidator(_scalar), WithJsonSchema({"type": ["string", "number", "integer", "boolean"]})
+]
 Preset = Annotated[
     str,
     AfterValidator(partial(one_of, known=PRESETS)),

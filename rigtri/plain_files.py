@@ -1,0 +1,68 @@
+"""Plain files that options name: no device or pipe is read, and no text larger than one can be meant."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rigtri.errors import FileError
+
+# The axes of a million joints take less, and so does a list of a million files.
+MOST_BYTES = 1 << 28
+# Source: git-lfs, docs/spec.md.
+_POINTER = b"version https://git-lfs.github.com/spec/v1"
+
+
+def check_plain(path: Path | str, what: str = "") -> Path:
+    """The path of a plain file; FileError for a folder, a device, a pipe, or where there is nothing.
+
+    what: the option that names it.
+    """
+    path, name = Path(path), f"{what} {path}".strip()
+    try:
+        if path.is_file():
+            return path
+        if path.is_dir():
+            raise FileError(f"{name} is a folder, not a file")
+        if path.exists():
+            raise FileError(f"{name} is a device or a pipe; give a plain file")
+    except (OSError, ValueError) as error:  # a name that no file can have
+        raise FileError(f"{name} cannot be read: {getattr(error, 'strerror', error)}") from error
+    raise FileError(f"There is no file {path}{f' ({what})' if what else ''}")
+
+
+def check_no_pointer(path: Path) -> None:
+    """FileError for the few lines that Git LFS leaves in place of a file that was not fetched."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(_POINTER)) if path.is_file() else b""
+    except OSError:
+        return  # told when it is read
+    if start == _POINTER:
+        raise FileError(f"{path} is a Git LFS pointer, not the file itself; fetch that with: git lfs pull")
+
+
+def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
+    """The UTF-8 text of a plain file of at most so many bytes; FileError for any other."""
+    place = check_plain(path, what)
+    name = f"{what} {path}".strip()
+    try:
+        with place.open("rb") as file:
+            content = file.read(most + 1)
+    except OSError as error:
+        raise FileError(f"{name} cannot be read: {error.strerror}") from error
+    if len(content) > most:
+        raise FileError(f"{name} has more than {most} bytes; it is not what is asked for")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileError(f"{name} is no UTF-8 text: byte {error.start}") from error
+
+
+def json_of(path: Path | str, what: str = "") -> Any:
+    """The values of a JSON file; FileError where it cannot be read."""
+    try:
+        return json.loads(text_of(path, what))
+    except (ValueError, RecursionError) as error:
+        raise FileError(f"{path} is no JSON: {error}") from error

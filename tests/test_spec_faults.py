@@ -1,0 +1,261 @@
+"""What is wrong with a spec: all of it at once, each at its place, and soon."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from places import ROOT, SAMPLES
+from ruamel.yaml import YAML
+
+from rigtri.spec.building import build
+from rigtri.spec.faults import SpecError
+from rigtri.spec.loading import Spec, load
+
+
+def write(folder: Path, text: str, name: str = "rig.yaml") -> Path:
+    path = folder / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def faults(path: Path, source: Path | None = None) -> dict[tuple[int, int], str]:
+    """What is wrong with a spec, for a character where one is given, by line and column."""
+    with pytest.raises(SpecError) as caught:
+        build(source or SAMPLES / "biped.glb", path.parent / "out.glb", path)
+    found = caught.value.faults
+    if not found:
+        place, _, text = str(caught.value).partition(" ")
+        line, column = place.split(":")[-2:]
+        return {(int(line), int(column)): text}
+    return {(fault.place.line, fault.place.column): f"{fault.where}: {fault.text}" for fault in found}
+
+
+# JSON
+
+
+def test_a_json_spec_is_read_as_json(tmp_path: Path) -> None:
+    text = '{"steps": [{"do": "orient-joints", "joints": ["a\\ud83d\\ude00", "b\\/c\\t"], "end": "tip"}]}'
+    (only,) = load(write(tmp_path, text, "rig.json")).steps
+    assert only.request["joints"] == ("a\U0001f600", "b/c\t")
+
+
+def test_faults_of_json_have_their_places(tmp_path: Path) -> None:
+    text = '{"version": 1,\n "steps": [\n\t{"do": "orient-joints", "aim": "q",\n\t "uup": "y"}]}'
+    assert sorted(faults(write(tmp_path, text, "rig.json"))) == [(3, 33), (4, 10)]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"steps": [], "steps": []}', {(1, 15): "no JSON: 'steps' is said twice"}),
+        ('{"steps": [{"do": "strip",}]}', {(1, 27): "no JSON"}),
+        ('{"tolerance": NaN}', {(1, 1): "no JSON: NaN is no number of JSON"}),
+        ("[" * 100 + "]" * 100, {(1, 66): "deeper, than a spec can have"}),
+    ],
+)
+def test_what_is_no_json_is_told_as_such(text: str, said: dict[tuple[int, int], str], tmp_path: Path) -> None:
+    found = faults(write(tmp_path, text, "rig.json"))
+    assert list(found) == list(said)
+    assert all(words in found[place] for place, words in said.items())
+
+
+# Places
+
+
+def test_a_fault_of_toml_stands_at_its_word(tmp_path: Path) -> None:
+    text = '[[steps]] # one\ndo = "add-twist"\nlimb = ["upper_arm_L",\n  "forearmm_L", # two\n  \'hand_L\']\n'
+    text += '[[steps]]\n"do" = "constrain"\ntype = """parent"""\nchild = "hips"\n[steps.driver]\nhed = 1\n'
+    text += '[[steps]]\ndo = "orient-joints"\nchain = {start = "hips", end = "chst"}\n'
+    assert sorted(faults(write(tmp_path, text, "rig.toml"), SAMPLES / "biped.glb")) == [
+        (4, 3),
+        (11, 7),
+        (14, 32),
+    ]
+
+
+def test_a_mapping_over_several_lines_is_told_at_its_key(tmp_path: Path) -> None:
+    text = "steps:\n- do: constrain\n  type: parent\n  child: hips\n  driver: {\n    chest: 1,\n    hed: 1}\n"
+    assert list(faults(write(tmp_path, text), SAMPLES / "biped.glb")) == [(7, 10)]
+
+
+def test_steps_are_numbered_as_the_file_has_them(tmp_path: Path) -> None:
+    text = 'steps:\n- {do: orient-joints, joints: "hand_{L,R}"}\n'
+    text += '- {do: constrain, type: parent, child: "hed_{L,R}", driver: chest}\n'
+    path = write(tmp_path, text)
+    assert [one.number for one in load(path).steps] == [1, 1, 2, 2]
+    with pytest.raises(SpecError) as caught:
+        build(SAMPLES / "biped.glb", tmp_path / "out.glb", load(path))
+    assert [fault.where for fault in caught.value.faults] == [
+        "step 2 (constrain, L)",
+        "step 2 (constrain, R)",
+    ]
+
+
+# All at once
+
+
+def test_an_unknown_variable_hides_nothing_else(tmp_path: Path) -> None:
+    text = "variables: {a: 1}\nsteps:\n- do: orient-joints\n  aim: ${b}\n  up: q\n"
+    text += "- do: add-twist\n  cont: ${d}\n- do: snap\n  to: ik\n  at: rest\n"
+    text += "- {do: constrain, type: parent, driver: a, up-vector: [0, 1, '${e}']}\n"
+    found = faults(write(tmp_path, text))
+    assert [(line, text.partition(": ")[2][:24]) for (line, _), text in sorted(found.items())] == [
+        (4, "there is no variable 'b'"),
+        (5, "up: input should be 'x',"),
+        (7, "there is no variable 'd'"),
+        (8, "give --limb ROOT MIDDLE "),
+        (11, "there is no variable 'e'"),
+    ]
+
+
+def test_all_names_that_a_step_has_wrong_are_told(tmp_path: Path) -> None:
+    text = "steps:\n- do: add-twist\n  limb: [[uper_arm_L, forearm_L, hnd_L], [thigh_L, shn_L, foot_L]]\n"
+    text += "- do: orient-joints\n  joints:\n  - hips\n  - '#999'\n  - 'fooo*'\n  exclude: [hed, 'hand_?']\n"
+    text += "- do: constrain\n  type: parent\n  child: hd\n  driver: {chst: 1, hips: 0.5}\n"
+    found = faults(write(tmp_path, text), SAMPLES / "biped.glb")
+    assert sorted(found) == [(3, 11), (3, 34), (3, 52), (7, 5), (8, 5), (9, 13), (12, 10), (13, 18)]
+    assert "Did you mean 'shin_L'" in found[3, 52]
+
+
+def test_a_file_that_is_not_there_hides_nothing_else(tmp_path: Path) -> None:
+    text = "steps:\n- {do: take-clips, from: no.glb}\n- {do: bake, rig: no.glb}\n"
+    text += "- {do: snap, to: ik, at: rest}\n"
+    assert len(faults(write(tmp_path, text))) == 3
+
+
+def test_a_variable_that_is_none_is_one_fault(tmp_path: Path) -> None:
+    text = "variables: {a: [1], b: null}\nsteps: [{do: strip}]\n"
+    found = faults(write(tmp_path, text))
+    assert list(found) == [(1, 13), (1, 24)]
+    assert "give a text, a number, true or false" in found[1, 13]
+
+
+def test_yaml_that_holds_itself_is_told_so(tmp_path: Path) -> None:
+    assert "an alias stands within" in faults(write(tmp_path, "steps: &a\n- *a\n"))[1, 8]
+
+
+def test_yaml_takes_mappings_in_and_keeps_words(tmp_path: Path) -> None:
+    text = "steps:\n- &o {do: orient-joints, preset: maya, joints: [no, 2001-01-01]}\n"
+    text += "- <<: *o\n  preset: blender\n"
+    one, other = load(write(tmp_path, text)).steps
+    assert (one.request["preset"], other.request["preset"]) == ("maya", "blender")
+    assert other.request["joints"] == ("no", "2001-01-01")
+
+
+# Defaults
+
+
+WRONG = {
+    "orient-joint: {aim: x}": "there is no operation 'orient-joint'. Did you mean 'orient-joints'?",
+    "add-controls: {sise: 2}": "there is no option 'sise'. Did you mean 'size'?",
+    "add-twist: {count: 99}": "count: ",
+    "add-rivet: {do: strip}": "there is no option 'do'",
+}
+
+
+@pytest.mark.parametrize("line", WRONG)
+@pytest.mark.parametrize("extended", [False, True])
+def test_defaults_that_mean_nothing_are_refused(line: str, extended: bool, tmp_path: Path) -> None:
+    head = write(tmp_path, f"defaults:\n  {line}\n", "studio.yaml").read_text()
+    steps = "steps: [{do: orient-joints}]\n"
+    (place, text), *more = faults(
+        write(tmp_path, (f"extends: studio.yaml\n{steps}" if extended else head + steps))
+    ).items()
+    assert (place[0], more) == (2, [])
+    assert WRONG[line] in text
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(YAML(typ="safe", pure=True).load(head), schema())
+
+
+def test_what_defaults_need_not_say_they_may_leave_out(tmp_path: Path) -> None:
+    text = "defaults:\n  constrain: {space: local, optional: true}\nsteps: [{do: orient-joints}]\n"
+    load(write(tmp_path, text))
+    jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
+
+
+# Files belong to the spec that names them
+
+
+def test_files_are_found_beside_the_spec_that_names_them(tmp_path: Path) -> None:
+    write(tmp_path, "{}", "studio/f.json")
+    text = "defaults:\n  take-clips: {from: f.json}\nsteps: [{do: orient-joints, frames: f.json}]\n"
+    write(tmp_path, text, "studio/studio.yaml")
+    spec = load(write(tmp_path, "extends: studio/studio.yaml\n"))
+    assert spec.steps[0].request["frames"] == str(tmp_path / "studio" / "f.json")
+    spec = load(write(tmp_path, "extends: studio/studio.yaml\nsteps: [{do: take-clips}]\n"))
+    assert spec.steps[0].request["edited"] == str(tmp_path / "studio" / "f.json")
+
+
+# Schema and build agree
+
+
+def schema() -> Any:
+    return json.loads((ROOT / "schemas" / "spec.schema.json").read_text())
+
+
+def right(path: Path) -> Spec | None:
+    try:
+        return load(path)
+    except SpecError:
+        return None
+
+
+@pytest.mark.parametrize(
+    ("text", "fits"),
+    [
+        ("tolerance: ${t}\nvariables: {t: 1e-3}\nsteps: [{do: strip}]\n", True),
+        ("strict: ${t}\nvariables: {t: true}\nsteps: [{do: strip}]\n", True),
+        ('steps: [{do: add-twist, limbs: auto, count: "3"}]\n', False),
+        ("steps: [{do: add-twist, limbs: auto, count: 3}]\n", True),
+        ("steps: [{do: strip, optional: yes}]\n", False),
+        ("steps: [{do: add-controls, whole-character: 1}]\n", False),
+        ("steps: [{do: add-controls, whole-character: true, size: 1}]\n", True),
+        ("variables: {a: null}\nsteps: [{do: strip}]\n", False),
+        ("steps: []\n", False),
+        ("{}\n", False),
+    ],
+)
+def test_the_schema_takes_what_a_build_takes(text: str, fits: bool, tmp_path: Path) -> None:
+    assert (right(write(tmp_path, text)) is not None) is fits
+    plain = YAML(typ="safe", pure=True).load(text)
+    assert jsonschema.Draft202012Validator(schema()).is_valid(plain) is fits
+
+
+def test_a_variable_that_is_set_has_the_type_of_the_one_in_the_spec(tmp_path: Path) -> None:
+    text = "variables: {n: 2, on: false, who: '12'}\n"
+    text += "steps: [{do: add-twist, joint: '${who}', to: a, count: '${n}', upper: '${on}'}]\n"
+    (only,) = load(write(tmp_path, text), variables={"n": "4", "on": "true", "who": "13"}).steps
+    assert (only.request["count"], only.request["upper"], only.request["joints"]) == (4, True, ("13",))
+
+
+# Bounds
+
+
+def braced(words: str) -> str:
+    return f'steps:\n- {{do: orient-joints, joints: "{{{words}"}}\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (braced(",".join("a" * 100_000) + "}"), "at most 1,000 words"),
+        ("steps:\n" + braced(",".join("a" * 1000) + "}").removeprefix("steps:\n") * 20, "10,000 steps"),
+        (braced("," * 100_000), ""),
+        (f"variables: {{a: {'x' * 9999}}}\n" + braced("}${a}"), "4,096 letters"),
+    ],
+    ids=["words", "steps", "an open brace", "a long variable"],
+)  # fmt: skip
+def test_a_spec_without_bounds_is_refused_soon(text: str, said: str, tmp_path: Path) -> None:
+    path = write(tmp_path, text)
+    began = time.perf_counter()
+    if said:
+        assert said in str(faults(path))
+    else:
+        load(path)
+    assert time.perf_counter() - began < 10

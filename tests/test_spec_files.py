@@ -1,0 +1,121 @@
+"""Files that a spec names and that a build reads and writes: none is lost, none hangs, each is found."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from places import SAMPLES
+
+from rigtri.cli.main import program
+from rigtri.errors import FileError, UsageError
+from rigtri.plain_files import text_of
+from rigtri.spec.building import build
+
+TWO = "steps:\n- {do: orient-joints, preset: maya}\n- {do: add-controls, whole-character: true}\n"
+
+
+def write(folder: Path, text: str, name: str = "rig.yaml") -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(*words: object, stream: bytes | None = None) -> Result:
+    return CliRunner().invoke(program, list(map(str, words)), input=stream)
+
+
+@pytest.mark.parametrize("name", ["rig.yaml", "studio.yaml", "frames.json"])
+def test_what_a_spec_is_made_of_is_never_written_over(name: str, tmp_path: Path) -> None:
+    write(tmp_path, "steps: [{do: strip}]\n", "studio.yaml")
+    write(tmp_path, "{}", "frames.json")
+    spec = write(tmp_path, "extends: studio.yaml\nsteps: [{do: orient-joints, frames: frames.json}]\n")
+    place = tmp_path / name
+    before = place.read_bytes()
+    with pytest.raises(UsageError, match=f"{name} is .* it would be lost"):
+        build(SAMPLES / "biped.glb", place, spec, overwrite=True)
+    line = ("build", SAMPLES / "biped.glb", "--spec", spec, "-o", tmp_path / "out.glb", "--overwrite")
+    result = run(*line, "--report", place)
+    assert (result.exit_code, place.read_bytes()) == (2, before), result.output
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_a_sidecar_never_takes_the_place_of_a_file_of_the_spec(tmp_path: Path) -> None:
+    frames = write(tmp_path, "{}", "out.rig.json")
+    text = f"sidecar: true\nsteps: [{{do: orient-joints, frames: {frames.name}}}]\n"
+    line = ("build", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--overwrite")
+    result = run(*line, "--spec", write(tmp_path, text))
+    assert (result.exit_code, frames.read_text()) == (2, "{}"), result.output
+
+
+@pytest.mark.parametrize("option", ["--log", "--manifest"])
+@pytest.mark.parametrize("name", ["rig.yaml", "studio.yaml", "hero.glb", "list.txt", "out/hero.glb"])
+def test_a_batch_writes_over_nothing_that_it_needs(option: str, name: str, tmp_path: Path) -> None:
+    write(tmp_path, TWO, "studio.yaml")
+    spec = write(tmp_path, "extends: studio.yaml\n")
+    source = tmp_path / "hero.glb"
+    source.write_bytes((SAMPLES / "biped.glb").read_bytes())
+    (tmp_path / "out").mkdir()
+    words = write(tmp_path, f"{source}\n", "list.txt")
+    place = tmp_path / name
+    before = place.read_bytes() if place.exists() else b""
+    result = run("batch", f"@{words}", "--spec", spec, "-O", tmp_path / "out", option, place)
+    assert result.exit_code == 2, result.output
+    assert f"{option} {place} names a file that is needed" in result.stderr
+    assert (place.read_bytes() if place.exists() else b"") == before
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes have no names here")
+@pytest.mark.parametrize(
+    "step",
+    [
+        "orient-joints, frames: {}",
+        "orient-joints, like: {}",
+        "take-clips, from: {}",
+        "bake, to: controls, rig: {}",
+    ],
+)
+def test_a_pipe_or_a_device_is_no_file_of_a_step(step: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.glb")
+    for name in ("pipe.glb", "/dev/zero"):
+        spec = write(tmp_path, f"steps: [{{do: {step.format(name)}}}, {{do: orient-joints, like: no.glb}}]\n")
+        result = run("build", "--explain", "--spec", spec)
+        assert result.exit_code == 3, result.output
+        assert "is a device or a pipe; give a plain file" in result.stderr
+        assert "There is no file" in result.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes have no names here")
+def test_lists_jobs_logs_and_specs_are_plain_files(tmp_path: Path) -> None:
+    pipe, spec, source = tmp_path / "pipe.yaml", write(tmp_path, TWO), SAMPLES / "biped.glb"
+    os.mkfifo(pipe)
+    out = ("-O", tmp_path / "out")
+    for line in (
+        ("batch", f"@{pipe}", "--spec", spec, *out),
+        ("batch", "--job", pipe, "--spec", spec, *out),
+        ("batch", source, "--spec", spec, *out, "--log", pipe),
+        ("batch", source, "--spec", spec, *out, "--manifest", pipe),
+        ("batch", source, "--spec", pipe, *out),
+    ):
+        result = run(*line)
+        assert result.exit_code in (2, 3), result.output
+        assert "is a device or a pipe" in result.stderr
+
+
+def test_a_text_larger_than_it_can_be_meant_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path, "12345")
+    assert text_of(path, most=5) == "12345"
+    with pytest.raises(FileError, match="more than 4 bytes"):
+        text_of(path, most=4)
+
+
+@pytest.mark.parametrize("sample", ["biped.glb", "biped.usda"])
+def test_a_stream_goes_through_several_steps_to_a_stream(sample: str, tmp_path: Path) -> None:
+    spec, content = write(tmp_path, TWO), (SAMPLES / sample).read_bytes()
+    build(SAMPLES / sample, tmp_path / sample, spec)
+    for source, stream in (("-", content), (SAMPLES / sample, None)):
+        result = run("build", source, "--spec", spec, "-o", "-", "-q", stream=stream)
+        assert result.exit_code == 0, result.stderr
+        assert result.stdout_bytes == (tmp_path / sample).read_bytes()
