@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -87,7 +88,7 @@ def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
 
 def _numbers(words: tuple[str, ...]) -> list[float] | None:
     """Nine numbers; None where the first word is no number but a file. UsageError for other counts."""
-    parts = [part for word in words for part in word.replace(";", ",").split(",")]
+    parts = [part for word in words for part in re.split(r"\s*[,;]\s*|\s+", word.strip().rstrip(",;"))]
     try:
         float(parts[0])
     except ValueError:

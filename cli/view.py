@@ -94,7 +94,10 @@ def command(source: str, target: str, **values: Any) -> None:
         click.echo(json.dumps(_told(shown, target, len(text), report), indent=2, ensure_ascii=False))
     pictures.tell(report, target, values)
     if values["opens"] and click.launch(Path(target).resolve().as_uri()) != 0:
-        click.echo(f"warning: no browser could be started; open {plain(target)} in one", err=True)
+        told = (
+            f"no browser could be started; install one (such as chromium), or open {plain(target)} elsewhere"
+        )
+        click.echo(f"warning: {told}", err=True)
 
 
 def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
@@ -133,7 +136,8 @@ def _read(sources: list[str], values: dict[str, Any], report: Report) -> tuple[l
             for notice in document.warnings:
                 report.warn(notice.code, f"{title}: {notice.text}")
             if not rig.is_joint.any():
-                report.warn("no-joints", f"{title} has no joints; its nodes are shown")
+                rest = "its nodes are shown" if len(rig) else "nor any node"
+                report.warn("no-joints", f"{title} has no joints; {rest}")
             for text in embedded.lacking:
                 report.warn("not-shown", f"{title}: {text}")
             content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()

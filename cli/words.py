@@ -3,23 +3,10 @@
 from __future__ import annotations
 
 import os
-import unicodedata
 from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
 
-
-def plain(text: str, *, one_line: bool = False) -> str:
-    """Text without control characters: names in files could move the cursor or turn the line round.
-
-    one_line: newlines and tabs become escapes, too.
-
-    >>> plain("a\\x1b[2Jb")
-    'a\\\\x1b[2Jb'
-    """
-    kept = "" if one_line else "\n\t"
-    if text.isprintable():
-        return text
-    return "".join(letter if letter in kept or not _controls(letter) else _escape(letter) for letter in text)
+from rigtri.plain import plain as plain
 
 
 def colored(stream: TextIO) -> bool:
@@ -68,15 +55,3 @@ def grown(clips: Sequence[Mapping[str, Any]]) -> str:
     of += f" and {len(names) - 4} more" if len(names) > 4 else ""
     line = f"; the same properties had {counted(before, 'key')} before{of}"
     return f"{line} (a larger --tolerance leaves out more)"
-
-
-def _controls(letter: str) -> bool:
-    # Format characters join letters of scripts; only those that change direction are kept out.
-    if unicodedata.category(letter) in ("Cc", "Zl", "Zp"):
-        return True
-    turns = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
-    return unicodedata.bidirectional(letter) in turns
-
-
-def _escape(letter: str) -> str:
-    return letter.encode("unicode_escape").decode("ascii")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import wrap
 
 
 def columns(rows: Sequence[Sequence[str]]) -> list[str]:
@@ -24,6 +25,13 @@ def fitting(rows: Sequence[Sequence[str]], width: int | None, spare: Sequence[in
         rows = [[*row[:column], *row[column + 1 :]] if len(row) > column + 1 else row for row in rows]
         lines = columns(rows)
     return lines
+
+
+def wrapped(text: str, width: int | None) -> list[str]:
+    """A line as several that are not wider than ``width``, the others indented; none for no text."""
+    if width is None or len(text) <= width:
+        return [text] if text else []
+    return wrap(text, max(width, 20), subsequent_indent="  ", break_long_words=False)
 
 
 def _padded(row: Sequence[str], widths: Sequence[int]) -> list[str]:

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from rigtri import pose
-from rigtri.columns import columns, fitting
+from rigtri.columns import columns, fitting, wrapped
 from rigtri.matrices import SKEW, determinant, skew
+from rigtri.plain import plain, shown_name
 from rigtri.quaternions import norm
 from rigtri.records import Booleans, Clip, Constraint, Skin
 from rigtri.report import Report
@@ -31,11 +32,12 @@ SAME_SCALE = 1e-4
 ZERO_LENGTH = 1e-6
 _DEGREES = 180.0 / np.pi
 _LETTERS = "xyz"
-# Deeper nodes say how deep they are instead of being indented: else a chain of n joints has n² dots.
-_DEEPEST = 60
+# Deeper nodes say how deep they are instead of being indented: else a chain of n joints has n² dots. On a
+# terminal the dots take no more than this share of it.
+_DEEPEST, _DOTTED = 60, 1 / 4
 # Columns of the tree that narrow terminals do without, the first of them first: the numbers of the
-# axes, the label, the length, the bend. Each number counts what is left.
-_SPARE = (3, 1, 3, 3)
+# axes, the length, the bend, the bone. Each number counts what is left. Labels stay: they find a joint.
+_SPARE = (3, 4, 4, 3)
 
 
 def describe(rig: Rig, *, report: Report | None = None, width: int | None = None) -> str:
@@ -50,22 +52,27 @@ def describe(rig: Rig, *, report: Report | None = None, width: int | None = None
     """
     seen = _Seen(rig)
     kind = "joints" if rig.is_joint.any() else "nodes"
-    title = f"{kind} (arrows as seen from the front, ⊙ towards you, ⊗ away)"
+    room = None if width is None else width - 2
+    deepest = _DEEPEST if width is None else min(max(int(_DOTTED * width / len(". ")), 4), _DEEPEST)
     sections = [
         ("", [_heading(rig)]),
         (
-            f"{title} (arrows as seen from the front, ⊙ towards you, ⊗ away)",
-            fitting(list(_tree(seen)), None if width is None else width - 2, _SPARE),
+            f"{kind} (arrows as seen from the front, ⊙ towards you, ⊗ away)",
+            fitting(list(_tree(seen, deepest)), room, _SPARE),
         ),
         ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
         ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
         ("notes", columns([_note_words(seen, node) for node in sorted(rig.notes)])),
-        ("warnings", [f"{w.code}: {w.text}" for w in (report.warnings if report else ())]),
+        (
+            "warnings",
+            [f"{w.code}: {plain(w.text, one_line=True)}" for w in (report.warnings if report else ())],
+        ),
     ]
     blocks = []
     for title, lines in sections:
         if lines:
-            blocks.append("\n".join([title, *(f"  {line}" for line in lines)] if title else lines))
+            rows = [f"  {line}" for line in lines] if title else wrapped(lines[0], width)
+            blocks.append("\n".join([*wrapped(title, width), *rows]))
     return "\n\n".join(blocks)
 
 
@@ -162,20 +169,23 @@ def _heading(rig: Rig) -> str:
     return f"{', '.join(counts)}; up {_direction(np.array(rig.up))}{facing}{frozen}"
 
 
-def _tree(seen: _Seen) -> Iterator[list[str]]:
-    """The words of each node, depth first in the file's order; an explicit stack, for deep chains."""
+def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:
+    """The words of each node, depth first in the file's order; an explicit stack, for deep chains.
+
+    deepest: how many dots a node has at most.
+    """
     rig = seen.rig
     stack = [(int(node), 0) for node in np.flatnonzero(rig.parents < 0)[::-1]]
     while stack:
         node, depth = stack.pop()
         stack += [(child, depth + 1) for child in reversed(rig.children[node])]
-        name = rig.names[node] or "-"
+        name = shown_name(rig.names[node]) or "-"
         title = name if seen.counts[node] else f"[{name}]"
-        more = f"+{depth - _DEEPEST} " if depth > _DEEPEST else ""
-        words = [f"{'. ' * min(depth, _DEEPEST)}{more}{title}", rig.labels[node]]
+        more = f"+{depth - deepest} " if depth > deepest else ""
+        words = [f"{'. ' * min(depth, deepest)}{more}{title}", rig.labels[node]]
         if seen.counts[node]:
             words += [_arrows(seen, node), _axes_words(seen.axes[node]), *_bone_words(seen, node)]
-        yield [*words, ", ".join(_flags(seen, node))]
+        yield [*words, plain(", ".join(_flags(seen, node)), one_line=True)]
 
 
 def _arrows(seen: _Seen, node: int) -> str:
@@ -194,7 +204,7 @@ def _bone_words(seen: _Seen, node: int) -> list[str]:
         return ["", "", ""]
     child, axis, degrees = found
     sign, letter = "-" if axis > 2 else "+", _LETTERS[axis % 3]
-    name = seen.rig.names[child] or seen.rig.labels[child]
+    name = shown_name(seen.rig.names[child]) or seen.rig.labels[child]
     size = float(length(seen.position[child] - seen.position[node]))
     bend = seen.bend(node, child)
     return [
@@ -258,7 +268,7 @@ def _constraint_words(rig: Rig, constraint: Constraint) -> str:
 
 def _skin_words(skin: Skin, number: int) -> list[str]:
     return [
-        skin.name or f"#{number}",
+        shown_name(skin.name) or f"#{number}",
         _count(len(skin.joints), "joint"),
         f"{int(np.count_nonzero(skin.weighted))} weighted",
         "inverse binds stored" if skin.stored else "no inverse binds",
@@ -270,7 +280,7 @@ def _clip_words(clip: Clip, number: int) -> list[str]:
     kinds = dict.fromkeys(track.interpolation for track in clip.tracks)
     keys = sum(len(track.times) for track in clip.tracks)
     return [
-        clip.name or f"#{number}",
+        shown_name(clip.name) or f"#{number}",
         _count(len(clip.tracks), "track"),
         _count(keys, "key"),
         f"{_number(times[0])} to {_number(times[-1])}" if len(times) else "",
@@ -283,13 +293,14 @@ def _note_words(seen: _Seen, node: int) -> list[str]:
     rig, note = seen.rig, seen.rig.notes[node]
     parent = int(rig.parents[node])
     rest = [f"{key} {_value(note[key])}" for key in sorted(note) if key not in ("v", "type")]
-    return [
-        rig.names[node] or rig.labels[node],
-        f"under {rig.title(parent) if parent >= 0 else '-'}",
+    words = [
+        shown_name(rig.names[node]) or rig.labels[node],
+        f"under {shown_name(rig.title(parent)) if parent >= 0 else '-'}",
         f"at {_row(seen.position[node])}",
         str(note.get("type", "")),
         *rest,
     ]
+    return [plain(word, one_line=True) for word in words]
 
 
 def _node_json(seen: _Seen, node: int) -> dict[str, Any]:

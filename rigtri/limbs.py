@@ -105,9 +105,10 @@ def _from_names(rig: Rig, joints: list[int]) -> list[Limb]:
     limbs = []
     kinds: tuple[Kind, ...] = ("arm", "leg")
     sides: tuple[Side, ...] = ("left", "right", "")
+    said = {node: side(name) for node, name in names.items()}
     for kind in kinds:
         for which in sides:
-            mine = {node: name for node, name in names.items() if side(name) == which}
+            mine = {node: name for node, name in names.items() if said[node] == which}
             limb = _from_words(rig, mine, kind, which) or _from_numbers(rig, mine, kind, which)
             if limb is not None:
                 limbs.append(limb)

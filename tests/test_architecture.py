@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(
 # Each module may import from lines above its own, and from its own line what the comment says.
 ORDER = """
 errors
-bounds columns scratch
+bounds columns plain scratch
 trigonometry
 vectors
 quaternions

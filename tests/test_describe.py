@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -88,14 +89,40 @@ def test_arrows_of_a_joint_are_those_of_its_axes_seen_from_where_the_character_l
 
 def test_a_narrow_terminal_has_fewer_columns_and_every_joint() -> None:
     rig = character().rig
-    whole = describe(rig).split("\n\n")[1].splitlines()
+    _, *whole = describe(rig).split("\n\n")[1].splitlines()
     for width in (100, 70, 40):
-        tree = describe(rig, width=width).split("\n\n")[1].splitlines()
-        assert len(tree) == len(whole)
-        assert [row.split("  ")[1] for row in tree[1:]] == [row.split("  ")[1] for row in whole[1:]]
+        tree = describe(rig, width=width).split("\n\n")[1].splitlines()[-len(whole) :]
+        # Name and label: without the label nothing would find a joint that has no name.
+        assert [row.split()[:1] for row in tree] == [row.split()[:1] for row in whole]
+        assert [re.findall(r"#\d+", row)[0] for row in tree] == [re.findall(r"#\d+", row)[0] for row in whole]
         assert "x:" not in "".join(tree)
-    assert max(map(len, tree[1:])) < 70
+    assert max(map(len, tree)) < 70
     assert describe(rig, width=1000) == describe(rig)
+
+
+def test_the_legend_is_told_once_and_lines_above_the_tree_fit() -> None:
+    rig = character().rig
+    assert describe(rig).count("as seen from the front") == 1
+    heading, tree, *_ = describe(rig, width=40).split("\n\n")
+    assert max(map(len, heading.splitlines())) <= 40
+    assert max(map(len, tree.splitlines()[:2])) <= 40
+
+
+def test_deep_chains_take_a_share_of_the_terminal() -> None:
+    rig = rig_of(["j"] * 50, list(range(-1, 49)), np.tile([0.0, 1.0, 0.0], (50, 1)))
+    tree = describe(rig, width=80).split("\n\n")[1].splitlines()
+    assert tree[-1].startswith("  " + ". " * 10 + "+39 ")
+    assert max(map(len, tree)) <= 80
+
+
+def test_names_are_one_line_each_and_no_row_is_wide_for_one_of_them() -> None:
+    rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
+    named = replace(rig, names=("a\n  b  #9", "x" * 500, "\u202ec"))
+    text = describe(named)
+    assert len(text.splitlines()) == len(describe(rig).splitlines())
+    assert "a\\n  b  #9" in text
+    assert "\\u202ec" in text
+    assert max(map(len, text.splitlines())) < 250
 
 
 def test_axes_off_the_world_are_told_in_numbers() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -28,10 +29,11 @@ from rigtri.drawing.picture import Options, draw, seen
 from rigtri.errors import FileError, NameNotFoundError
 from rigtri.formats import read
 from rigtri.ops.orient import orient_joints
-from rigtri.ops.select import Selection
+from rigtri.ops.select import Selection, chosen
 from rigtri.records import Mesh, Surface
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.skeleton import skeleton
 from rigtri.trigonometry import Floats
 from rigtri.vectors import normalise
 
@@ -320,6 +322,20 @@ def test_the_command_writes_what_the_function_gives(run: Any, tmp_path: Path) ->
     assert "from -1,0,0" in run(source, "-o", "-", "--view", "-1,0,0").stdout
     run(source, "-o", "arm.svg", "--overwrite", "--against", SAMPLES / "arm.usda", "--view", "top")
     assert {"before: arm.usda", "after: arm.gltf"} <= set(texts((tmp_path / "arm.svg").read_text("utf-8")))
+
+
+def test_a_picture_without_the_joints_that_were_left_out_says_so(run: Any) -> None:
+    assert "leaves no joint to be drawn" in run(SAMPLES / "biped.glb", "-o", "a.svg", "--exclude", "*").stderr
+
+
+def test_a_large_selection_costs_in_proportion() -> None:
+    """Half a minute where every joint looks at all others."""
+    n = 20_000
+    rig = rig_of([f"j{k}" for k in range(n)], [-1] + [0] * (n - 1), np.ones((n, 3)))
+    tree = skeleton(rig, plain=True)
+    started = time.perf_counter()
+    assert len(chosen(tree, Selection(exclude=("j1",)))) == n - 1
+    assert time.perf_counter() - started < 3
 
 
 def test_the_lines_are_there_for_machines(run: Any) -> None:

@@ -97,6 +97,24 @@ def test_numbers_too_large_or_none_are_told_not_shown() -> None:
         explain([0, 0, 0], [float("nan"), 0, 0], [1, 0, 0])
     huge = explain([0, 0, 0], [1e300, 0, 0], [0, 1e300, 0])
     assert value(huge, "length(AC)") is None
+    assert "another unit" in text(huge)
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1e-100, 1e100, 1e200])
+def test_points_whose_squares_are_no_numbers_are_told_instead_of_measured(unit: float) -> None:
+    found = explain([0, 0, 0], [unit, 0, 0], [0, unit, 0])
+    assert "another unit" in found.trouble
+    assert value(found, "b - a") == (unit, 0, 0)
+    assert {value(found, ours) for ours in ("length(AB)", "angle(AB, AC)", "cross(AB, AC)")} == {None}
+    validator("explain").validate(found.as_json())
+    ElementTree.fromstring(picture(found))
+
+
+@pytest.mark.parametrize("unit", [1e-60, 1e60])
+def test_points_as_small_or_large_as_can_be_squared_are_measured(unit: float) -> None:
+    found = explain([0, 0, 0], [unit, 0, 0], [0, unit, 0])
+    assert value(found, "length(cross(AB, AC)) / 2") == pytest.approx(unit * unit / 2)
+    assert value(found, "angle(AB, AC)") == pytest.approx(90)
 
 
 def test_the_picture_shows_the_points_the_projection_and_the_pole() -> None:
@@ -128,6 +146,7 @@ def run(app: click.Group, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ca
         ["0,140,0", "25,140,-5", "50,140,0"],
         ["0", "140", "0", "25", "140", "-5", "50", "140", "0"],
         ["0,140,0,25,140,-5,50,140,0"],
+        ["0, 140, 0", "25 140 -5", "50,", "140,", "0"],
         ["--", "0,140,0", "25,140,-5", "50,140,0"],
     ],
 )

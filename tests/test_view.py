@@ -13,13 +13,17 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 import pytest
 import usd_files
+from builds import _controls
 from click.testing import CliRunner, Result
 from gltf_files import Builder, small
-from places import ROOT
+from places import ROOT, SAMPLES
 
+from rigtri.drawing.picture import seen
 from rigtri.formats import Options, read
+from rigtri.report import Report
 from rigtri.viewer.facts import facts
 
 NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
@@ -120,6 +124,22 @@ def test_limbs_and_pole_vectors_are_told_by_their_nodes(
     assert sum(one["pole"] >= 0 for one in told["limbs"]) == 1
 
 
+def test_joints_hang_on_joints_and_are_crooked_as_draw_has_them_whatever_stands_between() -> None:
+    before = read(SAMPLES / "biped.glb").rig
+    after = _controls(before, Report())
+    nodes = facts(after)["nodes"]
+    joints = {node["path"]: node for node in nodes if node["joint"]}
+    hangs = {node["name"]: nodes[node["above"]]["name"] for node in joints.values() if node["above"] >= 0}
+    assert hangs == {
+        before.names[k]: before.names[int(before.parents[k])]
+        for k in np.flatnonzero(before.is_joint)
+        if before.parents[k] >= 0 and before.is_joint[before.parents[k]]
+    }
+    told = {node["name"] for node in joints.values() if node.get("crooked")}
+    drawn = [mark for mark in seen(after) if mark.kind == "joint"]
+    assert told == {mark.node for mark in drawn if mark.crooked} != set()
+
+
 def test_joints_of_usd_are_known_by_skeleton_and_number(samples: Path) -> None:
     rig = read(samples / "biped.usda").rig
     keys = {node["name"]: node["key"] for node in facts(rig)["nodes"] if node["joint"]}
@@ -163,6 +183,14 @@ def test_a_skeleton_that_a_mesh_inherits_is_written_at_the_mesh(tmp_path: Path) 
     assert shown.GetSkeletonRel().GetTargets() == [Sdf.Path("/Root/Skel")]
     # One joint for the whole mesh, said for each of its two points.
     assert list(shown.GetJointIndicesPrimvar().Get()) == [0, 0]
+
+
+def test_a_usd_mesh_that_is_bound_to_nothing_is_shown(view: Any, tmp_path: Path) -> None:
+    path = tmp_path / "in.usda"
+    mesh = "int[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n"
+    points = "point3f[] points = [(0,0,0), (1,0,0), (0,0,1)]\n"
+    path.write_text(f'#usda 1.0\ndef Mesh "M"\n{{\n{mesh}{points}}}\n')
+    assert written(view, tmp_path, path).facts["models"][0]["nodes"][0]["name"] == "M"
 
 
 def test_no_name_of_a_file_becomes_an_element(view: Any, samples: Path, tmp_path: Path) -> None:
@@ -296,6 +324,22 @@ def test_a_file_without_joints_is_shown_and_says_so(view: Any, samples: Path, tm
     result = view(samples / "arm.gltf", "-o", tmp_path / "a.html")
     assert "arm.gltf has no joints; its nodes are shown" in result.stderr
     assert len(Page((tmp_path / "a.html").read_text("utf-8")).facts["models"][0]["nodes"]) > 2
+
+
+def test_names_that_turn_lines_round_or_are_endless_are_cut_and_marked(view: Any, tmp_path: Path) -> None:
+    b = small()
+    b.gltf["nodes"][1]["name"] = "\u202eabc" + "x" * 500
+    page = written(view, tmp_path, b.glb(tmp_path / "\u202eb.glb"))
+    name = page.facts["models"][0]["nodes"][1]["name"]
+    assert name.startswith("\\u202eabc")
+    assert len(name) == 60
+    assert "\u202e" not in page.text["title"]
+
+
+def test_a_file_without_nodes_says_so(view: Any, tmp_path: Path) -> None:
+    path = tmp_path / "none.gltf"
+    path.write_text('{"asset": {"version": "2.0"}}')
+    assert "none.gltf has no joints; nor any node" in view(path, "-o", tmp_path / "a.html").stderr
 
 
 def test_what_is_missing_or_cannot_be_shown_is_told(view: Any, tmp_path: Path) -> None:

@@ -27,6 +27,11 @@ BARE = "['axes', 'bones', 'triangles', 'controls'].forEach((key) => rigtri.act.s
 SEEN = [{"evaluate": BARE}, {"evaluate": "new Promise((done) => setTimeout(done, 200))"}, {"seen": "#stage"}]
 
 
+APART = """(([clip, speed]) => Math.min(clip.right - speed.left, clip.bottom - speed.top))(
+    [document.getElementById('clip'), document.getElementById('speed').parentElement]
+    .map((one) => one.getBoundingClientRect()))"""
+
+
 @pytest.fixture
 def page(app: Any, tmp_path: Path) -> Any:
     """Write the page of a file; its path."""
@@ -152,7 +157,7 @@ def test_names_are_shown_as_they_are_and_nothing_in_them_runs(page: Any, tmp_pat
 
 def test_a_phone_in_the_dark_that_wants_rest_gets_it(page: Any, samples: Path, tmp_path: Path) -> None:
     options = {
-        "viewport": {"width": 390, "height": 844},
+        "viewport": {"width": 320, "height": 568},
         "hasTouch": True,
         "isMobile": True,
         "colorScheme": "dark",
@@ -162,12 +167,15 @@ def test_a_phone_in_the_dark_that_wants_rest_gets_it(page: Any, samples: Path, t
         {"evaluate": "[document.documentElement.scrollWidth, rigtri.state.playing]"},
         {"evaluate": f"Math.min(...{BUTTONS}.map((one) => one.offsetHeight || 99))"},
         {"evaluate": "getComputedStyle(document.body).backgroundColor"},
+        # How far the menu of clips goes over what stands beside it, in pixels.
+        {"evaluate": APART},
         *SEEN,
     ]
     job = {"page": page(samples / "biped.glb", "--clip", "walk"), "options": options, "steps": steps}
     (told,) = visited(job, folder=tmp_path)
     assert healthy(told), told
-    assert told["results"][0] == [390, False]
+    assert told["results"][0] == [320, False]
+    assert told["results"][3] <= 0
     assert told["results"][1] >= 40
     assert told["results"][2] == "rgb(32, 34, 38)"
     assert told["results"][-1] > DRAWN
@@ -183,6 +191,23 @@ def test_joints_are_shown_of_a_file_whose_meshes_cannot_be(page: Any, tmp_path: 
     assert healthy(told), told
     assert told["state"]["bones"] == "3"
     assert "compressed with Draco are not shown" in told["results"][0]
+
+
+def test_an_image_that_no_browser_reads_is_counted_and_told(page: Any, tmp_path: Path) -> None:
+    b = evil()
+    b.gltf["images"] = [{"uri": "a.png"}]
+    (tmp_path / "a.png").write_bytes(b"no picture")
+    lettered = evil()
+    lettered.gltf["images"] = [{"uri": "data:image/png;base64,bm8="}]
+    jobs = [
+        {"page": page(one.glb(tmp_path / f"{k}.glb")), "steps": [{"evaluate": ON_SCREEN}]}
+        for k, one in enumerate((b, lettered))
+    ]
+    named, inside = visited(*jobs, folder=tmp_path)
+    assert (named["state"]["state"], named["state"]["errors"]) == ("ready", "1")
+    assert "cannot read the image a.png" in named["results"][0]
+    assert (inside["state"]["state"], inside["state"]["errors"]) == ("ready", "1")
+    assert "cannot read an image that is in the file" in inside["results"][0]
 
 
 REAL = {

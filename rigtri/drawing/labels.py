@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ _CELL, _LETTER, _WIDE = 3.0, 0.56, 1.05
 # How far a name may be from its joint, in pixels, and where: right and down.
 _AWAY = (3.0, 12.0, 26.0)
 _WAYS = ((1.0, 0.0), (0.8, -0.7), (0.8, 0.7), (0.0, -1.0), (0.0, 1.0), (-0.8, -0.7), (-0.8, 0.7), (-1.0, 0.0))
+_NEAR_FIRST = [(away, x, y) for away in _AWAY for x, y in _WAYS]
 
 
 @dataclass(frozen=True)
@@ -68,40 +69,49 @@ def labels(
         if dot is not None:
             taken[dot] = True
 
-    def ways(out: float) -> Iterator[tuple[tuple[float, float, float], bool]]:
-        """Where to put a name, the best first, and whether that must be free of lines."""
-        near = [(away, x * out, y) for away in _AWAY[:2] for x, y in _WAYS]
-        yield from ((way, True) for way in near)
-        yield from (((away, x * out, y), False) for away in _AWAY for x, y in _WAYS)
-
     found = []
     for name, place, radius in asked:
         text = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
         size = width(text, font), 1.1 * font
         # Outwards first: there is more room than in the middle.
         out = -1.0 if place[0] < left + 0.5 * wide else 1.0
-        for way, free in ways(out):
-            spot = _beside(place, radius, way, size)
-            where = cells(*spot, *size)
-            if where is not None and not taken[where].any() and not (free and lined[where].any()):
-                taken[where] = True
-                on_left = spot[0] + 0.5 * size[0] < place[0]
-                x = spot[0] + size[0] if on_left else spot[0]
-                far, at = way[0] > _AWAY[0], (float(place[0]), float(place[1]))
-                found.append(Placed(text, x, spot[1] + 0.85 * font, on_left, far, at))
+        spare: tuple[float, tuple[float, float], tuple[slice, slice]] | None = None
+        for away, x, y in _NEAR_FIRST:
+            if spare is not None and away == _AWAY[-1]:  # rather over a line than so far away
                 break
+            spot = _beside(place, radius, (away, x * out, y), size)
+            where = cells(*spot, *size)
+            if where is None or taken[where].any():
+                continue
+            clear = not lined[where].any()
+            if spare is None or clear:
+                spare = away, spot, where
+            if clear:
+                break
+        if spare is not None:
+            away, spot, where = spare
+            taken[where] = True
+            on_left = spot[0] + 0.5 * size[0] < place[0]
+            start = spot[0] + size[0] if on_left else spot[0]
+            at = (float(place[0]), float(place[1]))
+            found.append(Placed(text, start, spot[1] + 0.85 * font, on_left, away > _AWAY[0], at))
     return found
 
 
 def _lined(busy: Sequence[Floats], left: float, top: float, like: Booleans) -> Booleans:
     """The cells that lines go through."""
     lined = np.zeros_like(like)
-    for start, end in busy:
-        count = int(np.abs(end - start).max() / _CELL) + 2
-        if count > sum(like.shape):  # mostly outside the room
-            continue
+    if not busy:
+        return lined
+    starts, ends = np.stack(list(busy), axis=1)
+    cells_long = np.abs(ends - starts).max(axis=1) / _CELL
+    # Longer ones are mostly outside the room.
+    counts = np.where(cells_long < sum(like.shape), cells_long, -2.0).astype(np.int64) + 2
+    for count in np.unique(counts[counts > 0]).tolist():
+        some = counts == count
+        start, end = starts[some, np.newaxis], ends[some, np.newaxis]
         share = np.arange(count)[:, np.newaxis] / (count - 1)
-        cells = ((start + (end - start) * share - [left, top]) / _CELL).astype(np.int64)
+        cells = ((start + (end - start) * share - [left, top]) / _CELL).astype(np.int64).reshape(-1, 2)
         inside = ((cells >= 0) & (cells < like.shape[::-1])).all(axis=1)
         lined[cells[inside, 1], cells[inside, 0]] = True
     return lined

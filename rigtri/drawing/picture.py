@@ -8,9 +8,10 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+from rigtri.drawing.bones import AIMED
 from rigtri.drawing.marks import Mark
 from rigtri.drawing.outline import Patch, outline, patches
-from rigtri.drawing.scene import AIMED, Scene, marks
+from rigtri.drawing.scene import Scene, marks
 from rigtri.drawing.svg import arrow, number, panel, sheet, shown
 from rigtri.drawing.window import Window
 from rigtri.errors import FileError, UsageError
@@ -126,6 +127,8 @@ def _side(rig: Rig, options: Options, title: str, report: Report) -> _Side:
     count = len(scene.joints)
     noun = "joint" if jointed else "node"
     words = [f"{count} {noun}{'' if count == 1 else 's'}"]
+    if not count and len(scene.tree.joints):
+        report.warn("nothing-selected", f"{title or 'The file'}: the selection leaves no {noun} to be drawn")
     if not jointed:
         what = f"its {'node is' if count == 1 else 'nodes are'} drawn" if count else "nor any node"
         report.warn("no-joints", f"{title or 'The file'} has no joints; {what}")
@@ -137,8 +140,7 @@ def _side(rig: Rig, options: Options, title: str, report: Report) -> _Side:
 
 def crooked(scene: Scene) -> str:
     """How many joints have no axis along their bone; "" where nothing can be said."""
-    size = scene.size()
-    missed = [miss[0] for joint in scene.joints if (miss := scene.aimed(joint, size)) is not None]
+    missed = [miss.degrees for joint in scene.joints if (miss := scene.bones.aimed(joint)) is not None]
     off = [degrees for degrees in missed if degrees > AIMED]
     if not missed:
         return ""

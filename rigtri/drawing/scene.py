@@ -8,29 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from rigtri import pose
+from rigtri.drawing.bones import Bones
 from rigtri.drawing.marks import Mark
 from rigtri.limbs import recognise
 from rigtri.matrices import transform_points
 from rigtri.naming import without_prefix
 from rigtri.ops.select import Selection, chosen
 from rigtri.rig import Rig
-from rigtri.skeleton import ZERO_LENGTH, Skeleton, skeleton
+from rigtri.skeleton import Skeleton, skeleton
 from rigtri.solve.posed import Posed
 from rigtri.triangle import bend_angle, bend_direction, pole_position
 from rigtri.trigonometry import Floats
-from rigtri.vectors import angle, length, normalise, project
+from rigtri.vectors import length, normalise, project
 
 _DEGREES = 180.0 / np.pi
-# An axis farther than this from its bone, in degrees, is one that somebody sees to be off.
-AIMED = 1.0
-# A joint's dot and the corner of a right angle, as shares of the bone; bones of no length are as long
-# as this share of the figure, and no arrow is longer than the other.
-_DOT, _CORNER, _SHORT, _LONG = 0.06, 0.08, 0.02, 0.12
+# A joint's dot and the corner of a right angle, as shares of the bone; no arrow is longer than the last
+# share of the figure.
+_DOT, _CORNER, _LONG = 0.06, 0.08, 0.12
 _LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
 
 
@@ -42,6 +42,16 @@ def worlds(rig: Rig, posed: Posed) -> Floats:
     for node in posed.parts:
         local[node] = posed.local(node)[0]
     return pose.worlds(rig, local)
+
+
+def joints_of(rig: Rig) -> Skeleton:
+    """The joints of a rig; of one without joints all nodes, but for those that rigtri has added."""
+    if not len(rig):
+        return Skeleton(rig, (), {}, {}, np.zeros(0, dtype=bool))
+    if rig.is_joint.any() or "hips" in rig.humanoid:
+        return skeleton(rig)
+    every = [node for node in range(len(rig)) if node not in rig.own and node not in rig.aside]
+    return skeleton(rig, joints=every or range(len(rig)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +69,9 @@ class Scene:
 
         Raises NameNotFoundError and UsageError as `chosen` does.
         """
-        world = worlds(rig, posed)
-        if not len(rig):
-            return Scene(rig, world, Skeleton(rig, (), {}, {}, np.zeros(0, dtype=bool)), ())
-        known = rig.is_joint.any() or "hips" in rig.humanoid
-        every = [node for node in range(len(rig)) if node not in rig.own and node not in rig.aside]
-        tree = skeleton(rig) if known else skeleton(rig, joints=every or range(len(rig)))
-        return Scene(rig, world, tree, tuple(chosen(tree, selection)))
+        tree = joints_of(rig)
+        found = tuple(chosen(tree, selection)) if len(rig) else ()
+        return Scene(rig, worlds(rig, posed), tree, found)
 
     @property
     def places(self) -> Floats:
@@ -85,41 +91,10 @@ class Scene:
         size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
         return size or 1.0
 
-    def reach(self, joint: int, size: float) -> float:
-        """How long the bone of a joint counts: to the nearest joint below it, else from the one above."""
-        near = [k for k in self.tree.below[joint] if k not in self.rig.own or k in self.joints]
-        around = [self._far(joint, k) for k in near]
-        found = min((far for far in around if far > ZERO_LENGTH * size), default=0.0)
-        above = self.tree.above[joint]
-        if not found and above >= 0:
-            found = self._far(above, joint)
-        return found if np.isfinite(found) and found > ZERO_LENGTH * size else _SHORT * size
-
-    def _far(self, a: int, b: int) -> float:
-        return float(length(self.places[b] - self.places[a]))
-
-    def miss(self, joint: int, size: float) -> tuple[float, str, int] | None:
-        """How far the nearest axis of a joint is from a bone, in degrees, which axis, and to which joint.
-
-        None where no bone begins at the joint, or its axes have no direction.
-        """
-        with np.errstate(invalid="ignore"):
-            axes = normalise(self.world[joint, :3, :3])
-        best: tuple[float, str, int] | None = None
-        for child in self.tree.below[joint]:
-            bone = self.places[child] - self.places[joint]
-            if not length(bone) > ZERO_LENGTH * size:
-                continue
-            # Rounded, so that equal angles stay equal: the file's order decides, not the last bit.
-            off = np.round(angle(np.concatenate([axes, -axes]), bone) * _DEGREES, 3)
-            if np.isfinite(off).all() and (best is None or off.min() < best[0]):
-                k = int(np.argmin(off))
-                best = (float(off[k]), f"{'-' if k > 2 else '+'}{_LETTERS[k % 3]}", child)
-        return best
-
-    def aimed(self, joint: int, size: float) -> tuple[float, str, int] | None:
-        """The same for joints whose axes are there for a bone: a root's say how the whole stands."""
-        return self.miss(joint, size) if self.tree.above[joint] >= 0 and self.rig.is_joint[joint] else None
+    @cached_property
+    def bones(self) -> Bones:
+        """The bones of all joints."""
+        return Bones(self.tree, self.world, self.size(), self.joints)
 
 
 def marks(scene: Scene, *, arrows: float = 0.35) -> list[Mark]:
@@ -127,10 +102,11 @@ def marks(scene: Scene, *, arrows: float = 0.35) -> list[Mark]:
 
     arrows: the length of the axes as a share of the joint's bone; 0 leaves them out.
     """
-    size = scene.size()
     found = [*_follows(scene), *_limbs(scene), *_bones(scene)]
-    for joint, name in zip(scene.joints, _names(scene), strict=True):
-        found += _joint(scene, joint, name, size, arrows)
+    with np.errstate(invalid="ignore"):
+        axes = normalise(scene.world[list(scene.joints), :3, :3])
+    for joint, name, own in zip(scene.joints, _names(scene), axes, strict=True):
+        found += _joint(scene, joint, name, own, arrows)
     return [mark for mark in [*found, *_controls(scene)] if mark.clear]
 
 
@@ -142,30 +118,21 @@ def _names(scene: Scene) -> list[str]:
     return [short.get(node) or rig.names[node] or rig.labels[node] for node in scene.joints]
 
 
-def _joint(scene: Scene, joint: int, name: str, size: float, arrows: float) -> Iterator[Mark]:
-    """The dot of a joint and the arrows of its axes; an axis without direction has none."""
-    rig, place, reach = scene.rig, scene.places[joint], scene.reach(joint, size)
+def _joint(scene: Scene, joint: int, name: str, axes: Floats, arrows: float) -> Iterator[Mark]:
+    """The dot of a joint and the arrows of its axes, (3, 3); an axis without direction has none."""
+    rig, place, bones = scene.rig, scene.places[joint], scene.bones
     known, address = bool(rig.is_joint[joint]) or not rig.is_joint.any(), rig.address(joint)
-    miss = scene.miss(joint, size)
-    told = rig.title(joint)
-    if miss is not None:
-        told += f": {miss[1]} is {miss[0]:.1f}° off the bone to {rig.title(miss[2])}"
+    told, reach, size = rig.title(joint), bones.reach(joint), bones.size
+    if (miss := bones.misses.get(joint)) is not None:
+        told += f": {miss.axis} is {miss.degrees:.1f}° off the bone to {rig.title(miss.child)}"
     long = min(arrows * reach, _LONG * size)
-    with np.errstate(invalid="ignore"):
-        axes = normalise(scene.world[joint, :3, :3])
     for letter, axis in zip(_LETTERS, axes, strict=True):
         if arrows > 0 and np.isfinite(axis).all():
             yield Mark("arrow", letter, np.stack([place, place + axis * long]), address, size=long)
-    yield Mark(
-        "dot",
-        "joint" if known else "node",
-        place[np.newaxis],
-        address,
-        name,
-        told,
-        _DOT * min(reach, _LONG * size / 0.35),
-        crooked=(aimed := scene.aimed(joint, size)) is not None and aimed[0] > AIMED,
-    )
+    dot = _DOT * min(reach, _LONG * size / 0.35)
+    kind: Literal["joint", "node"] = "joint" if known else "node"
+    crooked = bones.crooked(joint)
+    yield Mark("dot", kind, place[np.newaxis], address, name, told, dot, crooked=crooked)
 
 
 def _bones(scene: Scene) -> Iterator[Mark]:

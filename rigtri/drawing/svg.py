@@ -6,6 +6,7 @@ Numbers have two decimals and come from + − × ÷ √, so the same rig is the 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
@@ -46,15 +47,16 @@ def panel(
     font: the size of names in pixels, 0 for none.
     """
     parts = [_path(loops, "body")] if loops else []
+    seen = _Seen.of(marks, window)
     for kind in _LAYERS:
         alike = [mark for mark in marks if mark.kind == kind]
         alike.sort(key=lambda m: float(window.view.depth(m.points[0] + m.points[-1])))
-        parts += [_titled(_shown(mark, window), mark.told) for mark in alike]
-    parts += _joints(marks, window)
+        parts += [_titled(_shown(mark, seen), mark.told) for mark in alike]
+    parts += _joints(marks, seen)
     named = [mark for mark in marks if mark.form == "dot" and mark.name] if font else []
     named.sort(key=lambda mark: (not mark.crooked, -mark.size))
-    asked = [(shown(m.name), window.place(m.points)[0], _radius(m, window) + 1.0) for m in named]
-    busy = [window.place(mark.points) for mark in marks if mark.form == "arrow"]
+    asked = [(shown(m.name), seen.places(m)[0], _radius(m, window) + 1.0) for m in named]
+    busy = [seen.places(mark) for mark in marks if mark.form == "arrow"]
     placed = labels(asked, busy, (window.left, window.top, window.wide, window.high), font)
     for label in placed:
         if label.far:
@@ -66,7 +68,39 @@ def panel(
     return parts, len(named) - len(placed)
 
 
-def _joints(marks: Sequence[Mark], window: Window) -> list[str]:
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Marks in a window, all placed at once. flat: (p, 2), in pixels; depth: (p,), the larger the nearer.
+
+    rows: where the points of each mark begin and end, by its identity.
+    """
+
+    window: Window
+    flat: Floats
+    depth: Floats
+    rows: dict[int, slice]
+
+    @staticmethod
+    def of(marks: Sequence[Mark], window: Window) -> _Seen:
+        points = np.concatenate([*(mark.points for mark in marks), np.zeros((0, 3))])
+        ends = np.cumsum([len(mark.points) for mark in marks], dtype=np.int64).tolist()
+        rows = {id(m): slice(end - len(m.points), end) for m, end in zip(marks, ends, strict=True)}
+        return _Seen(window, window.place(points), window.view.depth(points), rows)
+
+    def places(self, mark: Mark) -> Floats:
+        return self.flat[self.rows[id(mark)]]
+
+    def near(self, mark: Mark) -> float:
+        """How near a mark begins."""
+        return float(self.depth[self.rows[id(mark)].start])
+
+    def ahead(self, mark: Mark) -> float:
+        """How much nearer it ends than it begins."""
+        along = mark.points[-1] - mark.points[0]
+        return float(self.window.view.depth(along))
+
+
+def _joints(marks: Sequence[Mark], seen: _Seen) -> list[str]:
     """The dots and axes of joints, the nearest last; what belongs to one joint is a group with its name."""
     groups: dict[str, list[Mark]] = {}
     for k, mark in enumerate(marks):
@@ -74,32 +108,27 @@ def _joints(marks: Sequence[Mark], window: Window) -> list[str]:
             groups.setdefault(mark.node or f"#{k}", []).append(mark)
 
     def near(group: list[Mark]) -> float:
-        return float(window.view.depth(group[-1].points[0]))
+        return seen.near(group[-1])
 
     parts = []
     for group in sorted(groups.values(), key=near):
-        ahead = window.view.depth(np.stack([m.points[-1] - m.points[0] for m in group]))
-        order = sorted(range(len(group)), key=lambda k: (group[k].form == "dot", float(ahead[k])))
-        shapes = "".join(_shown(group[k], window) for k in order)
+        order = sorted(group, key=lambda mark: (mark.form == "dot", seen.ahead(mark)))
+        shapes = "".join(_shown(mark, seen) for mark in order)
         parts.append(f"<g>{_title(' / '.join(m.told for m in group if m.told))}{shapes}</g>")
     return parts
 
 
-def _shown(mark: Mark, window: Window) -> str:
+def _shown(mark: Mark, seen: _Seen) -> str:
     """One mark as an element."""
-    places = window.place(mark.points)
+    places, window = seen.places(mark), seen.window
     if mark.form == "dot":
         return _dot(mark, places[0], _radius(mark, window))
     if mark.form == "arrow":
-        return arrow(places[0], places[1], mark.kind, mark.size * window.scale, _ahead(mark, window))
+        return arrow(places[0], places[1], mark.kind, mark.size * window.scale, seen.ahead(mark) > 0)
     if mark.form == "bone":
         return _bone(places[0], places[1])
     more = f' style="stroke:{_hex(mark.color)}"' if mark.color is not None and len(mark.color) == 3 else ""
     return _path([places], mark.kind, closed=mark.closed, more=more)
-
-
-def _ahead(mark: Mark, window: Window) -> bool:
-    return float(window.view.depth(mark.points[1] - mark.points[0])) > 0
 
 
 def _radius(mark: Mark, window: Window) -> float:

@@ -25,6 +25,8 @@ _AXES, _DOT = 0.2, 0.012
 _FLAT = 0.8
 
 
+# What is no number is left out.
+@np.errstate(all="ignore")
 def picture(found: Explanation, *, view: str | None = None, size: tuple[int, int] = _SIZE) -> str:
     """The three points as an SVG picture. view: x,y,z, where it is seen from; else across its plane."""
     wide, high = size

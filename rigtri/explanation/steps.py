@@ -31,6 +31,8 @@ from rigtri.vectors import angle, as_vectors, cross, dot, length, normalise, pro
 _DEGREES = 180.0 / np.pi
 # What is nothing beside the largest number of its row is written as 0: rounding, which nobody meant.
 _NOTHING = 1e-12
+# Sides, in file units, whose fourth powers keep their digits.
+_SQUARED = (1e-70, 1e70)
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,9 @@ def explain(
         )
     with np.errstate(all="ignore"):
         made = _Maker(points)
-        steps = (*_vectors(made), *_products(made), *_matrix(made), *_pole(made))
+        # What needs squares has none then, instead of zeros and infinities that look like answers.
+        squared = made if _can_be_squared(points) else _Maker(np.full((3, 3), np.nan), made.trouble)
+        steps = (*_vectors(made, squared), *_products(squared), *_matrix(squared), *_pole(squared))
     return Explanation(names, points, steps, _trouble(points))
 
 
@@ -108,6 +112,9 @@ def _trouble(points: Floats) -> str:
         for x, p, y, q in (("A", a, "B", b), ("B", b, "C", c), ("A", a, "C", c))
         if (p == q).all()
     ]
+    if not _can_be_squared(points):
+        how = "too near to each other" if _largest(points) < 1 else "too far apart"
+        return f"A, B and C are {how}: float64 has no squares of such lengths. Give them in another unit"
     if len(same) == 3:
         return "A, B and C are one point: there is no vector, no triangle and nothing to aim at"
     if same:
@@ -122,13 +129,30 @@ def _trouble(points: Floats) -> str:
     return ""
 
 
+def _sides(points: Floats) -> Floats:
+    """The largest component of AB, BC and AC, (3,)."""
+    a, b, c = points
+    sides: Floats = np.abs(np.stack([b - a, c - b, c - a])).max(axis=1)
+    return sides
+
+
+def _largest(points: Floats) -> float:
+    return float(_sides(points).max())
+
+
+def _can_be_squared(points: Floats) -> bool:
+    """Whether areas, which have the sides' fourth power under a root, are numbers of full precision."""
+    sides = _sides(points)
+    return bool(((sides == 0) | ((sides > _SQUARED[0]) & (sides < _SQUARED[1]))).all())
+
+
 class _Maker:
     """The points and vectors that several steps need; what has no value is None with the reason."""
 
-    def __init__(self, points: Floats) -> None:
+    def __init__(self, points: Floats, trouble: str | None = None) -> None:
         self.a, self.b, self.c = points
         self.ab, self.bc, self.ac = self.b - self.a, self.c - self.b, self.c - self.a
-        self.trouble = _trouble(points)
+        self.trouble = _trouble(points) if trouble is None else trouble
 
     def step(
         self, slide: str, talk: str, ours: str, value: ArrayLike, why: str | Callable[[], str] = ""
@@ -141,16 +165,20 @@ class _Maker:
         return Step(slide, talk, ours, numbers, why() if callable(why) else why)
 
 
-def _vectors(made: _Maker) -> list[Step]:
+def _vectors(made: _Maker, squared: _Maker) -> list[Step]:
     named = {"AB": made.ab, "BC": made.bc, "AC": made.ac}
+    sized = {"AB": squared.ab, "BC": squared.bc, "AC": squared.ac}
     minus = "Subtracting: destination − origin"
     return [
         *(
             made.step(minus, f"{n} = {n[1]} − {n[0]}", f"{n[1]} - {n[0]}".lower(), v)
             for n, v in named.items()
         ),
-        *(made.step("Vector Length", f"‖{n}‖", f"length({n})", length(v)) for n, v in named.items()),
-        *(made.step("Normalize", f"{n}.normal()", f"normalise({n})", normalise(v)) for n, v in named.items()),
+        *(squared.step("Vector Length", f"‖{n}‖", f"length({n})", length(v)) for n, v in sized.items()),
+        *(
+            squared.step("Normalize", f"{n}.normal()", f"normalise({n})", normalise(v))
+            for n, v in sized.items()
+        ),
     ]
 
 

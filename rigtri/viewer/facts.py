@@ -12,7 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.drawing.bones import Bones
+from rigtri.drawing.scene import Scene, joints_of
 from rigtri.limbs import recognise
+from rigtri.plain import plain, shown_name
 from rigtri.records import Clip, Skin, Track
 from rigtri.rig import Rig
 from rigtri.stature import forward
@@ -24,14 +27,20 @@ def facts(rig: Rig) -> dict[str, Any]:
     """The nodes that are joints, or of ours, and what is above them; limbs; lines of controls.
 
     key: of glTF the index of a node, of USD a prim's path or SKELETON#NUMBER. local: 16 numbers of a
-    row-vector matrix, of prims, which the loader need not know. pole: −1 where there is none yet.
+    row-vector matrix, of prims, which the loader need not know. above: the nearest joint above a joint,
+    whatever stands between, −1 for none. aim: how far its axes miss its bone, crooked where none fits,
+    as `rigtri draw` has it. pole: −1 where there is none yet.
     tracks: what moves prims of USD. follows: of constraints, what a node follows, and the node.
     """
     nodes = _nodes(rig)
     place = {node: k for k, node in enumerate(nodes)}
     paths, keys = _paths(rig, nodes), _keys(rig, nodes)
+    tree = joints_of(rig)
+    bones = Scene(rig, rig.world, tree, tree.joints).bones
     return {
-        "nodes": [_node(rig, node, place, paths[node], keys[node]) for node in nodes],
+        "nodes": [
+            _node(rig, node, place, paths[node], keys[node]) | _bone(bones, node, place) for node in nodes
+        ],
         "limbs": [
             {"joints": [place[joint] for joint in joints], "pole": place.get(pole, -1)}
             for joints, pole in _limbs(rig).items()
@@ -76,13 +85,14 @@ def _paths(rig: Rig, nodes: list[int]) -> dict[int, str]:
     paths = {node: rig.path(node) for node in nodes}
     times = Counter(paths.values())
     return {
-        node: path if times[path] == 1 else f"{path} ({rig.labels[node]})" for node, path in paths.items()
+        node: plain(path if times[path] == 1 else f"{path} ({rig.labels[node]})", one_line=True)
+        for node, path in paths.items()
     }
 
 
 def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str) -> dict[str, Any]:
     told: dict[str, Any] = {
-        "name": rig.names[node] or rig.labels[node],
+        "name": shown_name(rig.names[node]) or rig.labels[node],
         "path": path,
         "parent": place.get(int(rig.parents[node]), -1),
         "key": key,
@@ -92,6 +102,18 @@ def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str)
         told["note"] = kind
     if isinstance(rig.keys[node], tuple):
         told["local"] = _numbers(rig.local[node])
+    return told
+
+
+def _bone(bones: Bones, node: int, place: dict[int, int]) -> dict[str, Any]:
+    """What hangs on what, and how a joint's axes lie beside its bone."""
+    rig = bones.tree.rig
+    alone = -1 if rig.is_joint.any() else int(rig.parents[node])
+    told: dict[str, Any] = {"above": place.get(bones.tree.above.get(node, alone), -1)}
+    miss = bones.misses.get(node) if rig.is_joint[node] else None
+    if miss is not None:
+        told["aim"] = {"off": miss.degrees, "axis": miss.axis, "child": place[miss.child]}
+        told["crooked"] = bones.crooked(node)
     return told
 
 

@@ -22,6 +22,7 @@ from typing import Any
 from rigtri import __version__
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Embedded
+from rigtri.plain import plain
 
 MEGABYTE = 1_000_000
 
@@ -52,7 +53,7 @@ def page(
     _check_size(shown, limit)
     carried = _Carried()
     models = [carried.model(one) for one in shown]
-    title = " ← ".join(one.name for one in shown)
+    title = plain(" ← ".join(one.name for one in shown), one_line=True)
     told = {"title": title, "models": models, "start": {"clip": clip, "time": time}, "notices": list(notices)}
     facts = f'<script type="application/json" id="facts">{_json(told)}</script>'
     script, style = _text("page.js"), _text("page.css")

@@ -13,6 +13,9 @@ export function bytesOf(id) {
   return bytes;
 }
 
+/** The address of what rigtri has told is lacking. */
+export const LACKING = 'data:,';
+
 /** The files that a glTF names, as addresses inside the page; nothing is asked of a network. */
 export class Files {
   constructor(listed) {
@@ -20,13 +23,19 @@ export class Files {
     this.made = new Map();
   }
 
-  /** Where a loader finds what a URI names; nowhere what rigtri has told is lacking. */
+  /** Where a loader finds what a URI names; what is lacking has an address with nothing there. */
   address(uri) {
     if (/^(data|blob):/i.test(uri)) return uri;
-    if (!this.listed.has(uri)) return 'data:,';
+    if (!this.listed.has(uri)) return LACKING;
     if (!this.made.has(uri)) {
       this.made.set(uri, URL.createObjectURL(new Blob([bytesOf(this.listed.get(uri))])));
     }
     return this.made.get(uri);
+  }
+
+  /** What to call the image at an address. */
+  named(address) {
+    for (const [uri, made] of this.made) if (made === address) return `the image ${uri}`;
+    return 'an image that is in the file';
   }
 }

@@ -3,16 +3,18 @@
 import { BufferGeometry, Float32BufferAttribute, Group, LoadingManager } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
-import { bytesOf, Files } from './carried.js';
+import { bytesOf, Files, LACKING } from './carried.js';
 
 /**
  * A model: the object that holds all, its clips in the file's order, and the object of a node's key,
- * its index in the file.
+ * its index in the file. tell: what cannot be shown. wrong: what should have been, and is counted.
  */
-export async function loadGltf(model, tell) {
+export async function loadGltf(model, tell, wrong) {
   const files = new Files(model.files);
   const manager = new LoadingManager();
   manager.setURLModifier((uri) => files.address(uri));
+  // What is lacking is told already.
+  manager.onError = (uri) => uri !== LACKING && wrong(`${model.name}: this browser cannot read ${files.named(uri)}`);
   const loader = new GLTFLoader(manager).setDRACOLoader(new NoDraco(tell));
   if (model.meshopt) loader.setMeshoptDecoder((await import('meshoptimizer/decoder')).MeshoptDecoder);
   loader.register((parser) => new NoBasis(parser, tell));

@@ -20,16 +20,14 @@ import { loadUsd, localOf } from './usd.js';
 
 // How many points, about, say how near the camera may come.
 const MOST = 4000;
-// An axis farther than this from its bone, in degrees, is seen to be off.
-const AIMED = 1;
 // Where in a clip they are looked at, to keep all of it in the picture.
 const MOMENTS = [0, 0.25, 0.5, 0.75, 1];
 
 export class Model {
-  /** Load what the page carries of one file. tell: what cannot be shown. */
-  static async load(facts, tell) {
+  /** Load what the page carries of one file. tell: what cannot be shown; wrong: what should have been. */
+  static async load(facts, tell, wrong) {
     try {
-      const loaded = await (facts.kind === 'usd' ? loadUsd(facts) : loadGltf(facts, tell));
+      const loaded = await (facts.kind === 'usd' ? loadUsd(facts, wrong) : loadGltf(facts, tell, wrong));
       return new Model(facts, loaded);
     } catch (error) {
       throw new Error(`three.js cannot show ${facts.name}: ${error.message}`, { cause: error });
@@ -52,7 +50,6 @@ export class Model {
     this.points.expand(this.box);
     this.size = this.box.getSize(new Vector3()).length() || 1;
     this.reach = this.#reach();
-    this.aims = this.#aims();
   }
 
   /** Stand as a clip says at a time, in seconds; clip −1: as at rest. */
@@ -99,48 +96,18 @@ export class Model {
     return new Vector3().setFromMatrixPosition(this.nodes[node].matrixWorld);
   }
 
-  /** How far the axes of each joint miss its bones: the nearest axis, in degrees, and the joint it misses. */
-  #aims() {
-    const { nodes } = this.facts;
-    const aims = new Array(nodes.length).fill(null);
-    for (const child of this.joints) {
-      const node = nodes[child].parent;
-      if (node < 0 || !nodes[node].joint) continue;
-      const back = this.nodes[node].matrixWorld.clone().invert();
-      const scale = new Vector3().setFromMatrixScale(this.nodes[node].matrixWorld);
-      // Seen by axes of length one, however the joint is scaled.
-      const bone = this.place(child).applyMatrix4(back).multiply(scale);
-      if (!(bone.length() > 1e-6 * this.size)) continue;
-      const [x, y, z] = bone.normalize().toArray();
-      const shares = [x, y, z].map(Math.abs);
-      const best = shares.indexOf(Math.max(...shares));
-      const across = Math.hypot(...[x, y, z].filter((_, k) => k !== best));
-      const off = (Math.atan2(across, shares[best]) * 180) / Math.PI;
-      const axis = `${[x, y, z][best] < 0 ? '−' : '+'}${'xyz'[best]}`;
-      if (!aims[node] || off < aims[node].off) aims[node] = { off, axis, child };
-    }
-    return aims;
-  }
-
-  /** Whether no axis of a joint points along a bone of its own; a root's say how the whole stands. */
-  crooked(node) {
-    const { nodes } = this.facts;
-    const above = nodes[node].parent;
-    return above >= 0 && nodes[above].joint && this.aims[node]?.off > AIMED;
-  }
-
   /** How long the arrows of each node are: a share of the way to the nearest joint that hangs on it. */
   #reach() {
     const { nodes } = this.facts;
     const nearest = new Array(nodes.length).fill(Infinity);
     for (const node of this.listed) {
-      const above = nodes[node].parent;
+      const { above } = nodes[node];
       if (above < 0) continue;
       const far = this.place(node).distanceTo(this.place(above));
       if (far > 1e-6 * this.size) nearest[above] = Math.min(nearest[above], far);
     }
-    return nodes.map(({ parent }, node) => {
-      const own = Number.isFinite(nearest[node]) ? nearest[node] : nearest[parent] ?? Infinity;
+    return nodes.map(({ above }, node) => {
+      const own = Number.isFinite(nearest[node]) ? nearest[node] : nearest[above] ?? Infinity;
       return Math.min(Math.max(0.4 * own, 0.008 * this.size), 0.05 * this.size);
     });
   }

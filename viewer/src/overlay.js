@@ -6,6 +6,10 @@ import { Matrix4, Vector3 } from 'three';
 const AXES = ['#d33c3c', '#2c8f4b', '#3b6fe0'];
 const DARK_AXES = ['#ff6b6b', '#5fd07f', '#7aa2ff'];
 const TAU = 2 * Math.PI;
+// Lines of a path: many at once are drawn faster, but not all of a crowd's.
+const AT_ONCE = 500;
+// Names that are longer end in … beside their joints.
+const LONGEST = 36;
 
 /** Whether two boxes, left, top, width, height, share any place. */
 function meet([x, y, wide, high], [u, v, width, height]) {
@@ -13,9 +17,10 @@ function meet([x, y, wide, high], [u, v, width, height]) {
 }
 
 export class Overlay {
-  constructor(canvas) {
+  /** crowd: there are so many lines that the processor draws them sooner than a graphics card in software. */
+  constructor(canvas, crowd) {
     this.canvas = canvas;
-    this.pen = canvas.getContext('2d');
+    this.pen = canvas.getContext('2d', { willReadFrequently: crowd });
     this.dark = window.matchMedia('(prefers-color-scheme: dark)');
     this.spots = [];
   }
@@ -59,7 +64,7 @@ export class Overlay {
     const at = model.nodes.map((_, node) => model.place(node));
     if (state.triangles) for (const limb of model.facts.limbs) this.#limb(at, limb);
     if (state.bones) this.#bones(model, at);
-    if (state.axes) for (const node of model.listed) this.#arrows(model, node);
+    if (state.axes) this.#arrows(model);
     if (!front) return;
     if (state.controls) {
       for (const [from, to] of model.facts.follows) this.#line(at[from], at[to], this.colors.bone, 1, [1, 5]);
@@ -67,28 +72,37 @@ export class Overlay {
     this.spots = [];
     for (const node of [...model.listed, ...(state.controls ? model.facts.marks : [])]) {
       const spot = this.#project(at[node]);
-      const { name, path } = model.facts.nodes[node];
-      if (spot) this.spots.push({ name, path, x: spot[0], y: spot[1], off: model.crooked(node) });
+      const { name, path, crooked } = model.facts.nodes[node];
+      if (spot) this.spots.push({ name, path, x: spot[0], y: spot[1], off: crooked });
     }
     this.#spots(state);
   }
 
   #bones(model, at) {
-    const { nodes } = model.facts;
+    const ends = [];
     for (const node of model.listed) {
-      const above = nodes[node].parent;
-      if (above >= 0 && nodes[above].joint === nodes[node].joint) {
-        this.#line(at[above], at[node], this.colors.bone, 1.5);
-      }
+      const { above } = model.facts.nodes[node];
+      const line = above >= 0 && this.#ends(at[above], at[node]);
+      if (line) ends.push(line);
     }
+    this.#strokes(ends, this.colors.bone, 1.5);
   }
 
-  #arrows(model, node) {
-    const matrix = model.nodes[node].matrixWorld;
-    const from = new Vector3().setFromMatrixPosition(matrix);
+  /** The axes of all nodes: lines and heads of one colour are drawn at once, for there may be thousands. */
+  #arrows(model) {
+    const axis = new Vector3();
     for (let k = 0; k < 3; k++) {
-      const axis = new Vector3().setFromMatrixColumn(matrix, k).normalize().multiplyScalar(model.reach[node]);
-      if (axis.lengthSq() > 0) this.#arrow(from, axis.add(from), this.colors.axes[k], 2);
+      const ends = [];
+      for (const node of model.listed) {
+        const { matrixWorld } = model.nodes[node];
+        axis.setFromMatrixColumn(matrixWorld, k).normalize().multiplyScalar(model.reach[node]);
+        if (!(axis.lengthSq() > 0)) continue;
+        const from = new Vector3().setFromMatrixPosition(matrixWorld);
+        const line = this.#ends(from, axis.add(from));
+        if (line) ends.push(line);
+      }
+      this.#strokes(ends, this.colors.axes[k], 2);
+      this.#heads(ends, this.colors.axes[k]);
     }
   }
 
@@ -124,7 +138,8 @@ export class Overlay {
     const size = Math.max(11, Math.min(14, this.look.wide / 60));
     pen.font = `${size}px system-ui, sans-serif`;
     pen.textBaseline = 'middle';
-    for (const { name, path, x, y, off } of this.spots) {
+    for (const { name: whole, path, x, y, off } of this.spots) {
+      const name = whole.length > LONGEST ? `${whole.slice(0, LONGEST - 1)}…` : whole;
       const chosen = marked.includes(path);
       if (state.bones || chosen) this.#ring(x, y, chosen ? 6 : off ? 4 : 2.5, chosen, off);
       const room = [x + 8, y - size / 2, pen.measureText(name).width, size];
@@ -174,39 +189,60 @@ export class Overlay {
 
   #arrow(from, to, color, width, dash = []) {
     const ends = this.#line(from, to, color, width, dash);
-    if (!ends) return;
-    const [[x, y], [u, v]] = ends;
-    const long = Math.hypot(u - x, v - y);
-    if (long < 3) return;
+    if (ends) this.#heads([ends], color);
+  }
+
+  /** The heads of arrows that are long enough in the picture. */
+  #heads(lines, color) {
     const { pen } = this;
-    const head = Math.min(7, 0.5 * long);
-    const [s, t] = [((u - x) / long) * head, ((v - y) / long) * head];
-    pen.beginPath();
-    pen.moveTo(u, v);
-    pen.lineTo(u - s - t * 0.45, v - t + s * 0.45);
-    pen.lineTo(u - s + t * 0.45, v - t - s * 0.45);
-    pen.closePath();
     pen.fillStyle = color;
-    pen.fill();
+    for (let first = 0; first < lines.length; first += AT_ONCE) {
+      pen.beginPath();
+      for (const [[x, y], [u, v]] of lines.slice(first, first + AT_ONCE)) {
+        const long = Math.hypot(u - x, v - y);
+        if (long < 3) continue;
+        const head = Math.min(7, 0.5 * long);
+        const [s, t] = [((u - x) / long) * head, ((v - y) / long) * head];
+        pen.moveTo(u, v);
+        pen.lineTo(u - s - t * 0.45, v - t + s * 0.45);
+        pen.lineTo(u - s + t * 0.45, v - t - s * 0.45);
+        pen.closePath();
+      }
+      pen.fill();
+    }
   }
 
   #line(from, to, color, width, dash = []) {
-    const ends = [this.#project(from), this.#project(to)];
-    if (!ends[0] || !ends[1]) return null;
-    const { pen } = this;
-    pen.beginPath();
-    pen.moveTo(ends[0][0], ends[0][1]);
-    pen.lineTo(ends[1][0], ends[1][1]);
-    pen.setLineDash([]);
-    pen.strokeStyle = this.colors.halo;
-    pen.lineWidth = width + 2;
-    if (!dash.length) pen.stroke();
-    pen.setLineDash(dash);
-    pen.strokeStyle = color;
-    pen.lineWidth = width;
-    pen.stroke();
-    pen.setLineDash([]);
+    const ends = this.#ends(from, to);
+    if (ends) this.#strokes([ends], color, width, dash);
     return ends;
+  }
+
+  /** Both ends of a line in the picture; null where one is behind the camera. */
+  #ends(from, to) {
+    const ends = [this.#project(from), this.#project(to)];
+    return ends[0] && ends[1] ? ends : null;
+  }
+
+  /** Lines of one colour, each with a light around it unless it is dashed. */
+  #strokes(lines, color, width, dash = []) {
+    const { pen } = this;
+    for (let first = 0; first < lines.length; first += AT_ONCE) {
+      pen.beginPath();
+      for (const [[x, y], [u, v]] of lines.slice(first, first + AT_ONCE)) {
+        pen.moveTo(x, y);
+        pen.lineTo(u, v);
+      }
+      pen.setLineDash([]);
+      pen.strokeStyle = this.colors.halo;
+      pen.lineWidth = width + 2;
+      if (!dash.length) pen.stroke();
+      pen.setLineDash(dash);
+      pen.strokeStyle = color;
+      pen.lineWidth = width;
+      pen.stroke();
+    }
+    pen.setLineDash([]);
   }
 
   /** Where a point is in the picture; null behind the camera. */

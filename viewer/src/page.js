@@ -18,7 +18,8 @@ const MESHES = ['solid', 'faint', 'none'];
 // Seconds of an arrow key, and the share of time that measuring may take while a clip plays.
 const STEP = 1 / 30;
 const SHARE = 0.25;
-// What a key turns the camera by, in radians, and what it brings it nearer by.
+// Nodes from which on lines are drawn otherwise. What a key turns the camera by, in radians, and what it brings it nearer by.
+const CROWD = 1000;
 const TURN = Math.PI / 12;
 const ZOOM = 1.2;
 
@@ -97,9 +98,9 @@ async function start() {
   } catch {
     throw new Error('This browser shows no WebGL 2; another one, or another setting of it, may');
   }
-  overlay = new Overlay(canvas);
+  overlay = new Overlay(canvas, page.models.some((model) => model.nodes.length > CROWD));
   models = [];
-  for (const model of page.models) models.push(await Model.load(model, (text) => panel.tell(text)));
+  for (const model of page.models) models.push(await Model.load(model, (text) => panel.tell(text), wrong));
   stage.fit();
   stage.show(models);
   panel.fill(page, models);
@@ -199,8 +200,8 @@ function tellJoint(model) {
   ['x', 'y', 'z'].forEach((axis, k) => {
     pairs.push([axis, words(new Vector3().setFromMatrixColumn(matrixWorld, k).normalize())]);
   });
-  const aim = model.aims[node];
-  if (aim) pairs.push(['bone', `${aim.axis} is ${aim.off.toFixed(1)}° off ${model.facts.nodes[aim.child].name}`]);
+  const { aim } = model.facts.nodes[node];
+  if (aim) pairs.push(['bone', `${aim.axis.replace('-', '−')} is ${aim.off.toFixed(1)}° off ${model.facts.nodes[aim.child].name}`]);
   if (model.facts.nodes[node].note) pairs.push(['is', model.facts.nodes[node].note]);
   return panel.joint(model.facts.nodes[node].name, pairs);
 }

@@ -27,9 +27,17 @@ const KEYS = [
 ];
 const find = (id) => document.getElementById(id);
 
+// Characters that move a line, or turn what follows round; names are to do neither.
+const UNSEEN = /[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
+
+/** Text of a file as it may be seen: such characters as the escapes that they have. */
+function plain(text) {
+  return text.replace(UNSEEN, (one) => `\\u${one.charCodeAt(0).toString(16).padStart(4, '0')}`);
+}
+
 export function element(name, text = '', attributes = {}) {
   const made = document.createElement(name);
-  made.textContent = text;
+  made.textContent = plain(text);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   return made;
 }

@@ -35,8 +35,9 @@ const KINDS = [
  * A model: the object that holds all, the object of a node's key, and what makes one clip of all that
  * moves, for USD plays all at once, when the objects of all nodes are there.
  */
-export async function loadUsd(model) {
+export async function loadUsd(model, wrong) {
   const assets = Object.fromEntries(model.files.map((file) => [file.name, bytesOf(file.id)]));
+  await Promise.all(model.files.map(({ name }) => checked(name, assets[name], model.name, wrong)));
   const composer = new USDComposer();
   const root = composer.compose(new Crate().parseData(bytesOf(model.data).buffer), assets);
   await Promise.all(composer.texturePromises);
@@ -54,6 +55,15 @@ export async function loadUsd(model) {
     return tracks.length ? [new AnimationClip(model.clips[0]?.name ?? 'animation', -1, tracks)] : [];
   };
   return { root, object: (key) => objects.get(key), finish };
+}
+
+/** Count an image that the browser cannot read; the composer leaves it out. */
+async function checked(name, bytes, file, wrong) {
+  try {
+    (await createImageBitmap(new Blob([bytes]))).close();
+  } catch {
+    wrong(`${file}: this browser cannot read the image ${name}`);
+  }
 }
 
 /** The objects of prims, by path; bones are no prims. */

@@ -75,7 +75,8 @@ def _unseen(whole: Any) -> Iterator[str]:
         method = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("primvars:skel:skinningMethod")
         if method and method.Get() == UsdSkel.Tokens.dualQuaternion:
             yield "meshes that are skinned by dual quaternions are shown as if they were not"
-        if binding.GetJointIndicesPrimvar().GetElementSize() > 4:
+        joints = binding.GetJointIndicesPrimvar()
+        if joints and joints.GetElementSize() > 4:
             yield FOUR
 
 
