@@ -30,7 +30,8 @@ def held_limbs(rig: Rig, report: Report) -> Rig:
     """The rig with keys for limbs that IK held without any; limbs whose IK was off lose theirs."""
     on, off = set[int](), set[int]()
     for node, end in _switches(rig).items():
-        size = float(np.mean(decompose(rig.local[node])[2]))
+        x, y, z = decompose(rig.local[node])[2]
+        size = float(x + y + z) / 3
         if size > _ON:
             on.add(end)
         elif size < _OFF:
