@@ -545,6 +545,7 @@ def test_a_child_may_have_a_child_of_its_own_which_has_its_limits() -> None:
 
 
 @POSIX
+@pytest.mark.slow
 def test_a_child_that_hangs_ends_with_the_child_that_started_it(tmp_path: Path) -> None:
     mark = tmp_path / "number"
     with Confined(seconds=15) as child, pytest.raises(CrashError, match="took longer"):

@@ -217,6 +217,7 @@ REAL = {
 }
 
 
+@pytest.mark.slow
 def test_real_files_stand_and_move_as_rigtri_says(page: Any, tmp_path: Path) -> None:
     if not ASSETS.is_dir():
         pytest.skip(NO_ASSETS)
