@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _WHERE = {
-    "read": "rigtri.library",
-    "write": "rigtri.library",
+    "read": "rigtri.on_disk",
+    "write": "rigtri.on_disk",
     "from_pygltflib": "rigtri.in_memory",
     "to_pygltflib": "rigtri.in_memory",
     "edit": "rigtri.pipeline",
@@ -34,7 +34,7 @@ _WHERE = {
     "snap": "rigtri.ops.snap",
     "strip": "rigtri.ops.strip",
     "describe": "rigtri.descriptions",
-    "verify": "rigtri.library",
+    "verify": "rigtri.on_disk",
     "diff": "rigtri.difference",
     "check": "rigtri.checks",
     "draw": "rigtri.drawing.picture",
@@ -91,7 +91,7 @@ if TYPE_CHECKING:
     from rigtri.formats import Options
     from rigtri.formats.usd.schemas import register_usd_schemas
     from rigtri.in_memory import from_pygltflib, to_pygltflib
-    from rigtri.library import read, verify, write
+    from rigtri.on_disk import read, verify, write
     from rigtri.ops.bake import bake
     from rigtri.ops.constrain import constrain
     from rigtri.ops.controls import add_controls

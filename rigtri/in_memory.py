@@ -16,7 +16,7 @@ from rigtri.errors import UsageError
 from rigtri.formats import Options
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.library import known, write
+from rigtri.on_disk import known, write
 from rigtri.rig import Rig
 
 if TYPE_CHECKING:

@@ -56,7 +56,7 @@ drawing
 explanation
 viewer
 checks pipeline difference
-library
+on_disk
 in_memory
 steps
 spec
