@@ -16,6 +16,7 @@ from .options import (
     Number,
     check_streams,
     json_option,
+    output_option,
     quiet_option,
     read_options,
     reading_options,
@@ -29,14 +30,9 @@ if TYPE_CHECKING:
 
 @click.command("draw")
 @source_argument
-@click.option(
-    "-o",
-    "--output",
-    "target",
+@output_option(
+    "The picture to write, .svg or .png (extra rigtri[png]); - for SVG on standard output.",
     required=True,
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="The picture to write, .svg or .png (extra rigtri[png]); - for SVG on standard output.",
 )
 @click.option(
     "--against",

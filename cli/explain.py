@@ -14,7 +14,7 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
-from .options import json_option, quiet_option, read_options, reading_options
+from .options import json_option, output_option, quiet_option, read_options, reading_options
 from .words import plain
 
 if TYPE_CHECKING:
@@ -24,13 +24,8 @@ if TYPE_CHECKING:
 @click.command("explain", context_settings={"ignore_unknown_options": True})
 @click.argument("points", metavar="A B C | IN [ROOT MIDDLE END]", nargs=-1, required=True)
 @click.option("--limb", metavar="JOINT", help="The limb of IN that has this joint: root, middle or end.")
-@click.option(
-    "-o",
-    "--output",
-    "target",
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="Draw it, too: .svg or .png (extra rigtri[png]); - for SVG instead of words.",
+@output_option(
+    "Draw it, too: .svg or .png (extra rigtri[png]); - for SVG instead of words.",
 )
 @click.option("--view", metavar="X,Y,Z", help="Where the picture is seen from. [across the plane]")
 @reading_options

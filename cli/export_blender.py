@@ -12,6 +12,7 @@ from rigtri.errors import UsageError
 
 from .options import (
     json_option,
+    output_option,
     overwrite_option,
     quiet_option,
     read_options,
@@ -23,14 +24,11 @@ from .options import (
 
 @click.command("export-blender")
 @source_argument
-@click.option(
-    "-o",
-    "--output",
-    "target",
+@output_option(
+    "The script to write; - for standard output.",
+    "SETUP.py",
     required=True,
-    metavar="SETUP.py",
     type=click.Path(allow_dash=True, dir_okay=False),
-    help="The script to write; - for standard output.",
 )
 @overwrite_option
 @reading_options

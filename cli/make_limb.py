@@ -15,6 +15,7 @@ from .options import (
     Number,
     edit_options,
     given_options,
+    output_option,
     output_options,
     points,
     pole_options,
@@ -59,14 +60,9 @@ def spread(args: list[str]) -> list[str]:
 
 @click.command("make-limb", cls=_Listing)
 @click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
-@click.option(
-    "-o",
-    "--output",
-    "target",
+@output_option(
+    "The file to write, in the format of IN, or a new file; - for standard output.",
     required=True,
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="The file to write, in the format of IN, or a new file; - for standard output.",
 )
 @click.option("--locators", multiple=True, metavar="A B C", help="Nodes that stand where the joints shall.")
 @click.option(

@@ -2,7 +2,7 @@
 
 source_argument     every command
 facing_option       what asks where a straight limb bends
-target_option       edits
+output_option       what writes a file; target_option: of edits
 reading_options     edits, inspect, verify, diff: --lenient, --allow-external-paths, --root
 edit_options        edits: --overwrite, --dry-run, --report, --strict, --verify, --tolerance …
 output_options      every command: --json, -q, -v
@@ -81,23 +81,17 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
 
 
 source_argument = click.argument("source", metavar="IN", type=click.Path(allow_dash=True))
-target_option = click.option(
-    "-o",
-    "--output",
-    "target",
-    required=True,
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="The file to write, in the format of IN; - for standard output.",
-)
-optional_target_option = click.option(
-    "-o",
-    "--output",
-    "target",
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="The file to write, in the format of IN; - for standard output.",
-)
+
+
+def output_option(words: str, metavar: str = "OUT", **more: Any) -> Callable[[F], F]:
+    """-o OUT: the file that a command writes; ``more`` as click.option takes it."""
+    more = {"type": click.Path(allow_dash=True)} | more
+    return click.option("-o", "--output", "target", metavar=metavar, help=words, **more)
+
+
+_IN_FORMAT = "The file to write, in the format of IN; - for standard output."
+target_option = output_option(_IN_FORMAT, required=True)
+optional_target_option = output_option(_IN_FORMAT)
 verify_option = click.option(
     "--verify/--no-verify",
     default=True,

@@ -13,6 +13,7 @@ from .options import (
     copy_ahead,
     edit_options,
     given_options,
+    output_option,
     output_options,
     read_options,
     reading_options,
@@ -29,13 +30,8 @@ if TYPE_CHECKING:
 
 @click.command("pose")
 @source_argument
-@click.option(
-    "-o",
-    "--output",
-    "target",
-    metavar="OUT",
-    type=click.Path(allow_dash=True),
-    help="Write a file whose rest pose is this pose, in the format of IN; - for standard output.",
+@output_option(
+    "Write a file whose rest pose is this pose, in the format of IN; - for standard output.",
 )
 @click.option(
     "--at",

@@ -10,21 +10,18 @@ import click
 
 from rigtri.errors import UsageError
 
-from .options import json_option, read_options, reading_options, source_argument
+from .options import json_option, output_option, read_options, reading_options, source_argument
 from .words import plain
 
 
 @click.command("spec-init")
 @source_argument
-@click.option(
-    "-o",
-    "--output",
-    "target",
+@output_option(
+    "Where to write the spec; - for standard output.",
+    "FILE.yaml",
     default="-",
     show_default=True,
-    metavar="FILE.yaml",
     type=click.Path(allow_dash=True, dir_okay=False),
-    help="Where to write the spec; - for standard output.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace FILE.yaml where it exists.")
 @reading_options

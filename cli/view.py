@@ -16,6 +16,7 @@ from .options import (
     Number,
     check_streams,
     json_option,
+    output_option,
     quiet_option,
     read_options,
     reading_options,
@@ -34,14 +35,10 @@ _ON_PAGE = ("no-joints", "not-shown")
 
 @click.command("view")
 @source_argument
-@click.option(
-    "-o",
-    "--output",
-    "target",
+@output_option(
+    "The page to write; - for standard output.",
+    "OUT.html",
     required=True,
-    metavar="OUT.html",
-    type=click.Path(allow_dash=True),
-    help="The page to write; - for standard output.",
 )
 @click.option(
     "--against",
