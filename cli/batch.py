@@ -146,7 +146,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     found = _found(inputs, values, out_dir, tasks)
     whole = _manifest(values, out_dir)
     if values["emit_openjd"]:
-        batch_job.emit(values, found.entries, whole)
+        batch_job.emit(values, found.entries, whole, tasks)
         return 0
     shard = _shard(values)
     folder = os.path.abspath(whole.parent)
@@ -189,7 +189,8 @@ def _tasks(values: dict[str, Any]) -> Tasks:
     def task(own: tuple[tuple[str, str], ...]) -> SpecTask:
         from rigtri.batch.spec_task import SpecTask
 
-        spec = load(values["spec"], variables=shared | dict(own))
+        folders = {name: Path(values["job"]).parent for name, _ in own}
+        spec = load(values["spec"], variables=shared | dict(own), folders=folders)
         words = {name: values[name] for name in ("strict", "tolerance", "resources")}
         return SpecTask(spec.limited(**words), values["verify"])
 

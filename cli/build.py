@@ -75,7 +75,7 @@ def command(**values: Any) -> None:
     """
     from rigtri.spec.loading import load
 
-    spec = load(values["spec"], variables=assigned(values["variables"]))
+    spec = load(values["spec"], variables=assigned(values["variables"]), source=values["source"])
     spec = spec.limited(strict=values["strict"], tolerance=values["tolerance"])
     values |= {"tolerance": spec.model.tolerance, "sidecar": spec.model.sidecar, "reading": spec.reading}
     if values["explain"]:

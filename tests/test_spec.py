@@ -14,6 +14,7 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files
+from pydantic import ValidationError
 from ruamel.yaml import YAML
 from second_opinions import validator
 
@@ -28,6 +29,7 @@ from rigtri.spec.faults import SpecError
 from rigtri.spec.loading import load
 from rigtri.spec.models.base import StepModel
 from rigtri.spec.models.spec import AnyStep
+from rigtri.spec.models.values import UNKNOWN
 from rigtri.spec.starter import starter
 from rigtri.steps import STEPS, step
 
@@ -148,6 +150,33 @@ def test_a_step_takes_the_choices_of_its_command(name: str) -> None:
                 for word in kind.get("enum", [kind["const"]] if "const" in kind else [])
             ]
             assert found == list(parameter.type.choices), parameter.name
+
+
+# How the help of commands calls what nodes are named by.
+NODES = re.compile(r"GLOB|NAME|CHILD|A B C|START END|ROOT MIDDLE END|(JOINT|NODE)(\[?=.*)?|TARGET NODE NAME")
+# Options whose names are no nodes', although they are called so.
+OF_OTHERS = {"skin", "clip", "names", "mesh"}
+
+
+def asks(name: str, option: str, rig: Rig) -> bool:
+    """Whether a step looks for the names that an option gives."""
+    lost = "nobody"
+    for value in (lost, [lost], [lost, lost], [lost, lost, lost], {lost: 1}):
+        try:
+            MODELS[name].model_validate({"do": name, option: value}, context=rig)
+        except ValidationError as error:
+            if any(told["type"] == UNKNOWN and told["loc"][0] == option for told in error.errors()):
+                return True
+    return False
+
+
+# What means a node in some cases only (an axis, a place, a rule of branches) is asked by the step itself.
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_looks_for_all_nodes_that_its_command_says_it_names(name: str) -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    options = {max(p.opts, key=len).removeprefix("--"): p for p in own(name)}
+    said = {option for option, p in options.items() if NODES.fullmatch(str(p.metavar))} - OF_OTHERS
+    assert {option for option in options if asks(name, option, rig)} == said
 
 
 WHOLE = """

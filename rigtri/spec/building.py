@@ -18,7 +18,8 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.spec.faults import Fault, SpecError
 from rigtri.spec.loading import PlannedStep, Spec, load
-from rigtri.spec.missing import missing
+from rigtri.spec.missing import fault_of, named
+from rigtri.spec.tree import Tree
 from rigtri.steps import step
 from rigtri.steps.request import Step
 
@@ -57,7 +58,7 @@ def build(
     them at once; else as `rigtri.pipeline.edit`, with the step that it happened in. ``ready`` is called
     as there, with what is to be said of the whole.
     """
-    spec = spec if isinstance(spec, Spec) else load(spec)
+    spec = spec if isinstance(spec, Spec) else load(spec, source=source)
     spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
     for place in spared:
         if not (dry_run and same_file(place, Path(source))):
@@ -89,6 +90,10 @@ def build(
     return Built(tuple(work.done), work.whole())
 
 
+def _of_root(tree: Tree, error: RigtriError) -> Fault:
+    return Fault(tree.place(("root",)), "", str(error))
+
+
 @dataclass
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
@@ -106,7 +111,7 @@ class _Work:
     spooled: bool = False
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
-    lost: list[tuple[tuple[Fault, ...], RigtriError]] = field(default_factory=list)
+    lost: list[tuple[list[Fault], RigtriError]] = field(default_factory=list)
 
     def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
         """Do a step; whether there is anything of it at ``target``."""
@@ -122,8 +127,9 @@ class _Work:
             report = self.edit(looking_on, target, **last)
         except NameNotFoundError as error:
             if not one.optional:
-                more = missing(self.spec, one, seen[0], str(error)) if seen else ()
-                self.lost.append(((self.spec.fault(one, error), *more), error))
+                tree = self.spec.tree
+                told = named(tree, one.index, seen[0], error) if seen else [_of_root(tree, error)]
+                self.lost.append((told, error))
                 return False
             return self._leave_out(one, error)
         except NoLimbError as error:
@@ -143,7 +149,7 @@ class _Work:
         return False
 
     def _give_up(self, one: PlannedStep, error: RigtriError) -> None:
-        self.lost.append(((self.spec.fault(one, error),), error))
+        self.lost.append(([fault_of(self.spec.tree, one.index, str(error))], error))
         self.tell_lost()
 
     def edit(self, step: Step, target: Path | str, **last: Any) -> Report:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -26,28 +27,48 @@ MOST_WORDS = 1_000
 _OWN = ("$schema", "version", "name", "extends", "variables", "defaults")
 
 
-def merged(path: Path, given: Mapping[str, str]) -> tuple[Tree, tuple[Path, ...], list[Fault]]:
-    """The spec with all that it extends, its variables filled in; its files; variables that there are not.
+@dataclass(frozen=True)
+class Merged:
+    """A spec with all that it extends. files: it and these. faults: bases and variables that there are not.
 
-    given: variables that the user sets. Raises FileError, and SpecError for what hides the rest.
+    whole: no base is lost, which might say what is not said here. unsure: the places of values
+    with variables that there are not.
+    """
+
+    tree: Tree
+    files: tuple[Path, ...]
+    faults: list[Fault]
+    whole: bool
+    unsure: frozenset[Place]
+
+
+def merged(path: Path, given: Mapping[str, str]) -> Merged:
+    """The spec with all that it extends, its variables filled in.
+
+    given: variables that the user sets. Raises FileError where there is no such spec, and SpecError for
+    what hides the rest.
     """
     files: list[Path] = []
-    tree = _extended(path, (), files)
-    faults = _fill(tree, given)
+    lost: list[Fault] = []
+    tree = _extended(path, (), files, lost)
+    unknown = _fill(tree, given)
     _default(tree)
     _expand(tree)
-    return tree, tuple(dict.fromkeys(files)), faults
+    unsure = frozenset(fault.place for fault in unknown)
+    # A base that is lost may have these variables.
+    return Merged(tree, tuple(dict.fromkeys(files)), lost or unknown, not lost, unsure)
 
 
-def _extended(path: Path, chain: tuple[Path, ...], files: list[Path]) -> Tree:
+def _extended(path: Path, chain: tuple[Path, ...], files: list[Path], lost: list[Fault]) -> Tree:
+    """A spec over its bases. lost: gets those that cannot be read."""
     real = path.resolve()
     if real in chain:
         circle = " → ".join(str(file) for file in (*chain[chain.index(real) :], real))
         raise FileError(f"specs extend each other in a circle: {circle}")
     if len(chain) >= MOST_EXTENDED:
         raise FileError(f"{path}: more than {MOST_EXTENDED} specs extend each other")
-    files.append(path)
     tree = parse(path)
+    files.append(path)
     bases = tree.values.get("extends", ())
     bases = [bases] if isinstance(bases, str) else bases
     if not isinstance(bases, list | tuple) or not all(isinstance(base, str) for base in bases):
@@ -55,10 +76,11 @@ def _extended(path: Path, chain: tuple[Path, ...], files: list[Path]) -> Tree:
     whole = Tree(tree.file, {}, Spot(tree.spot.place))
     for number, base in enumerate(bases):
         try:
-            _over(whole, _extended(path.parent / base, (*chain, real), files))
+            _over(whole, _extended(path.parent / base, (*chain, real), files, lost))
+        except SpecError as error:
+            lost += error.found
         except FileError as error:
-            place = tree.place(("extends", number))
-            raise FileError(f"{place} extends {base}: {error}") from error
+            lost.append(Fault(tree.place(("extends", number)), "", f"extends {base}: {error}"))
     _over(whole, tree)
     whole.file = tree.file
     return whole
@@ -118,6 +140,8 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
         if not escaped and name not in known:
             faults.append(Fault(tree.place(keys), "", f"there is no variable '{name}'.{_near(name, known)}"))
             return value
+    if (first := _VARIABLE.match(value)) and not first[1]:
+        tree.at(keys).variable = first[2]
     alone = _VARIABLE.fullmatch(value)
     if alone and not alone[1]:
         return known[alone[2]]  # a number stays one

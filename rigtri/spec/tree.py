@@ -18,10 +18,14 @@ MOST_DEEP = 64
 
 @dataclass
 class Spot:
-    """Where a value stands; below: where the values in it do, by key or number."""
+    """Where a value stands; below: where the values in it do, by key or number.
+
+    variable: the one that a text begins with.
+    """
 
     place: Place
     below: dict[str | int, Spot] = field(default_factory=dict)
+    variable: str = ""
 
     def at(self, key: str | int) -> Spot:
         """The spot of a value in this one; where nobody knows, this one's place."""
@@ -43,12 +47,22 @@ class Tree:
     spot: Spot
     labels: list[Label] = field(default_factory=list)
 
-    def place(self, keys: Keys) -> Place:
-        """Where a value stands; of one that does not, the nearest above it."""
+    @property
+    def steps(self) -> list[Any]:
+        """The steps as they are said, be they right or wrong."""
+        steps = self.values.get("steps")
+        return steps if isinstance(steps, list) else []
+
+    def at(self, keys: Keys) -> Spot:
+        """The spot of a value; of one that does not stand there, the nearest above it."""
         spot = self.spot
         for key in keys:
             spot = spot.at(key)
-        return spot.place
+        return spot
+
+    def place(self, keys: Keys) -> Place:
+        """Where a value stands; of one that does not, the nearest above it."""
+        return self.at(keys).place
 
     def under(self, keys: Keys) -> Iterator[tuple[Keys, Place]]:
         """The places of a value and all within it, by the keys from there on; none where there is none."""
