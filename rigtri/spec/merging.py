@@ -51,12 +51,12 @@ def merged(path: Path, given: Mapping[str, str]) -> Merged:
     files: list[Path] = []
     lost: list[Fault] = []
     tree = _extended(path, (), files, lost)
-    unknown = _fill(tree, given)
+    unset, unknown = _unset(tree, given), _fill(tree, given)
     _default(tree)
     _expand(tree)
     unsure = frozenset(fault.place for fault in unknown)
     # A base that is lost may have these variables.
-    return Merged(tree, tuple(dict.fromkeys(files)), lost or unknown, not lost, unsure)
+    return Merged(tree, tuple(dict.fromkeys(files)), lost or [*unset, *unknown], not lost, unsure)
 
 
 def _extended(path: Path, chain: tuple[Path, ...], files: list[Path], lost: list[Fault]) -> Tree:
@@ -112,17 +112,23 @@ def _put(base: Tree, keys: Keys, value: Any, source: Tree) -> None:
     at[keys[-1]], spot.below[keys[-1]] = value, own.at(keys[-1])
 
 
+def _unset(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
+    """Variables that the user sets and the spec has not."""
+    said = tree.values.get("variables", {})
+    known = said if isinstance(said, Mapping) else {}
+    return [
+        Fault(tree.place(()), "", f"--set {name}: the spec has no such variable.{_near(name, known)}")
+        for name in given
+        if name not in known
+    ]
+
+
 def _fill(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     """Put variables' values into all texts; what is wrong with them."""
     said = tree.values.get("variables", {})
     known = dict(said) if isinstance(said, Mapping) else {}
     known |= {name: _typed(text, known.get(name)) for name, text in given.items()}
     faults: list[Fault] = []
-    unknown = [name for name in given if not isinstance(said, Mapping) or name not in said]
-    faults += [
-        Fault(tree.place(()), "", f"--set {name}: the spec has no such variable.{_near(name, said)}")
-        for name in unknown
-    ]
     for key in tree.values:
         if key not in _OWN or key == "defaults":
             tree.values[key] = _filled(tree.values[key], (key,), tree, known, faults)
