@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from places import ROOT, SAMPLES
 from ruamel.yaml import YAML
 
+from rigtri.spec import json_text
 from rigtri.spec.building import build
 from rigtri.spec.faults import SpecError
 from rigtri.spec.loading import Spec, load
@@ -55,12 +59,81 @@ def test_faults_of_json_have_their_places(tmp_path: Path) -> None:
     [
         ('{"steps": [], "steps": []}', {(1, 15): "no JSON: 'steps' is said twice"}),
         ('{"steps": [{"do": "strip",}]}', {(1, 27): "no JSON"}),
-        ('{"tolerance": NaN}', {(1, 1): "no JSON: NaN is no number of JSON"}),
+        ('{"tolerance":\n NaN}', {(2, 2): "no JSON: NaN is no number of JSON"}),
+        ('{"steps": [{"do": "strip"}', {(1, 11): "this [ is never closed"}),
+        ('{"steps": [{"do": "strip"', {(1, 12): "this { is never closed"}),
+        ('{"steps": [{"do": "strip"} {}]}', {(1, 28): "a comma or ] is missing here"}),
+        ('{"steps": [{"do" "strip"}]}', {(1, 18): "a colon is missing"}),
+        ("{'steps': []}", {(1, 2): "a key is expected here, a text in double quotes"}),
+        ('{"a": // none\n 1}', {(1, 7): "JSON has no comments"}),
+        ('{"a": "b\nc"}', {(1, 9): "a line ends"}),
+        ('{"a": "b', {(1, 7): "these quotes are never closed"}),
+        ('{"a": yes}', {(1, 7): "a value is expected here, not yes"}),
+        ('{"a": 1} 2', {(1, 10): "nothing may follow here"}),
+        ("", {(1, 1): "a value is expected here"}),
+        ('{"a": ' + "1" * 5000 + "}", {(1, 7): "a number of 5,000 characters"}),
         ("[" * 100 + "]" * 100, {(1, 66): "deeper, than a spec can have"}),
     ],
 )
 def test_what_is_no_json_is_told_as_such(text: str, said: dict[tuple[int, int], str], tmp_path: Path) -> None:
     found = faults(write(tmp_path, text, "rig.json"))
+    assert list(found) == list(said)
+    assert all(words in found[place] for place, words in said.items())
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+)
+
+
+@given(value=JSON, cut=st.integers(0, 99), what=st.sampled_from(["", ",", "]", "}", '"', " ", "a", "1"]))
+def test_json_is_what_python_takes_for_it(value: Any, cut: int, what: str) -> None:
+    text = json.dumps(value, indent=1)
+    assert json_text.read("rig.json", text)[0] == value
+    cut %= len(text)
+    text = text[:cut] + what + text[cut + 1 :]
+    try:
+        known = json.loads(text)
+    except json.JSONDecodeError:
+        with pytest.raises(SpecError):
+            json_text.read("rig.json", text)
+    else:
+        with suppress(SpecError):  # a key said twice, and numbers without bounds
+            assert json_text.read("rig.json", text)[0] == known
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('steps = [\n  {do = "strip"},\n', {(1, 9): "this [ is never closed"}),
+        ('steps = [{do = "strip"', {(1, 10): "this { is never closed"}),
+        ('name = """a\n', {(1, 12): "no TOML: Unterminated string"}),
+        ("version = 1\ntolerance = " + "1" * 5000, {(2, 13): "a number of 5,000 characters"}),
+        ("version = 1\nname = " + "[" * 2000 + "]" * 2000, {(2, 72): "deeper, than a spec can have"}),
+        ("a" + ".a" * 20_000 + " = 1", {(1, 40003): "deeper, than a spec can have"}),
+    ],
+)
+def test_what_is_no_toml_is_told_at_its_place(
+    text: str, said: dict[tuple[int, int], str], tmp_path: Path
+) -> None:
+    found = faults(write(tmp_path, text, "rig.toml"))
+    assert list(found) == list(said)
+    assert all(words in found[place] for place, words in said.items())
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("name: a\nsteps: " + "[" * 2000, {(2, 71): "deeper, than a spec can have"}),
+        ("tolerance: " + "1" * 5000, {(1, 12): "a number of 5,000 characters"}),
+        ("name: a\x07\n", {(1, 8): "a character that cannot be seen (U+0007)"}),
+    ],
+)
+def test_what_is_no_yaml_is_told_at_its_place(
+    text: str, said: dict[tuple[int, int], str], tmp_path: Path
+) -> None:
+    found = faults(write(tmp_path, text))
     assert list(found) == list(said)
     assert all(words in found[place] for place, words in said.items())
 
@@ -148,7 +221,7 @@ steps:
         ((5, 48), " No joint is named 'foream_"),
         ((7, 37), " No joint is named 'chst'. "),
         ((7, 52), " No node is named 'hnd_L'. "),
-        ((8, 29), " No skin is named 'no'. Lis"),
+        ((8, 29), " No skin is named 'no'. The"),
     ]
 
 

@@ -14,6 +14,8 @@ Keys = tuple[str | int, ...]
 # Aliases of YAML let a small file stand for more values than memory holds.
 MOST_VALUES = 100_000
 MOST_DEEP = 64
+# Digits of a number; what has more is a mistake, and some numbers have more than Python reads.
+MOST_DIGITS = 40
 
 
 @dataclass
@@ -94,6 +96,13 @@ class Spots:
         """The line and column of an offset in the text."""
         line = bisect_right(self._starts, offset)
         return Place(self._file, line, offset - self._starts[line - 1] + 1)
+
+    def check_number(self, word: str, place: Place | int) -> None:
+        """SpecError for a number that is longer than any that is meant."""
+        if len(word) > MOST_DIGITS and word.lstrip("+-")[:1].isdecimal():
+            place = self.place(place) if isinstance(place, int) else place
+            text = f"a number of {len(word):,} characters; a spec has none of more than {MOST_DIGITS}"
+            raise SpecError([Fault(place, "", text)])
 
     def spot(self, place: Place | int, depth: int) -> Spot:
         """A spot for one more value. SpecError when there are too many."""
