@@ -366,7 +366,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ("a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
             f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join([f'*{chr(97 + k)}'] * 9)}]\n" for k in range(8)
         ), "more values"),
-        ("steps: " + "[" * 500 + "]" * 500, "recursion"),
+        ("steps: " + "[" * 500 + "]" * 500, "deeper, than a spec can have"),
         ("extends: rig.yaml\n", "in a circle"),
         ("extends: nowhere.yaml\n", "There is no file"),
     ],

@@ -104,6 +104,25 @@ def test_lists_jobs_logs_and_specs_are_plain_files(tmp_path: Path) -> None:
         assert "is a device or a pipe" in result.stderr
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes have no names here")
+@pytest.mark.parametrize("text", [TWO, "steps: [{do: orient-joints, preset: maya}]"])
+def test_what_is_wrong_with_in_or_out_is_no_fault_of_the_spec(text: str, tmp_path: Path) -> None:
+    spec, broken = write(tmp_path, text), tmp_path / "broken.glb"
+    broken.write_bytes(b"glTF")
+    os.mkfifo(tmp_path / "pipe.glb")
+    source = SAMPLES / "biped.glb"
+    for place, target, said in (
+        (source, tmp_path / "pipe.glb", "is a device or a pipe; give the name"),
+        ("-", tmp_path / "pipe.glb", "is a device or a pipe; give the name"),
+        ("-", tmp_path / "out.usda", "the output has the format of the input"),
+        (broken, tmp_path / "out.glb", "broken.glb"),
+    ):
+        result = run("build", place, "--spec", spec, "-o", target, "--overwrite", stream=source.read_bytes())
+        assert result.exit_code in (2, 3), result.output
+        assert said in result.stderr
+        assert "rig.yaml" not in result.stderr
+
+
 def test_a_text_larger_than_it_can_be_meant_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path, "12345")
     assert text_of(path, most=5) == "12345"

@@ -10,7 +10,7 @@ from typing import Any
 
 from rigtri import scratch
 from rigtri.delivery import same_file
-from rigtri.errors import NameNotFoundError, NoLimbError, RigtriError
+from rigtri.errors import DeviationError, GeometryError, NameNotFoundError, NoLimbError, RigtriError
 from rigtri.inputs import opened
 from rigtri.outputs import Written, spare
 from rigtri.pipeline import Outcome, check_target, edit
@@ -68,17 +68,15 @@ def build(
         "dry_run": dry_run,
         "side_files": tuple(side_files),
     }
-    several = len(spec.steps) > 1
-    if several:
-        check_target(source, target, overwrite=overwrite, options=spec.reading)
     work = _Work(spec, verify, report if report is not None else Report(), spared)
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     with (
         opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
-        scratch.folder() if several else nullcontext("") as folder,
+        scratch.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
         work.spooled = str(source) == "-"
+        check_target(work.at, target, overwrite=overwrite, options=spec.reading)
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()
@@ -115,11 +113,12 @@ class _Work:
 
     def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
         """Do a step; whether there is anything of it at ``target``."""
-        made, seen = step(one.do, one.request), []
+        made, seen = step(one.do, one.request), list[Rig]()
 
         def looking_on(rig: Rig, report: Report) -> Rig:
             seen.append(rig)
-            return made(rig, report)
+            seen.append(made(rig, report))
+            return seen[-1]
 
         try:
             if self.lost and last:
@@ -137,7 +136,11 @@ class _Work:
                 self._give_up(one, error)
             return self._leave_out(one, error)
         except RigtriError as error:
-            self._give_up(one, error)
+            # What cannot be read before a step, or written after it, is no fault of the spec.
+            if len(seen) == 1 or (seen and isinstance(error, GeometryError | DeviationError)):
+                self._give_up(one, error)
+            self.tell_lost()
+            raise
         self.done.append(Done(one, report))
         return True
 
