@@ -359,7 +359,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ("- a\n", "a spec is a mapping"),
         ("steps: []\n", "has no steps"),
         ("version: 2\nsteps:\n- do: strip\n", "version"),
-        ("steps:\n- do: strip\n  splits: maybe\n", "splits: input should be a valid boolean"),
+        ("steps:\n- do: strip\n  splits: maybe\n", "splits: input should be true or false"),
         ("steps: [\n", "no YAML"),
         ("steps: 1\nsteps: 2\n", "no YAML: found duplicate key"),
         ("steps:\n- {do: bake, to: '${way}'}\n", "there is no variable 'way'"),

@@ -271,6 +271,17 @@ def test_a_base_that_is_lost_hides_nothing_and_makes_nothing_up(base: str, tmp_p
     assert "'hed'" in list(found.values())[-1]
 
 
+def test_what_is_of_another_kind_altogether_is_told_in_words_of_specs(tmp_path: Path) -> None:
+    text = "steps:\n- {do: [a]}\n- null\n- {do: add-twist, joint: {a: 1}}\n"
+    text += "- {do: orient-joints, offset: [1e30, 0, 0]}\n- {do: strip, splits: 1}\nroot: [1]\n"
+    found = list(faults(write(tmp_path, text)).values())
+    assert "there is no operation" in found[0]
+    assert "input should be a mapping (it is null)" in found[1]
+    assert all(words not in " ".join(found) for words in ("tuple", "dictionary", "valid"))
+    assert "1e+30" in found[3]
+    assert faults(write(tmp_path, "steps: x\n")) == {(1, 8): 'steps: input should be a list (it is "x")'}
+
+
 def test_a_variable_that_is_none_is_one_fault(tmp_path: Path) -> None:
     text = "variables: {a: [1], b: null}\nsteps: [{do: strip}]\n"
     found = faults(write(tmp_path, text))

@@ -60,7 +60,7 @@ def unnamed(tree: Tree, steps: Iterable[PlannedStep], source: Path | str, readin
                     lost = named(tree, number, rig, error)
                 except RigtriError:
                     continue
-            elif isinstance(said, dict) and said.get("do") in step_models():
+            elif isinstance(said, dict) and str(said.get("do")) in step_models():
                 lost = list(missing(tree, number, rig))
             if not (isinstance(said, dict) and said.get("optional") is True):
                 faults += lost

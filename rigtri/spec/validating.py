@@ -20,6 +20,18 @@ if TYPE_CHECKING:
     from rigtri.spec.models.spec import SpecModel
 
 
+# What pydantic calls values, and what they are called in a spec, by the type of its error.
+_PLAIN = {
+    "tuple_type": ("a valid tuple", "a list"),
+    "model_attributes_type": ("a valid dictionary or object to extract fields from", "a mapping"),
+    "dict_type": ("a valid dictionary", "a mapping"),
+    "string_type": ("a valid string", "a text"),
+    "int_type": ("a valid integer", "a whole number"),
+    "bool_type": ("a valid boolean", "true or false"),
+    "float_type": ("a valid number", "a number"),
+}
+
+
 def wrong(tree: Tree, *, whole: bool) -> Iterator[tuple[Keys, Fault | None]]:
     """What is wrong with a spec, by the keys that lead there.
 
@@ -93,7 +105,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[
         hint = _hint(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
     else:
-        text = told["msg"].removeprefix("Value error, ")
+        text = told["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]
         text += "" if kind == "value_error" else f" (it is {_short(told['input'])})"
         text = f"{option}: {text}" if option else text
@@ -123,7 +135,7 @@ def value_at(values: Any, keys: Keys) -> Any:
 
 def where_of(tree: Tree, keys: Keys) -> str:
     """Which step it is: ``step 3 (add-twist)``, counted from 1; of one with braces with its word."""
-    if keys[:1] == ("defaults",):
+    if keys[:1] == ("defaults",) and len(keys) > 1:
         return "defaults"
     if len(keys) < 2 or keys[0] != "steps" or not isinstance(keys[1], int):
         return ""
@@ -135,7 +147,7 @@ def where_of(tree: Tree, keys: Keys) -> str:
 
 def _option(keys: Keys) -> str:
     """The option that a fault is about."""
-    below = keys[2:] if keys[:1] in (("steps",), ("defaults",)) else keys
+    below = keys[2:] if len(keys) > 1 and keys[0] in ("steps", "defaults") else keys
     return ".".join(str(key) for key in below)
 
 

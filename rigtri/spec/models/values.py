@@ -68,11 +68,11 @@ def _numbers(value: Any) -> Any:
             raise ValueError(f"'{value}' is no point: give [x, y, z]") from None
     if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_number, value)):
         raise ValueError("give three numbers: [x, y, z]")
-    return tuple(float(number) for number in value)
+    return tuple(_workable(float(number)) for number in value)
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and fits(float(value))
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _direction(value: Any) -> Any:
@@ -82,7 +82,8 @@ def _direction(value: Any) -> Any:
 
 def _joined(value: Any) -> Any:
     """Words or numbers of a list with commas between them."""
-    if isinstance(value, list) and all(isinstance(part, str) or _is_number(part) for part in value):
+    words = isinstance(value, list) and all(isinstance(part, str) or _is_number(part) for part in value)
+    if words and all(fits(part) for part in value if not isinstance(part, str)):
         return ",".join(str(part) for part in value)
     return value
 
