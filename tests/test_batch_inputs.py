@@ -57,7 +57,7 @@ def test_paths_keep_the_tree_below_the_folder_that_they_share(tree: Path) -> Non
 
 @pytest.mark.parametrize("word", ["", "@"])
 def test_an_input_without_a_name_is_told_as_such(tree: Path, word: str) -> None:
-    with pytest.raises(UsageError, match="an input without a name|@ names no list"):
+    with pytest.raises(UsageError, match=r"an input without a name|@ names no list"):
         pairs("in/a.glb", word)
 
 
