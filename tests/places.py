@@ -102,6 +102,11 @@ def asset_files(*suffixes: str) -> list[Path]:
     return sorted(path for path in ASSETS.rglob("*") if path.suffix in wanted and path.is_file())
 
 
+def slow(*values: Any) -> Any:
+    """One more case for ``parametrize``, for when there is time."""
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
 def real_files() -> list[Any]:
     """The real files, for tests that no sample can stand in for: one skip where the folder is not here."""
     return asset_files() or [pytest.param(None, id="none", marks=pytest.mark.skip(NO_ASSETS))]
