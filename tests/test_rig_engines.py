@@ -178,7 +178,7 @@ def same_bones(before: dict[str, Any], after: dict[str, Any]) -> None:
     assert names[0] == names[1]
 
 
-@pytest.mark.parametrize("path", [BIPEDS[0], BIPEDS[2]], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [BIPEDS[0], slow(BIPEDS[2])], ids=lambda path: path.name)
 def test_loose_nodes_of_every_kind_leave_blender_the_bones_and_vertices_it_had(
     path: Path, tmp_path: Path
 ) -> None:
