@@ -14,13 +14,14 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.matrices import decompose, inverse, multiply
-from rigtri.ops.held_limbs import held_limbs
+from rigtri.ops.held_limbs import holding, ik_ends, let_go, switches
 from rigtri.ops.held_poses import held
 from rigtri.ops.operation import operation
 from rigtri.ops.taking.notices import some
 from rigtri.ops.taking.pairing import pairs
 from rigtri.report import Report
 from rigtri.rig import ADDED, Rig
+from rigtri.timelines import timelines
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
@@ -69,7 +70,10 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
         return whole
     rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
-    return held_limbs(held(whole, rested, described, both.of, report), report)
+    whole = held(whole, rested, described, both.of, report)
+    told = switches(whole, {node: node for node in ik_ends(whole)})
+    whole = let_go(whole, told, timelines(whole), report)
+    return holding(whole, told, timelines(whole))
 
 
 def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
