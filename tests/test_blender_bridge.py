@@ -22,7 +22,7 @@ from rigtri.bridge.blender import blender_setup as exported
 from rigtri.bridge.plan import named
 from rigtri.following import Parts
 from rigtri.formats import read
-from rigtri.matrices import inverse, multiply
+from rigtri.matrices import compose, inverse, multiply
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.evaluate import Solver
@@ -253,6 +253,7 @@ TAKES: dict[str, dict[str, Any]] = {
         "keys": {"hand_L_ik_ctl": {"by": [0.05, -0.12, 0.1]}, "upper_arm_L_ctl": {"turn": 30}},
         "off": ["hand_L_ik_ctl", "foot_L_ik_ctl"],
     },
+    "moved": {"keys": {"hand_L_ik_ctl": {"by": [0.05, -0.12, 0.1]}}, "move": [1.0, 0.5, 0.0]},
 }
 
 
@@ -284,7 +285,11 @@ def test_what_is_seen_in_blender_comes_home_whatever_has_keys(
             result = CliRunner().invoke(app, [*line, "--json"])
             assert result.exit_code == 0, result.stderr
             codes = {warning["code"] for warning in json.loads(result.stdout)["warnings"]}
-            assert ("ik-off" in codes) == (word == "off" and (line is take or "--rig" in line))
+            reads = line is take or "--rig" in line
+            assert ("ik-off" in codes, "armature-moved" in codes) == (
+                word == "off" and reads,
+                word == "moved" and reads,
+            )
             if line is not take:
                 assert unlike(Path(out), clip, arrays(told["seen"])) <= IK * size, (word, line)
 
@@ -339,6 +344,48 @@ def test_a_switch_below_an_ik_end_tells_of_ik_without_keys(
     result = CliRunner().invoke(app, ["strip", out, "-o", str(bare), "-q"])
     assert result.exit_code == 0, result.stderr
     assert "rigtri_ik.001" not in read(Path(bare)).rig.names
+
+
+@pytest.mark.parametrize("along", [False, True])
+def test_an_armature_that_was_moved_alone_is_put_back_where_controls_had_its_bones(
+    along: bool, rigged: dict[str, Path], app: Any, tmp_path: Path
+) -> None:
+    """An exporter takes bind poses along with it. Where the controls have gone along, nothing is wrong."""
+    place = compose(np.array([1.0, 0.0, -0.5]), np.array(turn("y", 30)), np.ones(3))
+    still = told_by_switch(rigged["biped.glb"], 1.5, tmp_path / "still.glb")
+    moved = moved_by(
+        still, place, ["biped", "rigtri_controls"] if along else ["biped"], tmp_path / "moved.glb"
+    )
+    outs = []
+    for source in (still, moved):
+        out = tmp_path / f"{source.stem}-out.glb"
+        line = ["bake", str(source), "--rig", str(rigged["biped.glb"]), "-o", str(out)]
+        result = CliRunner().invoke(app, line)
+        assert result.exit_code == 0, result.stderr
+        assert ("'biped' was moved in Blender" in result.stderr) == (source is moved and not along)
+        outs.append(read(out).rig)
+    ended = [Posed(rig, sampled(rig, rig.clip("walk"), np.array([1.0]))) for rig in outs]
+    for joint in ("hips", "foot_L", "head"):
+        here, there = (posed.world(outs[0].find(joint))[0] for posed in ended)
+        assert np.abs(multiply(here, place if along else np.eye(4)) - there).max() < 1e-5, joint
+
+
+def moved_by(source: Path, place: Floats, names: list[str], target: Path) -> Path:
+    """The file with some nodes at a place in the world, and the bind poses of all skins moved likewise."""
+    document, binary = glb_parts(source)
+    for node in document["nodes"]:
+        if node.get("name") in names:
+            for key in ("translation", "rotation", "scale"):
+                node.pop(key, None)
+            node["matrix"] = place.reshape(-1).tolist()
+    for skin in document["skins"]:
+        view = document["bufferViews"][document["accessors"][skin["inverseBindMatrices"]]["bufferView"]]
+        start, size = view.get("byteOffset", 0), view["byteLength"]
+        binds = np.frombuffer(binary[start : start + size], "<f4").reshape(-1, 4, 4)
+        moved = multiply(inverse(place)[np.newaxis], binds.astype(np.float64)).astype("<f4").tobytes()
+        binary = binary[:start] + moved + binary[start + size :]
+    target.write_bytes(glb_bytes(document, binary))
+    return target
 
 
 def test_a_switch_that_is_off_takes_the_keys_of_ik_out_of_the_clip_that_has_them(

@@ -14,6 +14,7 @@ import numpy as np
 from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
+from rigtri.ops.armature import put_back
 from rigtri.ops.held_limbs import holding, ik_ends, let_go, switches
 from rigtri.ops.operation import operation
 from rigtri.ops.taking.clip_names import ClipNames, Taken
@@ -23,6 +24,7 @@ from rigtri.ops.taking.made_names import span
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
 from rigtri.ops.taking.notices import moves, some, strangers, tell, tell_tracks
+from rigtri.ops.taking.pairing import pairs
 from rigtri.ops.taking.ranges import Ranges
 from rigtri.ops.taking.sameness import MISSED, differing, lacking
 from rigtri.ops.taking.transfer import PATHS, rest_parts
@@ -70,6 +72,11 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Ri
             "read(path).rig is that of a file"
         )
     options = options.checked()
+    # Where Blender's IK was on or off, as the script of export-blender lets a file tell.
+    of = pairs(rig, edited).of
+    told = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
+    if told.on | told.off:
+        edited = put_back(edited, rig, of, report, binds=True)
     both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(strangers(rig, edited))
@@ -93,8 +100,6 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Ri
         taken_all.add(taken.name)
         if rig is not before:
             changed.add(taken.name)
-    # Where Blender's IK was on or off, as the script of export-blender lets a file tell.
-    told = switches(edited, {both.of[node]: node for node in ik_ends(rig) if node in both.of})
     rig = let_go(rig, told, [each for each in timelines(rig) if each.name in taken_all], report)
     return holding(rig, told, [each for each in timelines(rig) if each.name in changed])
 
