@@ -182,6 +182,7 @@ constrain --type orient --child clavicle_L --driver spine_ctl --roll-axis x
 constrain --type scale --child toe_L --driver spine_ctl
 constrain --type parent --child hand_R_ik_ctl_offset --driver spine --driver hips=2
 constrain --type polevector --child forearm_R --driver clavicle_R_ctl
+constrain --type aim --child toe_L --driver head_ctl
 """
 RULED = {
     "hips_root_ctl": ONE | {"translation": [0.1, 0.0, 0.1], "rotation": turn("y", 20)},
