@@ -13,7 +13,6 @@ from rigtri import __version__
 from rigtri.errors import RigtriError
 
 from . import failures, hear_interrupts
-from .words import plain
 
 # Command → its one line of help. A command's module is imported when the command runs,
 # so that `rigtri --help` does not wait for numpy.
@@ -83,9 +82,7 @@ class Program(click.Group):
         try:
             return super().invoke(ctx)
         except click.ClickException as error:
-            # click itself tells it on standard error.
-            failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
-            raise
+            failures.misused(ctx, error)
         except BrokenPipeError:
             failures.gone(1)
         except (RigtriError, OSError, MemoryError) as error:
@@ -97,8 +94,7 @@ class Program(click.Group):
         try:
             return super().parse_args(ctx, args)
         except click.UsageError as error:
-            failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
-            raise
+            failures.misused(ctx, error)
 
 
 @click.group(

@@ -14,6 +14,7 @@ from typing import Any
 import click
 import pytest
 from click.testing import CliRunner, Result
+from places import slow
 from second_opinions import validator
 
 from rigtri.spec.building import build
@@ -185,7 +186,7 @@ def test_an_override_of_a_package_is_a_layer(app: click.Group, here: Path, sampl
 
 
 @pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
-@pytest.mark.parametrize("without", ["", "rich"])
+@pytest.mark.parametrize("without", ["", slow("rich")])
 def test_a_terminal_sees_how_far_it_is_and_a_file_does_not(without: str, here: Path) -> None:
     code = (
         f"import sys; sys.modules.update({{name: None for name in {without.split()!r}}})\n"

@@ -352,6 +352,24 @@ IGNORED = {
 }
 
 
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("draw", "Missing argument 'IN'. Help: rigtri draw --help"),
+        ("draw a.glb -o a.svg --size 3", "Invalid value for '--size': '3' is no size: give WIDTHxHEIGHT"),
+        ("view a.glb -o a.html --limit much", "Invalid value for '--limit': 'much' is not a valid number."),
+        ("inspect a.glb --jsn", "No such option '--jsn'. Did you mean '--json'? Help: rigtri inspect --help"),
+        ("dance", "No such command 'dance'. Help: rigtri --help"),
+        ("--dance", "No such option '--dance'. Help: rigtri --help"),
+    ],
+)
+def test_a_line_that_is_not_understood_gets_one_line(app: click.Group, line: str, told: str) -> None:
+    result = CliRunner().invoke(app, line.split(), prog_name="rigtri")
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"rigtri: {told}")
+    assert result.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize("case", IGNORED)
 def test_an_option_that_would_mean_nothing_is_refused(
     case: str, app: click.Group, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

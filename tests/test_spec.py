@@ -13,7 +13,7 @@ import click
 import jsonschema
 import pytest
 from click.testing import CliRunner
-from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files
+from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files, slow
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 from second_opinions import validator
@@ -198,7 +198,7 @@ steps:
 """
 
 
-@pytest.mark.parametrize("sample", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+@pytest.mark.parametrize("sample", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
 def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: Path) -> None:
     source = SAMPLES / sample
     if not source.exists():

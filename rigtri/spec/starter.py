@@ -4,14 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
+from rigtri.formats import Options, read
+from rigtri.inputs import opened
 from rigtri.limbs import Limb, recognise
 from rigtri.rig import Rig
 from rigtri.skeleton import Skeleton, skeleton
 
 # So many joints are shown as a comment; inspect shows all.
 MOST_SHOWN = 200
+
+
+def spec_init(path: Path | str, *, options: Options | None = None) -> str:
+    """A spec in YAML to start from, with steps for the joints of a file, as `rigtri spec-init` writes it.
+
+    Raises FileError for a file that cannot be read, or is without joints.
+    """
+    with opened(path) as file:
+        return starter(read(file, options or Options()).rig, Path(path).name)
 
 
 def starter(rig: Rig, file: str) -> str:
