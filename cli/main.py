@@ -12,7 +12,7 @@ import click
 from rigtri import __version__
 from rigtri.errors import RigtriError
 
-from . import failures
+from . import failures, hear_interrupts
 
 # Command → its one line of help. A command's module is imported when the command runs,
 # so that `rigtri --help` does not wait for numpy.
@@ -68,6 +68,7 @@ class Program(click.Group):
 
     def main(self, *args: Any, **extra: Any) -> Any:
         failures.hold_streams()
+        hear_interrupts()
         try:
             return super().main(*args, **extra)
         except OSError as error:  # of what is said before a command runs, such as --help

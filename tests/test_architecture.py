@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -82,76 +83,96 @@ def rank(name: str) -> int:
     return next(k for k, line in enumerate(ORDER) if name in line.split())
 
 
-def imports(path: Path, *, annotations: bool = False) -> Iterator[str]:
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text("utf-8"))
+
+
+@cache
+def imports(path: Path, *, annotations: bool = False) -> tuple[str, ...]:
     """The dotted names of rigtri's modules that a module imports when it runs."""
-    tree = ast.parse(path.read_text("utf-8"))
+    tree = parsed(path)
     unseen = set() if annotations else set(map(id, _only_for_types(tree)))
-    for node in ast.walk(tree):
-        if id(node) in unseen:
-            continue
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+    found: list[str] = []
+    for node in nodes(path):
+        if isinstance(node, ast.Import) and id(node) not in unseen:
+            found += (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and id(node) not in unseen:
             assert node.level == 0 or place(path) == "cli", f"{path.name} imports relatively"
-            yield node.module or ""
+            found.append(node.module or "")
+    return tuple(found)
 
 
-def _only_for_types(tree: ast.AST) -> Iterator[ast.AST]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+@cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(parsed(path)))
+
+
+def _only_for_types(tree: ast.Module) -> Iterator[ast.AST]:
+    for node in tree.body:
+        if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
             yield from ast.walk(node)
-
-
-def names(paths: list[Path]) -> list[str]:
-    return [str(path.relative_to(ROOT)) for path in paths]
 
 
 SOURCES = modules() if (ROOT / "rigtri").is_dir() else []
 INNER = [path for path in SOURCES if path != ROOT / "rigtri" / "__init__.py"]
 
 
-@pytest.mark.parametrize("path", INNER, ids=names(INNER))
-def test_imports_point_one_way(path: Path) -> None:
-    own = place(path)
-    for name in imports(path):
-        parts = name.split(".")
-        if parts[0] != "rigtri" or len(parts) == 1 or parts[1] == own:
-            continue
-        assert rank(parts[1]) < rank(own), f"{own} imports {name}"
+def shown(path: Path) -> str:
+    return str(path.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("path", INNER, ids=names(INNER))
-def test_formats_do_not_know_each_other(path: Path) -> None:
-    for mine, other in (("gltf", "usd"), ("usd", "gltf")):
-        if mine in path.parent.parts:
-            assert not [name for name in imports(path) if f"formats.{other}" in name]
-    if "usd" not in path.parent.parts:
-        assert "pxr" not in {name.split(".")[0] for name in imports(path)}
+def test_imports_point_one_way() -> None:
+    wrong = []
+    for path in INNER:
+        own = place(path)
+        for name in imports(path):
+            parts = name.split(".")
+            if parts[0] == "rigtri" and len(parts) > 1 and parts[1] != own and rank(parts[1]) >= rank(own):
+                wrong.append(f"{shown(path)} imports {name}")
+    assert wrong == []
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=names(SOURCES))
-def test_nobody_imports_the_program_or_the_schemas(path: Path) -> None:
+def test_formats_do_not_know_each_other() -> None:
+    wrong = []
+    for path in INNER:
+        folders = path.parent.parts
+        known = ("pxr", "formats.usd") if "gltf" in folders else ("pxr",)
+        known = ("formats.gltf",) if "usd" in folders else known
+        wrong += [f"{shown(path)} imports {name}" for name in imports(path) if any(k in name for k in known)]
+    assert wrong == []
+
+
+def test_nobody_imports_the_program_or_the_schemas() -> None:
     """They are found by entry point and importlib.resources; commands know their siblings."""
-    for name in imports(path, annotations=True):
-        assert not name.startswith("rigtri.schemas")
-        assert not name.startswith("rigtri.cli") or place(path) == "cli"
+    wrong = []
+    for path in SOURCES:
+        known = ("rigtri.schemas",) if place(path) == "cli" else ("rigtri.schemas", "rigtri.cli")
+        every = imports(path, annotations=True)
+        wrong += [f"{shown(path)} imports {name}" for name in every if name.startswith(known)]
+    assert wrong == []
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=names(SOURCES))
-def test_no_except_catches_everything(path: Path) -> None:
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-        if isinstance(node, ast.ExceptHandler):
-            caught = ast.unparse(node.type) if node.type else "everything"
-            ends = isinstance(node.body[-1], ast.Raise)
-            assert caught not in ("everything", "Exception", "BaseException") or ends, caught
+def test_no_except_catches_everything() -> None:
+    wrong = []
+    for path in SOURCES:
+        for node in nodes(path):
+            if isinstance(node, ast.ExceptHandler) and not isinstance(node.body[-1], ast.Raise):
+                caught = ast.unparse(node.type) if node.type else "everything"
+                if caught in ("everything", "Exception", "BaseException"):
+                    wrong.append(f"{shown(path)}:{node.lineno} catches {caught}")
+    assert wrong == []
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=names(SOURCES))
-def test_a_function_fits_on_a_screen(path: Path) -> None:
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-        if isinstance(node, ast.FunctionDef):
-            lines = (node.end_lineno or 0) - node.body[0].lineno + 1
-            assert lines <= LONGEST, f"{node.name} has {lines} lines"
+def test_a_function_fits_on_a_screen() -> None:
+    long = []
+    for path in SOURCES:
+        for node in nodes(path):
+            if isinstance(node, ast.FunctionDef):
+                lines = (node.end_lineno or 0) - node.body[0].lineno + 1
+                if lines > LONGEST:
+                    long.append(f"{shown(path)}: {node.name} has {lines} lines")
+    assert long == []
 
 
 def test_the_packages_of_the_wheel_are_the_folders_of_the_source() -> None:
