@@ -96,7 +96,7 @@ def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
 
 
 def test_a_move_of_a_control_below_ik_goes_along_the_axes_that_ik_has_turned() -> None:
-    """As in the tree of nodes: the offset stands where IK has the joint, and the control moves in its axes."""
+    """As in the tree of nodes: the offset stands where IK has the joint, the control moves in its axes."""
     rig = rigged()
     rig = replace(rig, clips=(rig.clip("walk"),))
     up = bake(rig, options=Options(to="controls"))
