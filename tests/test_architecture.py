@@ -35,7 +35,7 @@ following timelines insertion fitting triangles
 carried readers driven dependence
 solve
 turned_rules
-reframe report reach
+reframe report hanging reach
 origin
 lengths
 naming
