@@ -51,6 +51,15 @@ class Bytes(click.ParamType[int]):
         return int(size)
 
 
+def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Where a scheduler may be: a host and a port, or one of this process."""
+    if value is not None and not re.fullmatch(
+        r"([a-z]+://)?(\[[0-9a-f:.]+\]|[^\s/:]+):[0-9]{1,5}|inproc://.+", value
+    ):
+        raise click.BadParameter(f"'{value}' is no address of a scheduler: give tcp://HOST:PORT", ctx, param)
+    return value
+
+
 @click.command("batch")
 @click.argument("inputs", metavar="IN…", nargs=-1)
 @spec_option
@@ -87,7 +96,10 @@ class Bytes(click.ParamType[int]):
     "--max-memory", type=Bytes(), metavar="SIZE", help="Give a file up that takes more, as 2G (Linux)."
 )
 @click.option(
-    "--dask", metavar="tcp://HOST:PORT", help="Let the workers of a Dask scheduler do it. [this machine]"
+    "--dask",
+    metavar="tcp://HOST:PORT",
+    callback=_address,
+    help="Let the workers of a Dask scheduler do it. [this machine]",
 )
 @click.option(
     "--emit-openjd",
@@ -148,7 +160,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     found = _found(inputs, values, out_dir, tasks)
     whole = _manifest(values, out_dir)
     if values["emit_openjd"]:
-        batch_job.emit(values, found.entries, whole)
+        batch_job.emit(values, found.entries, whole, tasks)
         return 0
     shard = _shard(values)
     folder = os.path.abspath(whole.parent)
@@ -158,13 +170,11 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     own = manifest.place(whole, shard)
     with ExitStack() as stack:
         engine = stack.enter_context(batch_engine.engine(values, folder, chosen))
-        kept = None
-        if not values["dry_run"]:
-            own.parent.mkdir(parents=True, exist_ok=True)
-            kept = stack.enter_context(manifest.Manifest(own, shard=str(shard) if shard else None))
+        part = str(shard) if shard else None
+        new = not own.is_file()  # a new one is made when it has been seen that there is something to do
+        kept = None if values["dry_run"] or new else stack.enter_context(manifest.Manifest(own, shard=part))
         known = [own, *manifest.others(whole, own)] if kept is None else manifest.others(whole, own)
         others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
-        log = stack.enter_context(_log(values["log"]))
         engines = [engine]
         heard = stack.enter_context(batch_engine.signals(engines, quiet=values["quiet"]))
         session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
@@ -172,7 +182,12 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         if len(plan.assignments) > 1 and not plan.settled and not heard:
             engines.append(batch_engine.local(values, folder, len(chosen), dry_run=True))
             _try_out(plan, engines[1], quiet=values["quiet"])
-        _work(session, plan, engine, log, values, str(shard) if shard else None)
+        log = stack.enter_context(_log(values["log"]))
+        if new and not values["dry_run"]:
+            own.parent.mkdir(parents=True, exist_ok=True)
+            kept = stack.enter_context(manifest.Manifest(own, shard=part))
+            session.keep(kept, chosen)
+        _work(session, plan, engine, log, values, part)
         if kept is not None:
             kept.end(dict(session.counts))
     left = len(chosen) - session.counts.total()
@@ -191,7 +206,8 @@ def _tasks(values: dict[str, Any]) -> Tasks:
     def task(own: tuple[tuple[str, str], ...]) -> SpecTask:
         from rigtri.batch.spec_task import SpecTask
 
-        spec = load(values["spec"], variables=shared | dict(own))
+        folders = {name: Path(values["job"]).parent for name, _ in own}
+        spec = load(values["spec"], variables=shared | dict(own), folders=folders)
         words = {name: values[name] for name in ("strict", "tolerance", "resources")}
         return SpecTask(spec.limited(**words), values["verify"])
 
@@ -301,7 +317,8 @@ def _tell_end(session: Run, left: int, values: dict[str, Any]) -> None:
 
     counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
     words = [*counts, *([f"{left} not begun"] if left else [])]
-    click.echo(f"{counted(session.counts.total() + left, 'file')}: {', '.join(words)}", err=True)
+    said = ", ".join(words) or "nothing to do"
+    click.echo(f"{counted(session.counts.total() + left, 'file')}: {said}", err=True)
     for what, count in session.missing.most_common(MOST_MISSING):
         click.echo(plain(f"in {count} of them: {what}", one_line=True), err=True)
     if len(session.missing) > MOST_MISSING:

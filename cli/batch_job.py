@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +12,12 @@ import click
 
 from rigtri.errors import UsageError
 
+from .build import assigned
 from .words import counted, plain
 
 if TYPE_CHECKING:
     from rigtri.batch.entries import Entry
+    from rigtri.batch.run import Tasks
 
 # What a job says itself, or what each of its tasks would write into.
 _NOT_WITH = ("shard", "dask", "dry_run", "log", "as_json")
@@ -28,7 +31,7 @@ def refuse(values: dict[str, Any]) -> None:
             raise UsageError(f"--emit-openjd and {option} do not go together")
 
 
-def emit(values: dict[str, Any], entries: tuple[Entry, ...], manifest: Path) -> None:
+def emit(values: dict[str, Any], entries: tuple[Entry, ...], manifest: Path, tasks: Tasks) -> None:
     """Write the job's files, and say what there is to do with them."""
     from rigtri.batch import openjd
     from rigtri.outputs import as_file_error
@@ -36,7 +39,12 @@ def emit(values: dict[str, Any], entries: tuple[Entry, ...], manifest: Path) -> 
     folder = Path(values["emit_openjd"])
     with as_file_error(manifest.parent):
         manifest.parent.mkdir(parents=True, exist_ok=True)
-    parts = openjd.emit(folder, entries, [*_words(values), "--manifest", os.path.abspath(manifest)])
+    paths = {own: tasks(own).paths for own in {entry.variables: None for entry in entries}}
+    beside = Path(values["job"] or ".").parent
+    entries = tuple(replace(e, variables=_whole(e.variables, paths[e.variables], beside)) for e in entries)
+    shared = _whole(assigned(values["variables"]).items(), frozenset().union(*paths.values()), Path())
+    words = [*_words(values, shared), "--manifest", os.path.abspath(manifest)]
+    parts = openjd.emit(folder, entries, words)
     if not values["quiet"]:
         what = f"{counted(len(entries), 'file')} in {counted(parts, 'part')}"
         click.echo(
@@ -44,11 +52,20 @@ def emit(values: dict[str, Any], entries: tuple[Entry, ...], manifest: Path) -> 
         )
 
 
-def _words(values: dict[str, Any]) -> Iterator[str]:
+def _whole(
+    variables: Iterable[tuple[str, str]], paths: frozenset[str], folder: Path
+) -> tuple[tuple[str, str], ...]:
+    """Variables, whole paths for those that are seen from a folder: a task begins in another one."""
+    return tuple(
+        (name, os.path.abspath(folder / text) if name in paths else text) for name, text in variables
+    )
+
+
+def _words(values: dict[str, Any], variables: Iterable[tuple[str, str]]) -> Iterator[str]:
     """The command's options as a task is to have them."""
     yield from ("--spec", os.path.abspath(values["spec"]))
-    for variable in values["variables"]:
-        yield from ("--set", variable)
+    for name, text in variables:
+        yield from ("--set", f"{name}={text}")
     for name in ("jobs", "timeout", "max_memory", "max_errors", "tolerance", "resources"):
         if values[name] is not None:
             yield from (f"--{name.replace('_', '-')}", str(values[name]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,6 +18,7 @@ from .options import (
     run,
     side_files,
     verify_option,
+    with_target,
 )
 from .words import plain
 
@@ -75,15 +75,15 @@ def command(**values: Any) -> None:
     """
     from rigtri.spec.loading import load
 
-    spec = load(values["spec"], variables=assigned(values["variables"]))
+    spec = load(values["spec"], variables=assigned(values["variables"]), source=values["source"])
     spec = spec.limited(strict=values["strict"], tolerance=values["tolerance"])
     values |= {"tolerance": spec.model.tolerance, "sidecar": spec.model.sidecar, "reading": spec.reading}
     if values["explain"]:
         _explain(values, spec)
         return
-    if values["source"] is None or values["target"] is None:
+    if values["source"] is None or (values["target"] is None and not values["dry_run"]):
         raise UsageError("give the character and the file to write: IN -o OUT; or --explain")
-    _run(values, spec)
+    _run(with_target(values), spec)
 
 
 def assigned(texts: tuple[str, ...]) -> dict[str, str]:
@@ -107,7 +107,7 @@ def _run(values: dict[str, Any], spec: Spec) -> None:
             values["source"],
             values["target"],
             spec,
-            overwrite=values["overwrite"],
+            overwrite=values["overwrite"] or values["unnamed"],
             verify=values["verify"],
             dry_run=values["dry_run"],
             side_files=side_files(values),
@@ -157,10 +157,7 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
         if report_path or values["target"]:
             raise UsageError("--explain without IN builds nothing: give IN, or leave out --report and -o")
         return
-    if report_path and Path(report_path).exists() and not values["overwrite"]:
-        raise UsageError(f"{report_path} exists; it is replaced only with --overwrite")
-    target = values["target"] or values["source"]
-    _run(values | {"dry_run": True, "target": target, "overwrite": True}, spec)
+    _run(with_target(values) | {"dry_run": True, "unnamed": True}, spec)
 
 
 def _line(one: PlannedStep) -> str:

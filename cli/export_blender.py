@@ -46,9 +46,7 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
         rigtri add-controls hero.glb -o rigged.glb --whole-character
         rigtri export-blender rigged.glb -o setup.py
     """
-    from rigtri.bridge.blender import blender_setup
-    from rigtri.formats import GLTF_SUFFIXES, read
-    from rigtri.inputs import opened
+    from rigtri.bridge.exported import setup_for
     from rigtri.outputs import write_text
     from rigtri.report import Report
 
@@ -58,12 +56,7 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
     if target != "-" and path.exists() and not overwrite:
         raise UsageError(f"{target} exists; it is replaced only with --overwrite")
     report = Report()
-    with opened(source) as file:
-        document = read(file, read_options(values))
-        gltf = file.suffix.lower() in GLTF_SUFFIXES
-        meters = 1.0 if gltf else float(document.scenery().whole["metersPerUnit"])
-        name = "" if source == "-" else Path(source).name
-        made = blender_setup(document.rig, gltf=gltf, meters=meters, file=name, report=report)
+    made = setup_for(source, read_options(values), report)
     if not quiet:
         tell_warnings(report)
     if target == "-":

@@ -113,6 +113,19 @@ def end(ctx: click.Context | None, error: Exception, code: int | None = None) ->
     sys.exit(own if code is None else code)
 
 
+def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
+    """Tell what click does not understand in one line, as all else is told, and end with its exit code."""
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        raise error  # it shows the help
+    message = " ".join(plain(error.format_message()).split())
+    at = error.ctx if isinstance(error, click.UsageError) and error.ctx is not None else ctx
+    stop = "" if message.endswith((".", "?", "!", ")")) else "."
+    click.echo(f"rigtri: {message}{stop} Help: {at.command_path} --help", err=True)
+    tell_json(ctx, "usage", message, error.exit_code)
+    _takes_more()
+    sys.exit(error.exit_code)
+
+
 def _said(error: Exception) -> tuple[str, str, int]:
     """Kind, message and exit code."""
     if isinstance(error, RigtriError):

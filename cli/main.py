@@ -12,8 +12,7 @@ import click
 from rigtri import __version__
 from rigtri.errors import RigtriError
 
-from . import failures
-from .words import plain
+from . import failures, hear_interrupts
 
 # Command → its one line of help. A command's module is imported when the command runs,
 # so that `rigtri --help` does not wait for numpy.
@@ -69,6 +68,7 @@ class Program(click.Group):
 
     def main(self, *args: Any, **extra: Any) -> Any:
         failures.hold_streams()
+        hear_interrupts()
         try:
             return super().main(*args, **extra)
         except OSError as error:  # of what is said before a command runs, such as --help
@@ -82,9 +82,7 @@ class Program(click.Group):
         try:
             return super().invoke(ctx)
         except click.ClickException as error:
-            # click itself tells it on standard error.
-            failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
-            raise
+            failures.misused(ctx, error)
         except BrokenPipeError:
             failures.gone(1)
         except (RigtriError, OSError, MemoryError) as error:
@@ -96,8 +94,7 @@ class Program(click.Group):
         try:
             return super().parse_args(ctx, args)
         except click.UsageError as error:
-            failures.tell_json(ctx, "usage", " ".join(plain(error.format_message()).split()), error.exit_code)
-            raise
+            failures.misused(ctx, error)
 
 
 @click.group(

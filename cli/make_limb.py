@@ -15,6 +15,7 @@ from .options import (
     Number,
     edit_options,
     given_options,
+    needed_output,
     output_option,
     output_options,
     points,
@@ -61,8 +62,9 @@ def spread(args: list[str]) -> list[str]:
 @click.command("make-limb", cls=_Listing)
 @click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
 @output_option(
-    "The file to write, in the format of IN, or a new file; - for standard output.",
-    required=True,
+    "The file to write, in the format of IN, or a new file; - for standard output. Needed but for "
+    "--dry-run with IN.",
+    callback=needed_output,
 )
 @click.option("--locators", multiple=True, metavar="A B C", help="Nodes that stand where the joints shall.")
 @click.option(
@@ -157,8 +159,8 @@ def _blank(folder: Path, values: dict[str, Any]) -> str:
     """An empty file in the format of OUT."""
     from rigtri.formats import GLTF_SUFFIXES, write_blank
 
-    if values["target"] == "-":
-        raise UsageError("-o -: a new file needs a name, whose suffix says its format")
+    if values["target"] in (None, "-"):
+        raise UsageError("-o: a new file needs a name, whose suffix says its format")
     if values["locators"]:
         raise UsageError("--locators are nodes of a file: give IN, or --points")
     target = Path(values["target"])

@@ -125,7 +125,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     if values["check"]:
         _check(values, asked(request(values)))
         return
-    if values["target"] is None:
+    if values["target"] is None and not values["dry_run"]:
         raise UsageError("give the file to write with -o OUT, or --check to write none")
     run_edit("mirror", values, step(request(values)), given_options(ctx), summary)
 

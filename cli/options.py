@@ -89,8 +89,15 @@ def output_option(words: str, metavar: str = "OUT", **more: Any) -> Callable[[F]
     return click.option("-o", "--output", "target", metavar=metavar, help=words, **more)
 
 
+def needed_output(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+    """OUT, which only a dry run does without."""
+    if value is None and not ctx.params.get("dry_run"):
+        raise click.MissingParameter(ctx=ctx, param=param)
+    return value
+
+
 _IN_FORMAT = "The file to write, in the format of IN; - for standard output."
-target_option = output_option(_IN_FORMAT, required=True)
+target_option = output_option(f"{_IN_FORMAT} Needed but for --dry-run.", callback=needed_output)
 optional_target_option = output_option(_IN_FORMAT)
 verify_option = click.option(
     "--verify/--no-verify",
@@ -98,7 +105,9 @@ verify_option = click.option(
     show_default=True,
     help="Compare source and result in every pose before OUT appears.",
 )
-dry_run_option = click.option("-n", "--dry-run", is_flag=True, help="Do all but write: report and measure.")
+dry_run_option = click.option(
+    "-n", "--dry-run", is_flag=True, is_eager=True, help="Do all but write: report and measure."
+)
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace OUT where it exists.")
 facing_option = click.option(
     "--facing",
@@ -329,6 +338,12 @@ def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:
         ctx.obj = ctx.with_resource(begun(source, target, overwrite=values["overwrite"]))
 
 
+def with_target(values: dict[str, Any]) -> dict[str, Any]:
+    """A command's values; of a run that writes nothing, and needs no OUT for that, with IN in its place."""
+    unnamed = values["target"] is None
+    return values | {"unnamed": unnamed, "target": values["source"] if unnamed else values["target"]}
+
+
 def run_edit(
     name: str,
     values: dict[str, Any],
@@ -345,6 +360,7 @@ def run_edit(
 
     from rigtri.pipeline import edit
 
+    values = with_target(values)
     _check_format(values)
 
     def done(report: Report) -> Outcome:
@@ -354,7 +370,7 @@ def run_edit(
             step,
             options=read_options(values),
             report=report,
-            overwrite=values["overwrite"],
+            overwrite=values["overwrite"] or values["unnamed"],
             verify=values["verify"],
             tolerance=values["tolerance"],
             dry_run=values["dry_run"],
@@ -380,9 +396,9 @@ def run(
     from rigtri.report import Report
 
     source, target, quiet = values["source"], values["target"], values["quiet"]
-    if values["as_json"] and target == "-":
+    if values["as_json"] and target == "-" and not values["dry_run"]:
         raise UsageError("--json and -o - both want standard output; use --report FILE.json")
-    if values["sidecar"] and target == "-":
+    if values["sidecar"] and target == "-" and not values["unnamed"]:
         raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
     check_side_files(values)
     report = Report()
@@ -446,7 +462,7 @@ def _side_files(values: dict[str, Any]) -> dict[str, Path]:
 
     flags = {"--report": "report_path", "--save-frames": "save_frames"}
     found = {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
-    if values.get("sidecar"):
+    if values.get("sidecar") and not values.get("unnamed"):
         found["--sidecar"] = _sidecar(values)
     return found
 
@@ -544,6 +560,8 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo(plain(outcome.verification.summary() + more, one_line=True), err=True)
     if values.get("explain"):
         click.echo("Nothing was written (--explain).", err=True)
+    elif values["unnamed"]:
+        click.echo("Nothing was written (--dry-run).", err=True)
     elif values["dry_run"]:
         click.echo(f"{where} was not written (--dry-run).", err=True)
     else:

@@ -38,11 +38,9 @@ def command(source: str, target: str, overwrite: bool, as_json: bool, **values: 
         rigtri spec-init hero.glb -o rig.yaml
         rigtri build hero.glb --spec rig.yaml -o out.glb
     """
-    from rigtri.formats import read
-    from rigtri.inputs import opened
     from rigtri.outputs import write_text
     from rigtri.spec.loading import need_extra
-    from rigtri.spec.starter import plain_values, starter
+    from rigtri.spec.starter import plain_values, spec_init
 
     need_extra()
     path = Path(target)
@@ -50,8 +48,7 @@ def command(source: str, target: str, overwrite: bool, as_json: bool, **values: 
         raise UsageError(f"{target}: the spec is YAML or JSON; give it the suffix .yaml or .json")
     if target != "-" and path.exists() and not overwrite:
         raise UsageError(f"{target} exists; it is replaced only with --overwrite")
-    with opened(source) as file:
-        text = starter(read(file, read_options(values)).rig, Path(source).name)
+    text = spec_init(source, options=read_options(values))
     in_json = json.dumps(plain_values(text), indent=2, ensure_ascii=False)
     if as_json:
         click.echo(in_json)

@@ -26,11 +26,7 @@ from .words import plain
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-    from rigtri.rig import Rig
     from rigtri.viewer.page import Shown
-
-# Warnings that the page shows, too: they are of what is seen there.
-_ON_PAGE = ("no-joints", "not-shown")
 
 
 @click.command("view")
@@ -78,17 +74,22 @@ def command(source: str, target: str, **values: Any) -> None:
         rigtri view out.glb --against hero.glb -o out.html --clip walk
     """
     from rigtri.report import Report
-    from rigtri.viewer.page import page
+    from rigtri.viewer.shown import Begin, shown_page
 
     sources = [source] if values["against"] is None else [source, values["against"]]
     _check(sources, target, values)
     report = Report()
-    shown, start = _read(sources, values, report)
-    notices = [notice.text for notice in report.warnings if notice.code in _ON_PAGE]
-    text = page(shown, **start, notices=notices, limit=values["limit"]).encode("utf-8", "backslashreplace")
-    _deliver(text, target)
+    text, shown = shown_page(
+        sources,
+        begin=Begin(values["clip"], values["pose"]),
+        limit=values["limit"],
+        options=read_options(values),
+        report=report,
+    )
+    content = text.encode("utf-8", "backslashreplace")
+    _deliver(content, target)
     if values["as_json"]:
-        click.echo(json.dumps(_told(shown, target, len(text), report), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(_told(shown, target, len(content), report), indent=2, ensure_ascii=False))
     pictures.tell(report, target, values)
     if values["opens"] and click.launch(Path(target).resolve().as_uri()) != 0:
         told = (
@@ -101,8 +102,6 @@ def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
     """UsageError, before anything is read, for what cannot be written or contradicts itself."""
     if len(sources) > 1:
         check_streams(*sources)
-    if values["clip"] is not None and values["pose"] is not None:
-        raise UsageError("give --clip or --pose, not both")
     if target == "-":
         if values["opens"] or values["as_json"]:
             raise UsageError("--open and --json need a page in a file; give OUT a name")
@@ -110,49 +109,6 @@ def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
         raise UsageError(f"{target} is to be a page: give a name that ends in .html")
     else:
         pictures.check_place(target, sources, overwrite=values["overwrite"])
-
-
-def _read(sources: list[str], values: dict[str, Any], report: Report) -> tuple[list[Shown], dict[str, Any]]:
-    """The files of the page, and how it begins; what it cannot show is a warning of the report."""
-    from dataclasses import replace
-
-    from rigtri.formats import read
-    from rigtri.inputs import opened
-    from rigtri.viewer.facts import clip_names, facts
-    from rigtri.viewer.page import Shown
-
-    options = replace(read_options(values), empty=True)
-    shown: list[Shown] = []
-    start: dict[str, Any] = {}
-    for name in sources:
-        with opened(name) as path:
-            document = read(path, options)
-            rig, embedded = document.rig, document.embedded()
-            start = start or _start(rig, values)
-            title = "standard input" if name == "-" else path.name
-            for notice in document.warnings:
-                report.warn(notice.code, f"{title}: {notice.text}")
-            if not rig.is_joint.any():
-                rest = "its nodes are shown" if len(rig) else "nor any node"
-                report.warn("no-joints", f"{title} has no joints; {rest}")
-            for text in embedded.lacking:
-                report.warn("not-shown", f"{title}: {text}")
-            content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()
-            shown.append(Shown(title, facts(rig), replace(embedded, content=content), clip_names(rig)))
-    return shown, start
-
-
-def _start(rig: Rig, values: dict[str, Any]) -> dict[str, Any]:
-    """How the page begins: the number of a clip, and the time to stand still at, in seconds."""
-    from rigtri.timelines import moment
-    from rigtri.viewer.facts import clip_place
-
-    if values["clip"] is not None:
-        return {"clip": clip_place(rig, rig.clip(values["clip"])), "time": None}
-    timeline, time = moment(rig, values["pose"] or "rest")
-    if timeline is None:
-        return {"clip": -1, "time": None}
-    return {"clip": clip_place(rig, timeline.clip), "time": time / rig.per_second}
 
 
 def _deliver(text: bytes, target: str) -> None:

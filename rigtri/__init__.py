@@ -39,6 +39,9 @@ _WHERE = {
     "check": "rigtri.checks",
     "draw": "rigtri.drawing.picture",
     "explain": "rigtri.explanation.steps",
+    "view": "rigtri.viewer.shown",
+    "export_blender": "rigtri.bridge.exported",
+    "spec_init": "rigtri.spec.starter",
     "register_usd_schemas": "rigtri.formats.usd.schemas",
     "Options": "rigtri.formats",
     "Rig": "rigtri.rig",
@@ -66,6 +69,7 @@ __all__ = [
     "draw",
     "edit",
     "explain",
+    "export_blender",
     "from_pygltflib",
     "make_limb",
     "mirror",
@@ -73,15 +77,18 @@ __all__ = [
     "read",
     "register_usd_schemas",
     "snap",
+    "spec_init",
     "strip",
     "take_clips",
     "take_pose",
     "to_pygltflib",
     "verify",
+    "view",
     "write",
 ]
 
 if TYPE_CHECKING:
+    from rigtri.bridge.exported import export_blender
     from rigtri.checks import check
     from rigtri.descriptions import describe
     from rigtri.difference import diff
@@ -111,6 +118,8 @@ if TYPE_CHECKING:
     from rigtri.report import Report
     from rigtri.rig import Rig
     from rigtri.spec.building import build
+    from rigtri.spec.starter import spec_init
+    from rigtri.viewer.shown import view
 
 
 def __getattr__(name: str) -> Any:

@@ -17,7 +17,9 @@ import tempfile
 import threading
 import time
 import traceback
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.util import get_temp_dir
 from pathlib import Path
@@ -167,7 +169,8 @@ class Confined:
             mine, theirs = self._context.Pipe()
             process = self._context.Process(target=_serve, args=(theirs, self._memory, place), daemon=True)
             try:
-                process.start()
+                with _deaf():
+                    process.start()
             except (EOFError, OSError) as error:  # the next time the server is started anew
                 mine.close()
                 if number == _STARTS - 1:
@@ -210,6 +213,25 @@ def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError
     error = kind.__new__(kind)
     error.args = arguments
     return error
+
+
+@contextlib.contextmanager
+def _deaf() -> Iterator[None]:
+    """What is started meanwhile does not hear of interrupts, from its first moment on; they are for us.
+
+    Not on Windows.
+    """
+    # What multiprocessing says of its tracker when that was killed is nothing that a user could act upon.
+    warnings.filterwarnings("ignore", "resource_tracker: process died unexpectedly", UserWarning)
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # to start it lets interrupts through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _keep_sockets(place: str) -> None:

@@ -50,13 +50,12 @@ class NameNotFoundError(RigtriError):
 
     exit_code = 4
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+    def __init__(self, kind: str, name: str, known: Iterable[str], *, pattern: bool = False) -> None:
+        """pattern: the name may be a glob."""
         every = list(dict.fromkeys(word for word in known if word))
-        close = get_close_matches(name, every, n=3)
-        hint = f" Did you mean {_quoted(close)}?" if close else ""
-        if not close and 0 < len(every) <= _FEW:
-            hint = f" There {'are' if len(every) > 1 else 'is'} {_quoted(every)}."
-        super().__init__(f"No {kind} is named '{name}'.{hint} List what is there with: rigtri inspect FILE")
+        said = "matches" if pattern and re.search(r"[*?\[]", name) else "is named"
+        hint = _range(name, every) or _meant(name, every)
+        super().__init__(f"No {kind} {said} '{name}'.{hint} List what is there with: rigtri inspect FILE")
 
 
 class AmbiguousNameError(RigtriError):
@@ -103,6 +102,23 @@ def kind_of(error: type[RigtriError]) -> str:
     known = next(kind for kind in error.__mro__ if kind.__module__ == RigtriError.__module__)
     words = re.findall("[A-Z][a-z]+", known.__name__.removesuffix("Error"))
     return " ".join(words).lower()
+
+
+def _range(name: str, known: Sequence[str]) -> str:
+    """For the index of a node those that there are: how it is spelled says nothing."""
+    numbers = [int(word[1:]) for word in known if re.fullmatch(r"#[0-9]+", word)]
+    if not numbers or not re.fullmatch(r"#[0-9]+", name):
+        return ""
+    return f" There are {len(numbers)} nodes, #{min(numbers)} to #{max(numbers)}."
+
+
+def _meant(name: str, known: Sequence[str]) -> str:
+    close = get_close_matches(name, known, n=3)
+    if close:
+        return f" Did you mean {_quoted(close)}?"
+    if 0 < len(known) <= _FEW:
+        return f" There {'are' if len(known) > 1 else 'is'} {_quoted(known)}."
+    return ""
 
 
 def _quoted(words: Iterable[str]) -> str:

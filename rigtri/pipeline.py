@@ -137,10 +137,9 @@ def edit(
 def check_target(source: Path | str, target: Path | str, *, overwrite: bool, options: Options) -> None:
     """Refuse, before anything is read, a target that `edit` would refuse.
 
-    Raises FileError, and UsageError for one that exists, without ``overwrite``, or is of another format.
+    source: no stream, which can be read only once. Raises FileError, and UsageError for one that exists,
+    without ``overwrite``, or is of another format.
     """
-    if str(source) == "-":
-        return  # a stream can be read only once
     with opened(source) as path:
         final = _final(path, target, overwrite, options)
         if str(target) != "-":

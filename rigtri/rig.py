@@ -338,7 +338,7 @@ class Rig:
             )
         ]
         if not found:
-            raise NameNotFoundError("joint", pattern, [*self._by_name, *self._by_address])
+            raise NameNotFoundError("joint", pattern, [*self._by_name, *self._by_address], pattern=True)
         return found
 
     def part(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:

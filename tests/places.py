@@ -74,6 +74,23 @@ KNOWN: dict[str, set[str]] = {
 # `large`.
 LARGE = {"gdquest_mannequiny-0.3.0.glb", "kaykit_Barbarian.glb", "raylib_robot.glb"}
 
+# One real file of each kind, which stands for the others where a test would be long with all of them.
+KINDS = {
+    "Godette_v4.vrm",
+    "addon_Example_vrm1.vrm",
+    "blender_cubic_godot_enemy.glb",
+    "gltfpack_cc_kn_godot_enemy.glb",
+    "gt_sparse_player.glb",
+    "khronos_CesiumMan_Binary.glb",
+    "khronos_RiggedFigure_sep.gltf",
+    "magnum_Assimp_skin-shared.gltf",
+    "mayausd_HIK_Export.usda",
+    "momentum_skeleton_non_joint_root.glb",
+    "pixar_twoBends.usda",
+    "test.usda",
+    "usdwg_CesiumMan.usdz",
+}
+
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 USD = (".usd", ".usda", ".usdc", ".usdz")
 
@@ -100,6 +117,17 @@ def asset_files(*suffixes: str) -> list[Path]:
     """The real files, sorted; none where the folder is not here."""
     wanted = suffixes or (*GLTF, *USD)
     return sorted(path for path in ASSETS.rglob("*") if path.suffix in wanted and path.is_file())
+
+
+def slow(*values: Any) -> Any:
+    """One more case for ``parametrize``, for when there is time."""
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
+def files_of_all_kinds() -> list[Any]:
+    """The samples and one real file of each kind; with --slow all real files."""
+    real = [path if path.name in KINDS else slow(path) for path in asset_files()]
+    return [*sample_files(), *real]
 
 
 def real_files() -> list[Any]:

@@ -51,8 +51,8 @@ compare descriptions description changes
 advice stilled intended
 delivery plain_files
 ahead ops formats
-bridge
 inputs outputs
+bridge
 drawing
 explanation
 viewer

@@ -11,7 +11,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from places import SAMPLES, USD, asset_files, leave_out_refused, sample_files
+from places import SAMPLES, USD, asset_files, leave_out_refused, sample_files, slow
 from second_opinions import validator
 
 from rigtri import pose
@@ -302,7 +302,7 @@ def run(*arguments: str | Path) -> click.testing.Result:
     return CliRunner().invoke(program, [str(argument) for argument in arguments])
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
 def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_path: Path) -> None:
     steps = [tmp_path / f"{k}{Path(name).suffix}" for k in range(4)]
     run("add-controls", SAMPLES / name, "-o", steps[0], "--whole-character")
@@ -416,7 +416,7 @@ def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> N
     assert run(*given, "--strict").exit_code == 5
 
 
-@pytest.mark.parametrize("block", [1, 7, 64])
+@pytest.mark.parametrize("block", [slow(1), 7, slow(64)])
 def test_blocks_of_frames_change_no_bit(block: int) -> None:
     rig = rigged()
     rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))

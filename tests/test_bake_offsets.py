@@ -18,7 +18,10 @@ from rigtri.ops.constrain import Options as ConstrainOptions
 from rigtri.ops.constrain import constrain
 from rigtri.ops.controls import add_controls
 from rigtri.ops.strip import strip
+from rigtri.quaternions import from_axis_angle
 from rigtri.rig import Rig
+from rigtri.solve.evaluate import Solver
+from rigtri.solve.posed import Posed
 
 # The issue's bound, as a share of the size.
 NEAR = 1e-6
@@ -47,6 +50,27 @@ def off(rig: Rig, clip: str) -> float:
 def test_controls_stand_on_their_joints_at_every_frame(name: str, clip: str) -> None:
     up = bake(rigged(name), options=Options(to="controls", tolerance=1e-6))
     assert off(up, up.clips[0].name if name.endswith("usda") else clip) < NEAR
+
+
+@pytest.mark.parametrize("looked_at", [True, False])
+def test_controls_below_a_constrained_joint_ride_on_it_where_something_looks_at_them(looked_at: bool) -> None:
+    """The chest turns by a quarter with a control elsewhere: the head goes along, and its control with it."""
+    rig = rigged()
+    rig = constrain(
+        rig, options=ConstrainOptions(kind="orient", child="chest", drivers=(("hand_R_ik_ctl", 1.0),))
+    )
+    if looked_at:
+        rig = constrain(
+            rig, options=ConstrainOptions(kind="point", child="staff", drivers=(("head_ctl", 1.0),))
+        )
+    solver = Solver(stored(rig))
+    driver = solver.rig.find("hand_R_ik_ctl")
+    turned = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array([np.pi / 2]))
+    posed = solver.run({driver: Posed(solver.rig).part(driver)._replace(rotation=turned)})
+    place = {name: posed.world(solver.rig.find(name))[0, 3, :3] for name in ("head", "head_ctl")}
+    still = {name: solver.reference.world[solver.rig.find(name), 3, :3] for name in place}
+    assert np.abs(place["head"] - still["head"]).max() > 0.1
+    assert np.allclose(place["head_ctl"], place["head"] if looked_at else still["head"], atol=1e-6)
 
 
 def test_the_offsets_of_a_limb_move_and_no_others() -> None:

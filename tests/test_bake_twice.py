@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, slow
 from test_bake import WHOLE, control
 
 from rigtri import pose
@@ -79,7 +79,7 @@ def off_law(rig: Rig) -> float:
     return float(max(worst))
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", [slow("biped.glb"), "biped.usda"])
 def test_what_follows_joints_is_made_of_the_keys_that_are_read(name: str, tmp_path: Path) -> None:
     ready, once, twice = (tmp_path / f"{k}{Path(name).suffix}" for k in range(3))
     edit(SAMPLES / name, ready, lambda rig, report: edited(built(rig, report)), verify=False)

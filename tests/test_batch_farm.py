@@ -81,6 +81,24 @@ def test_a_file_that_fails_fails_its_task_and_no_other(here: Path, app: click.Gr
     assert set(contents("out")) == {"a {{b}}.glb"}
 
 
+def test_paths_in_variables_are_whole_in_a_job(here: Path, app: click.Group) -> None:
+    Path("rig.yaml").write_text(
+        "variables: {f: no, g: no, size: x}\n"
+        "steps: [{do: orient-joints, frames: '${f}'}, {do: orient-joints, frames: '${g}.json'}]"
+    )
+    for place in ("g.json", "in/f.json"):
+        Path(place).write_text("{}")
+    lines = ({"input": "sub/b.glb", "variables": {"f": "f.json", "size": "y"}},)
+    Path("in/job.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    given = ("--spec", "rig.yaml", "-O", "out", "--set", "g=g", "--emit-openjd", "job")
+    told = CliRunner().invoke(app, ["batch", "--job", "in/job.jsonl", *given])
+    assert told.exit_code == 0, told.stderr
+    (line,) = map(json.loads, Path("job/job.jsonl").read_text().splitlines())
+    assert line["variables"] == {"f": f"{here}/in/f.json", "size": "y"}
+    parameters = json.loads(Path("job/template.json").read_text())["parameterDefinitions"]
+    assert f"g={here}/g" in [parameter["default"] for parameter in parameters]
+
+
 def test_parts_are_chunks_that_the_farm_may_choose() -> None:
     parameter = openjd.template(["batch"], 1000)["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0]
     assert parameter["range"] == "1-1000"

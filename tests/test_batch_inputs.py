@@ -55,6 +55,27 @@ def test_paths_keep_the_tree_below_the_folder_that_they_share(tree: Path) -> Non
     assert pairs("in/a.glb", "in/b.gltf") == pairs("in/[ab].gl*")
 
 
+def test_links_are_followed_and_each_folder_is_looked_through_once(tree: Path) -> None:
+    away = tree / "away"
+    away.mkdir()
+    (away / "d.glb").touch()
+    for name, to in (("in/up", ".."), ("in/sub/again", "deep"), ("in/to", "../away"), ("away/back", "../in")):
+        Path(name).symlink_to(to)
+    Path("in/0").mkdir()
+    Path("in/0/self").symlink_to(".")
+    found = pairs("in/**/*.*")
+    assert sorted(found) == [
+        "in/[1].glb",
+        "in/a.glb",
+        "in/b.gltf",
+        "in/sub/a.glb",
+        "in/sub/deep/c.usda",
+        "in/to/d.glb",
+    ]
+    assert pairs("in/**") == found
+    assert sorted(pairs("**/deep/**/*.usda")) == ["in/sub/deep/c.usda"]
+
+
 def test_base_says_what_is_kept(tree: Path) -> None:
     assert pairs("in/sub/*.glb", base=Path(".")) == {"in/sub/a.glb": "out/in/sub/a.glb"}
     with pytest.raises(UsageError, match="does not lie below --base in/sub"):

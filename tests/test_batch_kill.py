@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from places import slow
 
 from rigtri import edit, orient_joints
 
@@ -85,7 +86,7 @@ def left_behind(folder: Path) -> list[str]:
 
 
 @POSIX
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, slow(1)])
 def test_kills_at_any_moment_lose_nothing_and_do_nothing_twice(
     seed: int, tmp_path: Path, start: Start, temporary: Path
 ) -> None:
@@ -175,7 +176,7 @@ def workers(process: int) -> list[int]:
 
 
 @POSIX
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), slow(signal.SIGTERM, 143)])
 def test_an_interrupt_ends_what_is_begun_and_keeps_what_is_done(
     number: signal.Signals, code: int, tmp_path: Path, start: Start
 ) -> None:

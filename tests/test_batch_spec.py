@@ -14,6 +14,7 @@ from typing import Any
 import click
 import pytest
 from click.testing import CliRunner, Result
+from places import slow
 from second_opinions import validator
 
 from rigtri.spec.building import build
@@ -92,7 +93,37 @@ def test_a_spec_for_another_character_is_told_before_anything_is_written(
     result = batch(app, "--json")
     assert result.exit_code == 4
     assert "No joint is named 'tentacle_1' (4 of 4)" in result.stderr
-    assert [path.name for path in Path("out").iterdir()] == ["rigtri-batch.sqlite"]
+    assert not Path("out").exists()
+
+
+def test_a_spec_that_fits_no_file_names_one(app: click.Group, here: Path, samples: Path) -> None:
+    for place in Path("in").iterdir():
+        place.unlink()
+    for name in ("a.glb", "b.glb"):
+        shutil.copy(samples / "tail.glb", Path("in", name))
+    Path("rig.yaml").write_text("steps: [{do: orient-joints, skin: nobody}, {do: add-twist, limbs: auto}]")
+    given = ("--spec", "rig.yaml", "-O", "out", "--log", "log.jsonl")
+    result = CliRunner().invoke(app, ["batch", "in/*.glb", *given])
+    assert result.exit_code == 4
+    assert "FILE" not in result.stderr
+    assert sorted(path.name for path in here.iterdir()) == ["in", "rig.yaml"]
+
+
+def test_what_is_no_address_of_a_scheduler_is_a_mistake_of_the_command_line(
+    app: click.Group, here: Path
+) -> None:
+    for address in ("foo", "tcp://foo", "tcp://foo:bar"):
+        result = batch(app, "--dask", address)
+        assert (result.exit_code, "give tcp://HOST:PORT" in result.stderr) == (2, True)
+
+
+def test_an_empty_part_has_nothing_to_do(app: click.Group, here: Path) -> None:
+    given = ("--spec", "rig.yaml", "-O", "out", "--no-verify", "-j", "1")
+    parts = [CliRunner().invoke(app, ["batch", "in/a.glb", *given, "--shard", f"{k}/2"]) for k in (1, 2)]
+    assert sorted(part.stderr.splitlines()[-1] for part in parts) == [
+        "0 files: nothing to do",
+        "1 file: 1 ok",
+    ]
 
 
 def test_what_some_files_have_not_is_counted_at_the_end(app: click.Group, here: Path, samples: Path) -> None:
@@ -155,7 +186,7 @@ def test_an_override_of_a_package_is_a_layer(app: click.Group, here: Path, sampl
 
 
 @pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
-@pytest.mark.parametrize("without", ["", "rich"])
+@pytest.mark.parametrize("without", ["", slow("rich")])
 def test_a_terminal_sees_how_far_it_is_and_a_file_does_not(without: str, here: Path) -> None:
     code = (
         f"import sys; sys.modules.update({{name: None for name in {without.split()!r}}})\n"

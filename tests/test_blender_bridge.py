@@ -22,7 +22,7 @@ from rigtri.bridge.blender import blender_setup as exported
 from rigtri.bridge.plan import named
 from rigtri.following import Parts
 from rigtri.formats import read
-from rigtri.matrices import inverse, multiply
+from rigtri.matrices import compose, inverse, multiply
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.evaluate import Solver
@@ -182,6 +182,7 @@ constrain --type orient --child clavicle_L --driver spine_ctl --roll-axis x
 constrain --type scale --child toe_L --driver spine_ctl
 constrain --type parent --child hand_R_ik_ctl_offset --driver spine --driver hips=2
 constrain --type polevector --child forearm_R --driver clavicle_R_ctl
+constrain --type aim --child toe_L --driver head_ctl
 """
 RULED = {
     "hips_root_ctl": ONE | {"translation": [0.1, 0.0, 0.1], "rotation": turn("y", 20)},
@@ -253,6 +254,7 @@ TAKES: dict[str, dict[str, Any]] = {
         "keys": {"hand_L_ik_ctl": {"by": [0.05, -0.12, 0.1]}, "upper_arm_L_ctl": {"turn": 30}},
         "off": ["hand_L_ik_ctl", "foot_L_ik_ctl"],
     },
+    "moved": {"keys": {"hand_L_ik_ctl": {"by": [0.05, -0.12, 0.1]}}, "move": [1.0, 0.5, 0.0]},
 }
 
 
@@ -273,49 +275,135 @@ def test_what_is_seen_in_blender_comes_home_whatever_has_keys(
     rest = read(source).rig
     size = float(np.linalg.norm(np.ptp(rest.world[np.flatnonzero(rest.is_joint), 3, :3], axis=0)))
     for word, told in files.items():
-        out = str(tmp_path / f"{word}-home.glb")
-        line = ["bake", told["target"], "--rig", str(source), "-o", out, "--json"]
-        result = CliRunner().invoke(app, line)
-        assert result.exit_code == 0, result.stderr
-        codes = {warning["code"] for warning in json.loads(result.stdout)["warnings"]}
-        assert ("ik-off" in codes) == (word == "off")
-        final, seen = read(Path(out)).rig, arrays(told["seen"])
-        (clip,) = final.clips
-        start = min(float(track.times[0]) for track in clip.tracks)
-        posed = Posed(final, sampled(final, clip, start + np.arange(25) / 24.0))
-        for name in seen:
-            found = np.broadcast_to(posed.world(final.find(name))[:, 3, :3], (25, 3))
-            assert np.abs(found - seen[name]).max() <= IK * size, (word, name)
+        out, home = (str(tmp_path / f"{word}-{name}.glb") for name in ("out", "home"))
+        take = ["take-clips", str(source), "--from", told["target"], "-o", home, "--as", "Animation=new"]
+        for clip, line in (
+            ("walk", ["bake", told["target"], "--rig", str(source)]),
+            ("new", take),
+            ("new", ["bake", home, "--to", "joints"]),
+        ):
+            line += [] if line is take else ["-o", out, "--overwrite"]
+            result = CliRunner().invoke(app, [*line, "--json"])
+            assert result.exit_code == 0, result.stderr
+            codes = {warning["code"] for warning in json.loads(result.stdout)["warnings"]}
+            reads = line is take or "--rig" in line
+            assert ("ik-off" in codes, "armature-moved" in codes) == (
+                word == "off" and reads,
+                word == "moved" and reads,
+            )
+            if line is not take:
+                assert unlike(Path(out), clip, arrays(told["seen"])) <= IK * size, (word, line)
 
 
-@pytest.mark.parametrize(("scale", "holds"), [(1.5, True), (1.0, False), (0.5, False)])
-def test_a_switch_below_an_ik_end_tells_bake_of_ik_without_keys(
-    scale: float, holds: bool, rigged: dict[str, Path], app: Any, tmp_path: Path
-) -> None:
-    """The clip turns the hips' control alone. What tells goes with the controls."""
-    rig = read(rigged["biped.glb"]).rig
-    source, out, bare = (tmp_path / name for name in ("in.glb", "out.glb", "bare.glb"))
-    document, binary = glb_parts(rigged["biped.glb"])
+def unlike(path: Path, name: str, seen: Shown) -> float:
+    """How far the joints of a file's clip are from where they were seen, in any of 25 frames."""
+    rig = read(path).rig
+    clip = rig.clip(name)
+    start = min(float(track.times[0]) for track in clip.tracks)
+    posed = Posed(rig, sampled(rig, clip, start + np.arange(25) / 24.0))
+    return max(
+        float(np.abs(posed.world(rig.find(joint))[:, 3, :3] - places).max()) for joint, places in seen.items()
+    )
+
+
+def told_by_switch(rigged: Path, scale: float, target: Path) -> Path:
+    """A file as Blender exports it: its only clip turns the hips' control, a switch hangs below an IK end."""
+    document, binary = glb_parts(rigged)
     names = [node.get("name") for node in document["nodes"]]
     end, hips = names.index("foot_L_ik_ctl"), names.index("hips_ctl")
     document["nodes"][end].setdefault("children", []).append(len(names))
     document["nodes"].append({"name": "rigtri_ik.001", "scale": [scale] * 3})
     keys = np.array([0, 1, 0, 0, 0, 1, *turn("z", 20)], "<f4").tobytes()
     with_clip(document, hips, keys)
-    source.write_bytes(glb_bytes(document, binary[: document["buffers"][0]["byteLength"] - len(keys)] + keys))
-    line = ["bake", str(source), "--rig", str(rigged["biped.glb"]), "-o", str(out), "-q"]
-    result = CliRunner().invoke(app, line)
-    assert result.exit_code == 0, result.stderr
-    final = read(out).rig
-    (clip,) = final.clips
+    target.write_bytes(glb_bytes(document, binary[: document["buffers"][0]["byteLength"] - len(keys)] + keys))
+    return target
+
+
+@pytest.mark.parametrize("command", ["bake", "take-clips"])
+@pytest.mark.parametrize(("scale", "holds"), [(1.5, True), (1.0, False), (0.5, False)])
+def test_a_switch_below_an_ik_end_tells_of_ik_without_keys(
+    scale: float, holds: bool, command: str, rigged: dict[str, Path], app: Any, tmp_path: Path
+) -> None:
+    rig = read(rigged["biped.glb"]).rig
+    source = told_by_switch(rigged["biped.glb"], scale, tmp_path / "in.glb")
+    home, out, bare = (str(tmp_path / name) for name in ("home.glb", "out.glb", "bare.glb"))
+    first = ["take-clips", str(rigged["biped.glb"]), "--from", str(source), "-o", home, "--as", "walk=new"]
+    for line in (
+        [["bake", str(source), "--rig", str(rigged["biped.glb"]), "-o", out]]
+        if command == "bake"
+        else [first, ["bake", home, "-o", out, "--to", "joints"]]
+    ):
+        result = CliRunner().invoke(app, [*line, "-q"])
+        assert result.exit_code == 0, result.stderr
+    final = read(Path(out)).rig
+    clip = final.clip("walk" if command == "bake" else "new")
     posed = Posed(final, sampled(final, clip, np.array([1.0])))
     foot, thigh = (rig.world[rig.find(name), 3, :3] for name in ("foot_L", "thigh_L"))
     moved = float(np.linalg.norm(posed.world(final.find("foot_L"))[0, 3, :3] - foot))
     assert (moved < 1e-3) == holds  # the leg is too straight by half a millimetre
     assert float(np.linalg.norm(posed.world(final.find("thigh_L"))[0, 3, :3] - thigh)) > 0.01
-    result = CliRunner().invoke(app, ["strip", str(out), "-o", str(bare), "-q"])
+    result = CliRunner().invoke(app, ["strip", out, "-o", str(bare), "-q"])
     assert result.exit_code == 0, result.stderr
-    assert "rigtri_ik.001" not in read(bare).rig.names
+    assert "rigtri_ik.001" not in read(Path(bare)).rig.names
+
+
+@pytest.mark.parametrize("along", [False, True])
+def test_an_armature_that_was_moved_alone_is_put_back_where_controls_had_its_bones(
+    along: bool, rigged: dict[str, Path], app: Any, tmp_path: Path
+) -> None:
+    """An exporter takes bind poses along with it. Where the controls have gone along, nothing is wrong."""
+    place = compose(np.array([1.0, 0.0, -0.5]), np.array(turn("y", 30)), np.ones(3))
+    still = told_by_switch(rigged["biped.glb"], 1.5, tmp_path / "still.glb")
+    moved = moved_by(
+        still, place, ["biped", "rigtri_controls"] if along else ["biped"], tmp_path / "moved.glb"
+    )
+    outs = []
+    for source in (still, moved):
+        out = tmp_path / f"{source.stem}-out.glb"
+        line = ["bake", str(source), "--rig", str(rigged["biped.glb"]), "-o", str(out)]
+        result = CliRunner().invoke(app, line)
+        assert result.exit_code == 0, result.stderr
+        assert ("'biped' was moved in Blender" in result.stderr) == (source is moved and not along)
+        outs.append(read(out).rig)
+    ended = [Posed(rig, sampled(rig, rig.clip("walk"), np.array([1.0]))) for rig in outs]
+    for joint in ("hips", "foot_L", "head"):
+        here, there = (posed.world(outs[0].find(joint))[0] for posed in ended)
+        assert np.abs(multiply(here, place if along else np.eye(4)) - there).max() < 1e-5, joint
+
+
+def moved_by(source: Path, place: Floats, names: list[str], target: Path) -> Path:
+    """The file with some nodes at a place in the world, and the bind poses of all skins moved likewise."""
+    document, binary = glb_parts(source)
+    for node in document["nodes"]:
+        if node.get("name") in names:
+            for key in ("translation", "rotation", "scale"):
+                node.pop(key, None)
+            node["matrix"] = place.reshape(-1).tolist()
+    for skin in document["skins"]:
+        view = document["bufferViews"][document["accessors"][skin["inverseBindMatrices"]]["bufferView"]]
+        start, size = view.get("byteOffset", 0), view["byteLength"]
+        binds = np.frombuffer(binary[start : start + size], "<f4").reshape(-1, 4, 4)
+        moved = multiply(inverse(place)[np.newaxis], binds.astype(np.float64)).astype("<f4").tobytes()
+        binary = binary[:start] + moved + binary[start + size :]
+    target.write_bytes(glb_bytes(document, binary))
+    return target
+
+
+def test_a_switch_that_is_off_takes_the_keys_of_ik_out_of_the_clip_that_has_them(
+    rigged: dict[str, Path], app: Any, tmp_path: Path
+) -> None:
+    """Nothing else is edited: the clip of the rig held the foot before."""
+    on, off = (told_by_switch(rigged["biped.glb"], scale, tmp_path / f"{scale}.glb") for scale in (1.5, 0.5))
+    held, free = (str(tmp_path / name) for name in ("held.glb", "free.glb"))
+    keyed = []
+    for rig, source, out in ((rigged["biped.glb"], on, held), (held, off, free)):
+        line = ["take-clips", str(rig), "--from", str(source), "-o", out, "--as", "walk=new"]
+        result = CliRunner().invoke(app, line)
+        assert result.exit_code == 0, result.stderr
+        assert ("IK was switched off in Blender" in result.stderr) == (source is off)
+        found = read(Path(out)).rig
+        keyed.append({found.names[track.node] for track in found.clip("new").tracks})
+    assert keyed == [{"hips_ctl", "foot_L_ik_ctl"}, {"hips_ctl"}]
 
 
 def arrays(path: str) -> Shown:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -57,6 +58,23 @@ def test_reports_keep_to_their_schema(run: Any, samples: Path, tmp_path: Path) -
     schema.validate(json.loads(printed.stdout))
     dry = run("orient-joints", samples / "tpose.glb", "-o", out, "--dry-run", "--json", "--overwrite")
     schema.validate(json.loads(dry.stdout))
+
+
+@pytest.mark.parametrize("command", ["orient-joints", "mirror", "build", "add-controls"])
+def test_a_dry_run_needs_no_name_for_what_it_does_not_write(
+    command: str, run: Any, samples: Path, tmp_path: Path
+) -> None:
+    source, spec = tmp_path / "hero.glb", tmp_path / "rig.yaml"
+    shutil.copy(samples / "tpose.glb", source)
+    spec.write_text("sidecar: true\nsteps: [{do: orient-joints}]\n")
+    more = {"build": ("--spec", spec), "add-controls": ("--joints", "*")}.get(command, ())
+    before = sorted(tmp_path.iterdir())
+    done = run(command, source, *more, "--dry-run", "--json")
+    assert done.exit_code == 0, done.output
+    assert "Nothing was written (--dry-run)." in done.stderr
+    assert sorted(tmp_path.iterdir()) == before
+    without = run(command, source, *more, code=2)
+    assert (without.exit_code, "-o" in without.stderr) == (2, True)
 
 
 def test_notes_in_written_files_keep_to_their_schema(run: Any, samples: Path, tmp_path: Path) -> None:
@@ -332,6 +350,24 @@ IGNORED = {
     "a report over the result": (["--report", "out.glb"], "something else"),
     "a report in no folder": (["--report", "none/report.json"], "written there"),
 }
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("draw", "Missing argument 'IN'. Help: rigtri draw --help"),
+        ("draw a.glb -o a.svg --size 3", "Invalid value for '--size': '3' is no size: give WIDTHxHEIGHT"),
+        ("view a.glb -o a.html --limit much", "Invalid value for '--limit': 'much' is not a valid number."),
+        ("inspect a.glb --jsn", "No such option '--jsn'. Did you mean '--json'? Help: rigtri inspect --help"),
+        ("dance", "No such command 'dance'. Help: rigtri --help"),
+        ("--dance", "No such option '--dance'. Help: rigtri --help"),
+    ],
+)
+def test_a_line_that_is_not_understood_gets_one_line(app: click.Group, line: str, told: str) -> None:
+    result = CliRunner().invoke(app, line.split(), prog_name="rigtri")
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"rigtri: {told}")
+    assert result.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("case", IGNORED)

@@ -6,7 +6,10 @@ import errno
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 from multiprocessing import forkserver
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -66,3 +69,42 @@ def test_the_many_words_for_no_memory_mean_one_thing() -> None:
             assert told.value.kind == "memory"
         with pytest.raises(RuntimeError, match="ordinary"):
             child("a.glb", raised, RuntimeError("ordinary"))
+
+
+INTERRUPTED = """
+import os, signal, sys
+from multiprocessing import resource_tracker
+from rigtri.confined import Confined
+signal.signal(signal.SIGINT, lambda *_: print("heard", flush=True))
+if __name__ == "__main__":
+    with Confined(preload=["interrupting"]) as child:
+        print(child("a file", abs, -1))
+    os.kill(resource_tracker._resource_tracker._pid, signal.SIGKILL)
+    with Confined() as child:
+        print(child("a file", abs, -2))
+"""
+
+
+@SERVED
+def test_what_works_on_files_says_nothing_of_interrupts_and_kills(tmp_path: Path) -> None:
+    (tmp_path / "interrupting.py").write_text("import os, signal\nos.killpg(0, signal.SIGINT)\n")
+    script = tmp_path / "script.py"
+    script.write_text(INTERRUPTED)
+    path = os.pathsep.join([str(tmp_path), *sys.path])
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        start_new_session=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.stdout.split(), done.stderr, done.returncode) == (["heard", "1", "2"], "", 0)
+
+
+@SERVED
+def test_an_interrupt_of_the_imports_ends_the_program_without_a_word() -> None:
+    line = "import os, signal, rigtri.cli; os.kill(os.getpid(), signal.SIGINT)"
+    done = subprocess.run([sys.executable, "-c", line], capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, b"")

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from engines import three_vrm
 from gltf_files import glb_bytes, glb_json, glb_parts
 from numpy.testing import assert_allclose
-from places import GOLDENS, asset_files, leave_out_refused, sample_files
+from places import GOLDENS, files_of_all_kinds, leave_out_refused
 from rigs import chain, rig_of
 from second_opinions import khronos_errors, usd_errors, validator
 
@@ -440,7 +440,7 @@ def pick(rig: Rig) -> Options:
     return Options("parent", rig.labels[child], ((rig.labels[driver], 1.0),))
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Path) -> None:
     chosen: list[Options] = []
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
-from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from places import SAMPLES, files_of_all_kinds, leave_out_refused
 from rigs import chain
 from second_opinions import khronos_errors, usd_errors, validator
 
@@ -143,7 +143,7 @@ def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> N
     assert_allclose(worlds(out)[root, :3, :3], np.eye(3), atol=1e-12)
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_controls_change_nothing_and_come_only_once(path: Path, tmp_path: Path) -> None:
     def step(rig: Rig, report: Report) -> Rig:
         try:

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from places import slow
 
 from rigtri import delivery
 from rigtri.compare import verify
@@ -512,7 +513,7 @@ def talking(name: str, samples: Path, out: Path) -> list[str | Path]:
 
 CASES = [
     *(
-        (name, machine)
+        (name, machine) if name in ("diff", "orient-joints") else slow(name, machine)
         for name in ("inspect", "check", "verify", "diff", "orient-joints")
         for machine in (True, False)
         if machine or name != "orient-joints"

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, slow
 from pxr import Usd
 from test_bake import run
 from test_usd_played import without_notes
@@ -72,7 +72,7 @@ def joint_worlds(rig: Rig) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("name", "defaults"), [("biped.gltf", True), ("biped.usda", True), ("biped.usda", False)]
+    ("name", "defaults"), [slow("biped.gltf", True), slow("biped.usda", True), ("biped.usda", False)]
 )
 def test_what_a_frame_shows_is_no_rest_where_the_rig_is_named(
     name: str, defaults: bool, tmp_path: Path
@@ -91,7 +91,7 @@ def test_what_a_frame_shows_is_no_rest_where_the_rig_is_named(
     assert again.read_bytes() == out.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["biped.gltf", "biped.usda"])
+@pytest.mark.parametrize("name", [slow("biped.gltf"), "biped.usda"])
 def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
     rig, up = rigged(tmp_path, name)
     out, home = tmp_path / f"out-{name}", tmp_path / f"home-{name}"
@@ -101,7 +101,7 @@ def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: st
     assert np.abs(joint_worlds(read(rig).rig) - joint_worlds(read(home).rig)).max() < 1e-5
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", [slow("biped.glb"), "biped.usda"])
 def test_a_file_that_has_its_notes_takes_those_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
     rig, up = rigged(tmp_path, name)
     plain, out, itself = (tmp_path / f"{k}-{name}" for k in ("plain", "out", "itself"))

@@ -20,7 +20,7 @@ import pytest
 import usd_files
 from click.testing import CliRunner
 from gltf_files import small
-from places import asset_files, leave_out_refused, sample_files
+from places import files_of_all_kinds, leave_out_refused
 from pxr import Sdf
 from second_opinions import validator
 from test_lossless_usd import planted
@@ -48,7 +48,7 @@ def lines(found: Difference, terms: str = "both") -> list[str]:
     return [f"{change.group}: {change}" for change in (*rig, *file)]
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda p: p.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda p: p.name)
 def test_a_file_does_not_differ_from_itself(path: Path) -> None:
     try:
         found = diff(path, path, verify=False)
@@ -88,7 +88,7 @@ def _alone(path: Path, folder: Path) -> Path:
     return folder / path.name
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda p: p.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda p: p.name)
 def test_new_axes_differ_in_what_they_name_and_in_nothing_else(path: Path, tmp_path: Path) -> None:
     try:
         source = _alone(path, tmp_path / "source")

@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
@@ -76,6 +77,13 @@ def test_the_blocks_of_a_page_run(page: str, tmp_path: Path) -> None:
 def test_every_page_is_on_the_site_and_no_other() -> None:
     named = set(re.findall(r'"([\w/-]+\.md)"', (ROOT / "zensical.toml").read_text("utf-8")))
     assert named == {p.relative_to(ROOT / "docs").as_posix() for p in (ROOT / "docs").rglob("*.md")}
+
+
+def test_the_site_links_to_the_repository_that_the_project_names_and_to_no_other() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    site = tomllib.loads((ROOT / "zensical.toml").read_text("utf-8"))["project"]
+    named = {key.lower(): url for key, url in project.get("urls", {}).items()}
+    assert site.get("repo_url") == named.get("repository", named.get("source"))
 
 
 @pytest.mark.skipif(find_spec("zensical") is None, reason="zensical is not installed")

@@ -19,6 +19,7 @@ from places import (
     leave_out,
     leave_out_refused,
     sample_files,
+    slow,
 )
 
 from rigtri.compare import TOLERANCE, verify
@@ -87,7 +88,7 @@ def assert_alike(path: Path, before: Shown, after: Shown, limit: float) -> None:
     assert apart(before, after) <= limit
 
 
-@pytest.mark.parametrize("preset", ["blender", "maya"])
+@pytest.mark.parametrize("preset", ["blender", slow("maya")])
 def test_blender_shows_the_same_vertices_at_every_moment(path: Path, preset: str, tmp_path: Path) -> None:
     if path.name in KNOWN[NOT_FOR_BLENDER]:
         leave_out(path, NOT_FOR_BLENDER)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from places import asset_files, leave_out_refused, sample_files
+from places import files_of_all_kinds, leave_out_refused
 from pxr import Gf, Usd, UsdSkel
 from rigs import chain
 from scaled_limbs import STRETCH, Limb, usd
@@ -92,7 +92,7 @@ def test_a_joint_below_a_plain_node_is_a_node_until_a_skin_is_made() -> None:
     assert_allclose(rig.skins[1].inverse_bind[1, 3, :3], (-2, -2, -2))
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_new_joints_change_nothing_else(path: Path, tmp_path: Path) -> None:
     target = tmp_path / path.name
     try:

@@ -137,6 +137,43 @@ def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
     assert (two[0] / "home.glb").read_bytes() == (tmp_path / "home.glb").read_bytes()
 
 
+@pytest.mark.parametrize(
+    ("command", "function", "keywords", "name"),
+    [
+        ("view --clip walk", "view", {"clip": "walk"}, "out.html"),
+        (
+            f"view --against {BIPED} --pose walk@0.5",
+            "view",
+            {"against": BIPED, "pose": "walk@0.5"},
+            "out.html",
+        ),
+        ("export-blender", "export_blender", {}, "out.py"),
+        ("spec-init", "spec_init", {}, "out.yaml"),
+    ],
+)
+def test_what_is_made_of_a_file_is_the_text_that_the_command_writes(
+    command: str, function: str, keywords: dict[str, Any], name: str, app: click.Group, tmp_path: Path
+) -> None:
+    source, target = tmp_path / "built.glb", tmp_path / name
+    rigtri.write(rigtri.add_controls(rigtri.read(BIPED), whole_character=True), source, verify=False)
+    line = [command.split()[0], str(source), *command.split()[1:], "-o", str(target)]
+    result = CliRunner().invoke(app, line)
+    assert result.exit_code == 0, result.output
+    assert getattr(rigtri, function)(source, **keywords) == target.read_text("utf-8")
+
+
+def test_what_a_page_or_a_script_lacks_is_told_in_its_report(tmp_path: Path) -> None:
+    report = Report()
+    rigtri.view(SAMPLES / "arm.gltf", report=report)
+    assert [notice.code for notice in report.warnings][-1] == "no-joints"
+    with pytest.raises(UsageError, match="not both"):
+        rigtri.view(BIPED, clip="walk", pose="walk@1")
+    with pytest.raises(GeometryError, match="no controls, constraints or twist joints"):
+        rigtri.export_blender(BIPED)
+    with pytest.raises(FileError, match="There is no file"):
+        rigtri.spec_init(tmp_path / "none.glb")
+
+
 def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(
     app: click.Group, tmp_path: Path
 ) -> None:

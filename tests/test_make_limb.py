@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
-from places import asset_files, leave_out_refused, sample_files
+from places import files_of_all_kinds, leave_out_refused
 from pxr import Usd, UsdGeom, UsdSkel
 from rigs import chain, rig_of
 from second_opinions import khronos_errors, usd_errors, validator
@@ -253,7 +253,7 @@ def placed(rig: Rig, **options: Any) -> Options:
     return Options(points=three, name="added", **options)
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_limbs_change_nothing_else_and_come_only_once(path: Path, tmp_path: Path) -> None:
     """One below a joint, and one on its own."""
     before = read(path, TRUSTING)

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
-from places import asset_files, leave_out_refused, sample_files
+from places import files_of_all_kinds, leave_out_refused
 from pxr import Gf, Usd, UsdGeom
 
 from rigtri.cli.main import program
@@ -96,7 +96,7 @@ def test_equal_turns_of_behaviour_mirrored_joints_give_a_mirrored_skin(samples: 
     assert_allclose(here * REFLECT, there, atol=1e-6)
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_a_second_run_changes_nothing_and_nothing_else_moves(path: Path, tmp_path: Path) -> None:
     def build(rig: Rig, report: Report) -> Rig:
         try:

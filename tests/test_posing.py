@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from morphs import arm, arm_usd
-from places import SAMPLES
+from places import SAMPLES, slow
 from second_opinions import validator
 from test_bake import control, moved, rigged, run, size, stored
 
@@ -103,7 +103,7 @@ def skinned(path: Path, clip: str | None, time: float) -> list[np.ndarray]:
     ]
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".usda", ".usdc", ".usdz"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".gltf"), slow(".usda"), ".usdc", slow(".usdz")])
 def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path: Path) -> None:
     name = {".usdc": ".usda"}.get(suffix, suffix)
     made, up, baked, still = (tmp_path / f"{k}{suffix}" for k in range(4))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from engines import apart, blender, blender_ik, blender_scene, three_rig
 from numpy.testing import assert_allclose
-from places import ASSETS, NO_ASSETS, SAMPLES, USD
+from places import ASSETS, NO_ASSETS, SAMPLES, USD, slow
 
 from rigtri.formats import read
 from rigtri.ops.constrain import Options as Constrain
@@ -178,7 +178,7 @@ def same_bones(before: dict[str, Any], after: dict[str, Any]) -> None:
     assert names[0] == names[1]
 
 
-@pytest.mark.parametrize("path", [BIPEDS[0], BIPEDS[2]], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [BIPEDS[0], slow(BIPEDS[2])], ids=lambda path: path.name)
 def test_loose_nodes_of_every_kind_leave_blender_the_bones_and_vertices_it_had(
     path: Path, tmp_path: Path
 ) -> None:
@@ -194,7 +194,7 @@ def test_loose_nodes_of_every_kind_leave_blender_the_bones_and_vertices_it_had(
     [(poles, 0), (poles_as_joints, 4), (tail, 3), (twists, 16)],
     ids=["poles", "poles_as_joints", "tail", "twists"],
 )
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usdz"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usdz")])
 def test_blender_has_a_bone_more_for_each_joint_that_is_added(
     name: str, step: Step, more: int, tmp_path: Path
 ) -> None:

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from conftest import Golden
 from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
-from places import NOTHING_DRAWN, asset_files, leave_out, leave_out_refused, sample_files
+from places import NOTHING_DRAWN, files_of_all_kinds, leave_out, leave_out_refused
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri import pose
@@ -80,7 +80,7 @@ def largest(rig: Rig) -> tuple[Mesh, int] | None:
     return (mesh, count) if mesh is not None and count else None
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_a_rivet_stays_on_the_surface_and_all_else_as_it_is(path: Path, tmp_path: Path) -> None:
     try:
         rig = read(path, TRUSTING).rig

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from morphs import arm, arm_usd
+from places import slow
 
 from rigtri.carried import Carried
 from rigtri.formats import read
@@ -65,7 +66,7 @@ def test_a_pose_reader_takes_rivets_of_its_mesh_along(kind: str, tmp_path: Path)
     assert again.read_bytes() == driven.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", [slow("biped.glb"), "biped.usda"])
 def test_split_weights_take_rivets_of_their_meshes_along(name: str, samples: Path, tmp_path: Path) -> None:
     held, split, again, bare = (tmp_path / f"{step}_{name}" for step in ("held", "split", "again", "bare"))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from engines import blender_edit
-from places import ASSETS, NO_ASSETS, SAMPLES
+from places import ASSETS, NO_ASSETS, SAMPLES, slow
 
 from rigtri import pose
 from rigtri.formats import read
@@ -70,7 +70,7 @@ def places(rig: Rig, clip: str, times: Floats) -> Floats:
     return pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), times))[..., 3, :3]
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usdc"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usdc")])
 @pytest.mark.parametrize(("path", "clip", "end"), LOOPS)
 def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
     path: Path, clip: str, end: str, suffix: str, tmp_path: Path
@@ -112,7 +112,7 @@ def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
     assert_follows(now, clip, control, [now.find(name) for name in chain], size)
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usdc"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usdc")])
 @pytest.mark.parametrize(
     "path", [pytest.param(loop.values[0], id=loop.id, marks=loop.marks) for loop in LOOPS]
 )

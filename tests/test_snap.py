@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import SAMPLES, asset_files
+from places import SAMPLES, asset_files, slow
 from second_opinions import validator
 from test_bake import animated, control, moved, rigged, run, size, stored
 
@@ -65,7 +65,7 @@ def keyed(rig: Rig, clip: str) -> set[int]:
     return {track.node for track in rig.clip(clip).tracks}
 
 
-@pytest.mark.parametrize("time", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("time", [slow(0.0), 0.3, slow(1.0)])
 def test_fk_takes_over_where_ik_has_put_the_joints(time: float) -> None:
     rig = posed_by_ik()
     at = f"walk@{time}"
@@ -218,7 +218,7 @@ def test_at_rest_channels_are_set_at_rest() -> None:
     np.testing.assert_allclose(done.translation[hand], 0.0)
 
 
-@pytest.mark.parametrize(("at", "told"), [("walk@1", 0), ("walk@99", 1)])
+@pytest.mark.parametrize(("at", "told"), [slow("walk@1", 0), ("walk@99", 1)])
 def test_a_moment_outside_its_clip_is_told_once_as_pose_tells_it(at: str, told: int) -> None:
     rig = posed_by_ik()
     said, posed = Report(), Report()
@@ -277,7 +277,7 @@ def files_to_snap() -> list[Any]:
         for path in asset_files()
         if path.name in real
     ]
-    samples = [pytest.param(SAMPLES / "biped.glb", id="biped.glb")]
+    samples = [pytest.param(SAMPLES / "biped.glb", id="biped.glb", marks=pytest.mark.slow)]
     return [*samples, pytest.param(SAMPLES / "biped.usda", id="biped.usda", marks=pytest.mark.slow), *found]
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, slow
 
 from rigtri import pose
 from rigtri.following import Parts
@@ -148,7 +148,7 @@ def test_a_limb_whose_controls_have_keys_where_they_are_at_rest_stays_as_it_is(k
 
 
 @pytest.mark.parametrize("stretch", [False, True])
-@pytest.mark.parametrize("soft", [0.05, 0.3, 0.9])
+@pytest.mark.parametrize("soft", [slow(0.05), 0.3, slow(0.9)])
 def test_joints_to_controls_to_joints_gives_the_motion_back_whatever_the_softness(
     soft: float, stretch: bool
 ) -> None:

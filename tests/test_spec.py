@@ -13,7 +13,8 @@ import click
 import jsonschema
 import pytest
 from click.testing import CliRunner
-from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files
+from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files, slow
+from pydantic import ValidationError
 from ruamel.yaml import YAML
 from second_opinions import validator
 
@@ -28,6 +29,7 @@ from rigtri.spec.faults import SpecError
 from rigtri.spec.loading import load
 from rigtri.spec.models.base import StepModel
 from rigtri.spec.models.spec import AnyStep
+from rigtri.spec.models.values import UNKNOWN
 from rigtri.spec.starter import starter
 from rigtri.steps import STEPS, step
 
@@ -150,6 +152,33 @@ def test_a_step_takes_the_choices_of_its_command(name: str) -> None:
             assert found == list(parameter.type.choices), parameter.name
 
 
+# How the help of commands calls what nodes are named by.
+NODES = re.compile(r"GLOB|NAME|CHILD|A B C|START END|ROOT MIDDLE END|(JOINT|NODE)(\[?=.*)?|TARGET NODE NAME")
+# Options whose names are no nodes', although they are called so.
+OF_OTHERS = {"skin", "clip", "names", "mesh"}
+
+
+def asks(name: str, option: str, rig: Rig) -> bool:
+    """Whether a step looks for the names that an option gives."""
+    lost = "nobody"
+    for value in (lost, [lost], [lost, lost], [lost, lost, lost], {lost: 1}):
+        try:
+            MODELS[name].model_validate({"do": name, option: value}, context=rig)
+        except ValidationError as error:
+            if any(told["type"] == UNKNOWN and told["loc"][0] == option for told in error.errors()):
+                return True
+    return False
+
+
+# What means a node in some cases only (an axis, a place, a rule of branches) is asked by the step itself.
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_looks_for_all_nodes_that_its_command_says_it_names(name: str) -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    options = {max(p.opts, key=len).removeprefix("--"): p for p in own(name)}
+    said = {option for option, p in options.items() if NODES.fullmatch(str(p.metavar))} - OF_OTHERS
+    assert {option for option in options if asks(name, option, rig)} == said
+
+
 WHOLE = """
 version: 1
 steps:
@@ -169,7 +198,7 @@ steps:
 """
 
 
-@pytest.mark.parametrize("sample", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+@pytest.mark.parametrize("sample", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
 def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: Path) -> None:
     source = SAMPLES / sample
     if not source.exists():
@@ -330,14 +359,14 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ("- a\n", "a spec is a mapping"),
         ("steps: []\n", "has no steps"),
         ("version: 2\nsteps:\n- do: strip\n", "version"),
-        ("steps:\n- do: strip\n  splits: maybe\n", "splits: input should be a valid boolean"),
+        ("steps:\n- do: strip\n  splits: maybe\n", "splits: input should be true or false"),
         ("steps: [\n", "no YAML"),
         ("steps: 1\nsteps: 2\n", "no YAML: found duplicate key"),
         ("steps:\n- {do: bake, to: '${way}'}\n", "there is no variable 'way'"),
         ("a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
             f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join([f'*{chr(97 + k)}'] * 9)}]\n" for k in range(8)
         ), "more values"),
-        ("steps: " + "[" * 500 + "]" * 500, "recursion"),
+        ("steps: " + "[" * 500 + "]" * 500, "deeper, than a spec can have"),
         ("extends: rig.yaml\n", "in a circle"),
         ("extends: nowhere.yaml\n", "There is no file"),
     ],
@@ -522,6 +551,17 @@ def test_a_starter_is_yaml_for_names_that_end_lines_or_cannot_be_seen() -> None:
     comment = text[text.index("# The joints") :]
     named = [YAML(typ="safe", pure=True).load(line.strip("# ")) for line in comment.splitlines()[1:]]
     assert {"arm\u2028L", "fore\x85arm", "\ufeffhead\U000e0001"} <= set(named)
+
+
+def test_a_starter_says_which_limbs_it_passes_over() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    odd = replace(
+        rig, names=tuple(name.replace("thigh_R", "femur").replace("arm_L", "") for name in rig.names)
+    )
+    assert "# Not known by its name, so not here: left arm, right leg. Name" in starter(odd, "odd.glb")
+    assert "Not known" not in starter(rig, "biped.glb")
+    flat = starter(read(SAMPLES / "flat_ik.glb").rig, "flat_ik.glb")
+    assert "# Left out, as its joints do not hang below each other: [" in flat
 
 
 def test_a_starter_calls_a_joint_by_what_means_it_alone() -> None:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from places import ROOT, SAMPLES
 from ruamel.yaml import YAML
 
+from rigtri.spec import json_text
 from rigtri.spec.building import build
 from rigtri.spec.faults import SpecError
 from rigtri.spec.loading import Spec, load
@@ -55,12 +59,81 @@ def test_faults_of_json_have_their_places(tmp_path: Path) -> None:
     [
         ('{"steps": [], "steps": []}', {(1, 15): "no JSON: 'steps' is said twice"}),
         ('{"steps": [{"do": "strip",}]}', {(1, 27): "no JSON"}),
-        ('{"tolerance": NaN}', {(1, 1): "no JSON: NaN is no number of JSON"}),
+        ('{"tolerance":\n NaN}', {(2, 2): "no JSON: NaN is no number of JSON"}),
+        ('{"steps": [{"do": "strip"}', {(1, 11): "this [ is never closed"}),
+        ('{"steps": [{"do": "strip"', {(1, 12): "this { is never closed"}),
+        ('{"steps": [{"do": "strip"} {}]}', {(1, 28): "a comma or ] is missing here"}),
+        ('{"steps": [{"do" "strip"}]}', {(1, 18): "a colon is missing"}),
+        ("{'steps': []}", {(1, 2): "a key is expected here, a text in double quotes"}),
+        ('{"a": // none\n 1}', {(1, 7): "JSON has no comments"}),
+        ('{"a": "b\nc"}', {(1, 9): "a line ends"}),
+        ('{"a": "b', {(1, 7): "these quotes are never closed"}),
+        ('{"a": yes}', {(1, 7): "a value is expected here, not yes"}),
+        ('{"a": 1} 2', {(1, 10): "nothing may follow here"}),
+        ("", {(1, 1): "a value is expected here"}),
+        ('{"a": ' + "1" * 5000 + "}", {(1, 7): "a number of 5,000 characters"}),
         ("[" * 100 + "]" * 100, {(1, 66): "deeper, than a spec can have"}),
     ],
 )
 def test_what_is_no_json_is_told_as_such(text: str, said: dict[tuple[int, int], str], tmp_path: Path) -> None:
     found = faults(write(tmp_path, text, "rig.json"))
+    assert list(found) == list(said)
+    assert all(words in found[place] for place, words in said.items())
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+)
+
+
+@given(value=JSON, cut=st.integers(0, 99), what=st.sampled_from(["", ",", "]", "}", '"', " ", "a", "1"]))
+def test_json_is_what_python_takes_for_it(value: Any, cut: int, what: str) -> None:
+    text = json.dumps(value, indent=1)
+    assert json_text.read("rig.json", text)[0] == value
+    cut %= len(text)
+    text = text[:cut] + what + text[cut + 1 :]
+    try:
+        known = json.loads(text)
+    except json.JSONDecodeError:
+        with pytest.raises(SpecError):
+            json_text.read("rig.json", text)
+    else:
+        with suppress(SpecError):  # a key said twice, and numbers without bounds
+            assert json_text.read("rig.json", text)[0] == known
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('steps = [\n  {do = "strip"},\n', {(1, 9): "this [ is never closed"}),
+        ('steps = [{do = "strip"', {(1, 10): "this { is never closed"}),
+        ('name = """a\n', {(1, 12): "no TOML: Unterminated string"}),
+        ("version = 1\ntolerance = " + "1" * 5000, {(2, 13): "a number of 5,000 characters"}),
+        ("version = 1\nname = " + "[" * 2000 + "]" * 2000, {(2, 72): "deeper, than a spec can have"}),
+        ("a" + ".a" * 20_000 + " = 1", {(1, 40003): "deeper, than a spec can have"}),
+    ],
+)
+def test_what_is_no_toml_is_told_at_its_place(
+    text: str, said: dict[tuple[int, int], str], tmp_path: Path
+) -> None:
+    found = faults(write(tmp_path, text, "rig.toml"))
+    assert list(found) == list(said)
+    assert all(words in found[place] for place, words in said.items())
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("name: a\nsteps: " + "[" * 2000, {(2, 71): "deeper, than a spec can have"}),
+        ("tolerance: " + "1" * 5000, {(1, 12): "a number of 5,000 characters"}),
+        ("name: a\x07\n", {(1, 8): "a character that cannot be seen (U+0007)"}),
+    ],
+)
+def test_what_is_no_yaml_is_told_at_its_place(
+    text: str, said: dict[tuple[int, int], str], tmp_path: Path
+) -> None:
+    found = faults(write(tmp_path, text))
     assert list(found) == list(said)
     assert all(words in found[place] for place, words in said.items())
 
@@ -103,7 +176,7 @@ def test_steps_are_numbered_as_the_file_has_them(tmp_path: Path) -> None:
 def test_an_unknown_variable_hides_nothing_else(tmp_path: Path) -> None:
     text = "variables: {a: 1}\nsteps:\n- do: orient-joints\n  aim: ${b}\n  up: q\n"
     text += "- do: add-twist\n  cont: ${d}\n- do: snap\n  to: ik\n  at: rest\n"
-    text += "- {do: constrain, type: parent, driver: a, up-vector: [0, 1, '${e}']}\n"
+    text += "- {do: constrain, type: parent, driver: hips, up-vector: [0, 1, '${e}']}\n"
     found = faults(write(tmp_path, text))
     assert [(line, text.partition(": ")[2][:24]) for (line, _), text in sorted(found.items())] == [
         (4, "there is no variable 'b'"),
@@ -127,6 +200,86 @@ def test_a_file_that_is_not_there_hides_nothing_else(tmp_path: Path) -> None:
     text = "steps:\n- {do: take-clips, from: no.glb}\n- {do: bake, rig: no.glb}\n"
     text += "- {do: snap, to: ik, at: rest}\n"
     assert len(faults(write(tmp_path, text))) == 3
+
+
+def test_faults_of_the_spec_hide_no_joint_that_the_character_has_not(tmp_path: Path) -> None:
+    text = """\
+steps:
+- {do: add-polevector, limb: [upper_arm_L, forearm_L, hand_L], name: elbow_pole}
+- {do: orient-joints, aim: q, joints: [hips, hed]}
+- {do: constrain, type: parent, child: hand_L, driver: elbow_pole}
+- {do: add-twist, cont: 2, limb: [upper_arm_R, foream_R, hand_R]}
+- {do: constrain, type: point, child: chst, driver: {hips: 1}, optional: true}
+- {do: orient-joints, chain: [hips, chst], aim-at: head=hnd_L}
+- {do: orient-joints, skin: no}
+"""
+    found = faults(write(tmp_path, text))
+    assert [(place, words.split(":")[1][:27]) for place, words in found.items()] == [
+        ((3, 28), " aim"),
+        ((3, 46), " No joint is named 'hed'. D"),
+        ((5, 25), " there is no option 'cont'."),
+        ((5, 48), " No joint is named 'foream_"),
+        ((7, 37), " No joint is named 'chst'. "),
+        ((7, 52), " No node is named 'hnd_L'. "),
+        ((8, 29), " No skin is named 'no'. The"),
+    ]
+
+
+@pytest.mark.parametrize("lost", ["orient-joints, like: no.glb", "orient-joints, colour: red"])
+def test_a_fault_of_the_spec_has_one_exit_code_whatever_else_is_wrong(lost: str, tmp_path: Path) -> None:
+    for more in ("", ", {do: orient-joints, aim: q}", ", {do: orient-joints, joints: hed}"):
+        with pytest.raises(SpecError) as caught:
+            build(
+                SAMPLES / "biped.glb", tmp_path / "out.glb", write(tmp_path, f"steps: [{{do: {lost}}}{more}]")
+            )
+        assert (caught.value.exit_code, len(caught.value.found)) == (2, 1 + bool(more))
+
+
+def test_a_name_that_is_none_is_told_by_its_kind(tmp_path: Path) -> None:
+    """A pattern matches, an index lies in a range; neither is a matter of spelling."""
+    text = "steps:\n- do: orient-joints\n  joints: ['q*', '#99', hed]\n- {do: add-twist, auto: true}\n"
+    found = [
+        words.partition(": ")[2].partition(" List ")[0] for words in faults(write(tmp_path, text)).values()
+    ]
+    assert found == [
+        "No joint matches 'q*'.",
+        "No joint is named '#99'. There are 30 nodes, #0 to #29.",
+        "No joint is named 'hed'. Did you mean 'head'?",
+        "there is no option 'auto'. Did you mean 'limbs: auto'?",
+    ]
+
+
+def test_an_error_stands_at_the_name_and_not_at_what_may_be_meant(tmp_path: Path) -> None:
+    text = "steps:\n- {do: constrain, type: parent, child: chest, driver: chst}\n"
+    assert list(faults(write(tmp_path, text))) == [(2, 55)]
+
+
+LOST = {
+    "nowhere.yaml": "extends nowhere.yaml: There is no file",
+    "rig.yaml": "specs extend each other in a circle",
+    "broken.yaml": "no YAML",
+}
+
+
+@pytest.mark.parametrize("base", LOST)
+def test_a_base_that_is_lost_hides_nothing_and_makes_nothing_up(base: str, tmp_path: Path) -> None:
+    write(tmp_path, "steps: [\n", "broken.yaml")
+    text = f"extends: {base}\nsteps:\n- {{do: orient-joints, aim: q, joints: ['${{side}}', hed]}}\n"
+    found = faults(write(tmp_path, text + "- {do: constrain, child: hips}\n"))
+    assert [place[0] for place in found][1:] == [3, 3]
+    assert LOST[base] in next(iter(found.values()))
+    assert "'hed'" in list(found.values())[-1]
+
+
+def test_what_is_of_another_kind_altogether_is_told_in_words_of_specs(tmp_path: Path) -> None:
+    text = "steps:\n- {do: [a]}\n- null\n- {do: add-twist, joint: {a: 1}}\n"
+    text += "- {do: orient-joints, offset: [1e30, 0, 0]}\n- {do: strip, splits: 1}\nroot: [1]\n"
+    found = list(faults(write(tmp_path, text)).values())
+    assert "there is no operation" in found[0]
+    assert "input should be a mapping (it is null)" in found[1]
+    assert all(words not in " ".join(found) for words in ("tuple", "dictionary", "valid"))
+    assert "1e+30" in found[3]
+    assert faults(write(tmp_path, "steps: x\n")) == {(1, 8): 'steps: input should be a list (it is "x")'}
 
 
 def test_a_variable_that_is_none_is_one_fault(tmp_path: Path) -> None:
@@ -190,6 +343,28 @@ def test_files_are_found_beside_the_spec_that_names_them(tmp_path: Path) -> None
     assert spec.steps[0].request["frames"] == str(tmp_path / "studio" / "f.json")
     spec = load(write(tmp_path, "extends: studio/studio.yaml\nsteps: [{do: take-clips}]\n"))
     assert spec.steps[0].request["edited"] == str(tmp_path / "studio" / "f.json")
+
+
+def test_a_path_in_a_variable_is_seen_from_who_gives_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("studio/f.json", "here/f.json", "job/f.json", "show/f.json"):
+        write(tmp_path, "{}", name)
+    write(tmp_path, "variables: {where: f.json, of: f}\n", "studio/studio.yaml")
+    text = "extends: ../studio/studio.yaml\nsteps:\n- {do: orient-joints, frames: '${where}'}\n"
+    path = write(tmp_path, text, "show/rig.yaml")
+    monkeypatch.chdir(tmp_path / "here")
+
+    def frames(**more: Any) -> Path:
+        return Path(load(path, **more).steps[0].request["frames"]).resolve().relative_to(tmp_path)
+
+    assert frames() == Path("studio/f.json")
+    assert frames(variables={"where": "f.json"}) == Path("here/f.json")
+    assert frames(variables={"where": "f.json"}, folders={"where": tmp_path / "job"}) == Path("job/f.json")
+    write(tmp_path, text.replace("${where}", "${of}.json"), "show/rig.yaml")
+    assert frames() == Path("studio/f.json")
+    write(tmp_path, text.replace("${where}", "./${of}.json"), "show/rig.yaml")
+    assert frames(variables={"of": "f"}) == Path("show/f.json")
 
 
 # Schema and build agree
@@ -271,9 +446,6 @@ steps:
     from: neither.glb
 """
     assert list(faults(write(tmp_path, text))) == [(3, 9), (4, 11), (6, 11)]
-    with pytest.raises(SpecError) as caught:
-        load(write(tmp_path, text.replace("    up: q\n", "")))
-    assert caught.value.exit_code == 3
 
 
 def test_an_optional_step_is_left_out_where_no_limb_is_known(tmp_path: Path) -> None:

@@ -82,7 +82,7 @@ def test_a_pipe_or_a_device_is_no_file_of_a_step(step: str, tmp_path: Path) -> N
     for name in ("pipe.glb", "/dev/zero"):
         spec = write(tmp_path, f"steps: [{{do: {step.format(name)}}}, {{do: orient-joints, like: no.glb}}]\n")
         result = run("build", "--explain", "--spec", spec)
-        assert result.exit_code == 3, result.output
+        assert result.exit_code == 2, result.output
         assert "is a device or a pipe; give a plain file" in result.stderr
         assert "There is no file" in result.stderr
 
@@ -102,6 +102,25 @@ def test_lists_jobs_logs_and_specs_are_plain_files(tmp_path: Path) -> None:
         result = run(*line)
         assert result.exit_code in (2, 3), result.output
         assert "is a device or a pipe" in result.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes have no names here")
+@pytest.mark.parametrize("text", [TWO, "steps: [{do: orient-joints, preset: maya}]"])
+def test_what_is_wrong_with_in_or_out_is_no_fault_of_the_spec(text: str, tmp_path: Path) -> None:
+    spec, broken = write(tmp_path, text), tmp_path / "broken.glb"
+    broken.write_bytes(b"glTF")
+    os.mkfifo(tmp_path / "pipe.glb")
+    source = SAMPLES / "biped.glb"
+    for place, target, said in (
+        (source, tmp_path / "pipe.glb", "is a device or a pipe; give the name"),
+        ("-", tmp_path / "pipe.glb", "is a device or a pipe; give the name"),
+        ("-", tmp_path / "out.usda", "the output has the format of the input"),
+        (broken, tmp_path / "out.glb", "broken.glb"),
+    ):
+        result = run("build", place, "--spec", spec, "-o", target, "--overwrite", stream=source.read_bytes())
+        assert result.exit_code in (2, 3), result.output
+        assert said in result.stderr
+        assert "rig.yaml" not in result.stderr
 
 
 def test_a_text_larger_than_it_can_be_meant_is_refused(tmp_path: Path) -> None:

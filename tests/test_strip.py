@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from gltf_files import glb_bytes, glb_parts
-from places import USD, asset_files, leave_out_refused, sample_files
+from places import USD, files_of_all_kinds, leave_out_refused
 from second_opinions import khronos_errors
 
 from rigtri import diff, verify
@@ -34,7 +34,7 @@ def stripped(rig: Rig, report: Report) -> Rig:
     return strip(rig, report=report)
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_controls_put_in_and_taken_out_leave_the_file_as_it_was(path: Path, tmp_path: Path) -> None:
     built, bare = tmp_path / f"built{path.suffix}", tmp_path / path.name
     try:

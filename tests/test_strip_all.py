@@ -11,7 +11,7 @@ import pytest
 from avatars import avatar
 from builds import STEPS, Step, everything
 from morphs import arm, arm_usd
-from places import USD, asset_files, leave_out_refused, sample_files
+from places import USD, files_of_all_kinds, leave_out_refused, slow
 from pxr import Sdf, Usd, UsdGeom, Vt
 
 from rigtri import diff, verify
@@ -70,7 +70,7 @@ def in_format(suffix: str, samples: Path, folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", [*STEPS, "everything"])
-@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".vrm", ".usda", ".usdc", ".usdz"])
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", slow(".vrm"), ".usda", slow(".usdc"), slow(".usdz")])
 def test_what_was_built_into_a_character_comes_out_again(
     suffix: str, name: str, samples: Path, tmp_path: Path
 ) -> None:
@@ -86,10 +86,7 @@ def test_what_was_built_into_a_character_comes_out_again(
 
 @pytest.mark.parametrize(
     "path",
-    [
-        pytest.param(p, marks=pytest.mark.slow) if p.stat().st_size > LARGE else p
-        for p in (*sample_files(), *asset_files())
-    ],
+    files_of_all_kinds(),
     ids=lambda path: path.name,
 )
 def test_all_that_can_be_built_into_a_file_comes_out_again(path: Path, tmp_path: Path) -> None:

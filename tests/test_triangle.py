@@ -28,16 +28,16 @@ def clear(a: Floats, b: Floats, c: Floats) -> bool:
     return bool(triangle.bend_sine(a, b, c) > 1e-2)
 
 
-@pytest.mark.parametrize(("aim_axis", "up_axis"), PAIRS)
 @given(aim=directions, up=directions)
-def test_all_24_axis_pairs_are_right_handed(aim_axis: str, up_axis: str, aim: Floats, up: Floats) -> None:
+def test_all_24_axis_pairs_are_right_handed(aim: Floats, up: Floats) -> None:
     assume(length(cross(normalise(aim), normalise(up))) > 1e-3)
-    axes = triangle.frame(aim, up, aim_axis=aim_axis, up_axis=up_axis)
-    assert_allclose(np.linalg.det(axes), 1, atol=1e-12)
-    assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
-    (a, a_sign), (u, u_sign) = triangle.axis_of(aim_axis), triangle.axis_of(up_axis)
-    assert_allclose(axes[a] * a_sign, normalise(aim), atol=1e-12)
-    assert dot(axes[u] * u_sign, up) > 0
+    for aim_axis, up_axis in PAIRS:
+        axes = triangle.frame(aim, up, aim_axis=aim_axis, up_axis=up_axis)
+        assert_allclose(np.linalg.det(axes), 1, atol=1e-12)
+        assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+        (a, a_sign), (u, u_sign) = triangle.axis_of(aim_axis), triangle.axis_of(up_axis)
+        assert_allclose(axes[a] * a_sign, normalise(aim), atol=1e-12)
+        assert dot(axes[u] * u_sign, up) > 0
 
 
 def test_there_are_24_axis_pairs() -> None:

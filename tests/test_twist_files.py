@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import Golden
 from numpy.testing import assert_allclose
-from places import NO_LIMB, asset_files, leave_out, leave_out_refused, sample_files
+from places import NO_LIMB, files_of_all_kinds, leave_out, leave_out_refused
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.compare import verify
@@ -68,7 +68,7 @@ def off_notes(rig: Rig) -> float:
     return worst
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_twist_joints_change_nothing_follow_their_notes_and_come_only_once(
     path: Path, tmp_path: Path
 ) -> None:
@@ -124,7 +124,7 @@ def weight_on_bones(path: Path) -> dict[str, Floats]:
     return found
 
 
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_split_weights_change_no_pose_that_does_not_twist_and_split_once(path: Path, tmp_path: Path) -> None:
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
     try:

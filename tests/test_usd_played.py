@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, slow
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, UsdUtils
 from rigs import chain
 from test_bake import run
@@ -145,10 +145,10 @@ def joint_poses(path: Path) -> np.ndarray:
     ("suffix", "described", "to"),
     [
         ("usda", "rigged", "joints"),
-        ("usda", "rigged", "controls"),
-        ("usdc", "rigged", "joints"),
-        ("usdz", "rigged", "controls"),
-        ("usdz", "biped.glb", "joints"),
+        slow("usda", "rigged", "controls"),
+        slow("usdc", "rigged", "joints"),
+        slow("usdz", "rigged", "controls"),
+        slow("usdz", "biped.glb", "joints"),
         ("usdc", "biped.glb", "controls"),
     ],
 )

@@ -27,6 +27,7 @@ from rigtri.report import Report
 from rigtri.viewer.facts import facts
 
 NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
+PNG = b"\x89PNG\r\n\x1a\n"
 EVIL = '</script><img src="x" onerror="window.hacked=1"><!--'
 
 
@@ -354,6 +355,44 @@ def test_what_is_missing_or_cannot_be_shown_is_told(view: Any, tmp_path: Path) -
     assert len(notices) == 3
 
 
+def test_textures_that_no_page_can_show_are_told_once_with_the_reason(view: Any, tmp_path: Path) -> None:
+    b = small()
+    b.gltf["images"] = [
+        {"uri": f"{k}.dds"} if k < 5 else {"name": "packed", "uri": "data:image/ktx2;base64,q0tUWA=="}
+        for k in range(6)
+    ]
+    for k in range(5):
+        (tmp_path / f"{k}.dds").write_bytes(b"DDS | and so on, for long enough" if k < 4 else PNG + b"1234")
+    packed = {"extensions": {"KHR_texture_basisu": {"source": 5}}}
+    b.gltf["textures"] = [
+        *({"source": k} for k in (0, 1, 2, 3, 4, 0)),
+        packed,
+        packed,
+        {"source": 4} | packed,
+    ]
+    told = view(b.glb(tmp_path / "in.glb"), "-o", tmp_path / "a.html").stderr.splitlines()
+    assert told[:-1] == [
+        "warning: in.glb: textures in KTX2 are not shown (2), for a page that runs nothing but its own "
+        "script can have no decoder of it; give them PNG, JPEG or WebP as well",
+        "warning: in.glb: textures are not shown whose images are none of PNG, JPEG, WebP, AVIF, GIF or BMP: "
+        "'0.dds', '1.dds', '2.dds', …",
+    ]
+
+
+def test_only_pages_with_meshes_in_draco_carry_its_decoder(view: Any, samples: Path, tmp_path: Path) -> None:
+    b = small()
+    b.gltf["extensionsUsed"] = ["KHR_draco_mesh_compression"]
+    with_it, without = (
+        written(view, tmp_path, b.glb(tmp_path / "in.glb")),
+        written(view, tmp_path, samples / "biped.glb"),
+    )
+    for page, needed in ((with_it, True), (without, False)):
+        scripts = [tag for tag, about in page.elements if tag == "script" and not about]
+        assert len(scripts) == 1 + needed
+        assert ("'wasm-unsafe-eval'" in page.policy) == needed
+        assert ("rigtriDraco=" in page.text["script"]) == needed
+
+
 def test_an_image_outside_the_folder_is_taken_along_where_it_is_allowed(view: Any, tmp_path: Path) -> None:
     b = evil()
     b.gltf["images"] = [{"uri": "../in.png"}]
@@ -372,7 +411,7 @@ def test_textures_of_usd_are_taken_along_and_others_are_told(view: Any, tmp_path
     folder = tmp_path / "in"
     folder.mkdir()
     for name in ("a.png", "b.exr", "../out.png"):
-        (folder / name).write_bytes(name.encode())
+        (folder / name).write_bytes((PNG if name == "a.png" else b"EXR ") + name.encode())
     text = (
         usd_files.scene(usd_files.skeleton(), usd_files.animation())
         + f'\ndef Material "M"\n{{\n{shaders}}}\n'
@@ -380,8 +419,8 @@ def test_textures_of_usd_are_taken_along_and_others_are_told(view: Any, tmp_path
     result = view(usd_files.save(folder, text), "-o", tmp_path / "a.html")
     page = Page((tmp_path / "a.html").read_text("utf-8"))
     (one,) = page.facts["models"][0]["files"]
-    assert (one["name"], page.file(one["id"])) == ("texture0.png", b"a.png")
-    assert "'b.exr' is of a kind that browsers do not show" in result.stderr
+    assert (one["name"], page.file(one["id"])) == ("texture0.png", PNG + b"a.png")
+    assert "'b.exr' is not shown, for it is none of PNG, JPEG" in result.stderr
     assert "'gone.png' is missing" in result.stderr
     assert "'../out.png' lies outside the folder of the file" in result.stderr
 
@@ -403,6 +442,6 @@ def test_the_script_of_the_page_is_what_its_sources_make(tmp_path: Path) -> None
     script = ROOT / "viewer" / "build.mjs"
     made = [node, str(script), "--modules", modules, "--out", str(tmp_path)]
     subprocess.run(made, check=True, capture_output=True, timeout=120)
-    for name in ("page.js", "page.js.LICENSES.txt"):
+    for name in ("page.js", "page.draco.js", "page.js.LICENSES.txt"):
         committed = (ROOT / "rigtri" / "viewer" / name).read_bytes()
         assert (tmp_path / name).read_bytes() == committed, f"{name}: run node viewer/build.mjs"

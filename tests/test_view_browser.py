@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from browser import asks_nobody, visited
 from click.testing import CliRunner
-from gltf_files import small
+from gltf_files import Builder, small
+from morphs import arm_usd
 from places import ASSETS, NO_ASSETS
 from test_view import EVIL, evil
 
@@ -18,6 +19,7 @@ from rigtri.formats import read
 from rigtri.pose import deformed, locals_at, morph_weights, worlds
 from rigtri.rig import Rig
 from rigtri.timelines import moment
+from rigtri.trigonometry import Floats
 
 ON_SCREEN = "document.getElementById('messages').textContent"
 BUTTONS = "[...document.querySelectorAll('button')]"
@@ -111,14 +113,7 @@ def test_a_deviation_is_the_one_that_rigtri_measures(page: Any, tmp_path: Path) 
     other.gltf["scenes"] *= 2
     before, after = one.glb(tmp_path / "before.glb"), other.glb(tmp_path / "after.glb")
     (told,) = visited({"page": page(after, "--against", before)}, folder=tmp_path)
-    points = []
-    for path in (before, after):
-        document = read(path)
-        (mesh,) = document.meshes()
-        moved = deformed(
-            mesh, document.rig, worlds(document.rig)[np.newaxis], morph_weights(mesh, None, np.zeros(1))
-        )
-        points.append(moved.reshape(-1, 3))
+    points = [next(iter(moved(path, "rest").values())) for path in (before, after)]
     joints = read(before).rig.world[:3, 3, :3]
     size = np.linalg.norm(np.ptp(np.concatenate([points[0], joints]), axis=0))
     expected = np.linalg.norm(points[1] - points[0], axis=1).max() / size
@@ -181,16 +176,114 @@ def test_a_phone_in_the_dark_that_wants_rest_gets_it(page: Any, samples: Path, t
     assert told["results"][-1] > DRAWN
 
 
-def test_joints_are_shown_of_a_file_whose_meshes_cannot_be(page: Any, tmp_path: Path) -> None:
+POINTS = (
+    "Object.fromEntries(rigtri.models[0].points.parts.map((part) => [part.mesh.name, [...part.world()]]))"
+)
+
+
+def draco(points: list[list[float]], triangles: list[list[int]]) -> bytes:
+    """A mesh with points alone as Draco has it, one after the other and not made any smaller.
+
+    Source: Draco Bitstream Specification 2.2, §3 to §6: sequential connectivity, generic attributes.
+    """
+    header = b"DRACO" + bytes([2, 2, 1, 0, 0, 0])
+    connectivity = bytes([len(triangles), len(points), 1]) + np.array(triangles, np.uint8).tobytes()
+    # One decoder with one attribute: position, float32, 3 components, not normalised, its number 7.
+    attribute = bytes([1, 1, 0, 9, 3, 0, 7, 0])
+    return header + connectivity + attribute + np.array(points, np.float32).tobytes()
+
+
+def drawn_by(content: bytes, points: int) -> Builder:
+    """The small file, its mesh compressed with Draco."""
     b, name = small(), "KHR_draco_mesh_compression"
     b.gltf["extensionsUsed"] = b.gltf["extensionsRequired"] = [name]
     (primitive,) = b.gltf["meshes"][0]["primitives"]
-    primitive["extensions"] = {name: {"bufferView": 0, "attributes": {"POSITION": 0}}}
-    path = b.glb(tmp_path / "draco.glb")
-    (told,) = visited({"page": page(path), "steps": [{"evaluate": ON_SCREEN}]}, folder=tmp_path)
-    assert healthy(told), told
-    assert told["state"]["bones"] == "3"
-    assert "compressed with Draco are not shown" in told["results"][0]
+    primitive["indices"] = b.accessor(np.zeros(points, np.uint16))
+    primitive["extensions"] = {name: {"bufferView": b.view(content), "attributes": {"POSITION": 7}}}
+    return b
+
+
+def test_meshes_that_are_compressed_with_draco_are_shown(page: Any, tmp_path: Path) -> None:
+    points = [[0.0, 0, 0], [1, 0, 0], [0, 2, 3]]
+    triangles = [[0, 1, 2], [0, 2, 1]]
+    whole = drawn_by(draco(points, triangles), 6).glb(tmp_path / "draco.glb")
+    broken = drawn_by(b"DRACO no more", 6).glb(tmp_path / "broken.glb")
+    steps = [{"evaluate": POINTS}, {"evaluate": ON_SCREEN}]
+    jobs = [{"page": page(path), "steps": steps} for path in (whole, broken)]
+    good, bad = visited(*jobs, folder=tmp_path)
+    assert healthy(good), good
+    (shown,) = good["results"][0].values()
+    assert np.reshape(shown, (-1, 3)).tolist() == points
+    # A mesh that cannot be read is an error of the page, and the rest is seen.
+    assert (bad["state"]["state"], bad["state"]["errors"], bad["state"]["bones"]) == ("ready", "1", "3")
+    assert "compressed with Draco cannot be read" in bad["results"][1]
+
+
+FACES = """def Mesh "Face" (prepend apiSchemas = ["SkelBindingAPI"])
+{
+    int[] faceVertexCounts = [4, 3]
+    int[] faceVertexIndices = [0, 1, 2, 3, 4, 3, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 2, 0)]
+    rel skel:skeleton = </Root/Skel>
+    uniform token[] skel:blendShapes = ["other", "wide"]
+    rel skel:blendShapeTargets = [</Root/Face/Other>, </Root/Face/Wide>]
+    BINDING
+    def BlendShape "Other" { uniform vector3f[] offsets = [(0, 0, 1), (0, 0, -1)]
+        uniform int[] pointIndices = [4, 1]
+    }
+    def BlendShape "Wide" {
+        uniform vector3f[] offsets = [(1, 0, 0), (1, 0, 0), (2, 0, 0), (0, 0, 0), (3, 0, 0)]
+    }
+    def GeomSubset "Last" { uniform token elementType = "face"
+        int[] indices = [1]
+    }
+}"""
+BOUND = """int[] primvars:skel:jointIndices = [0, 1, 2, 1, 2] (elementSize = 1; interpolation = "vertex")
+    float[] primvars:skel:jointWeights = [1, 1, 1, 1, 1] (elementSize = 1; interpolation = "vertex")"""
+
+
+WEIGHTS = """uniform token[] blendShapes = ["wide", "other"]
+    float[] blendShapeWeights.timeSamples = {0: [0, 0], 12: [0.5, 0.75], 24: [1, 0]}"""
+
+
+def moved(path: Path, at: str) -> dict[str, Floats]:
+    """Where rigtri has the points of each mesh at a moment, (v, 3), by the last word of its name."""
+    document = read(path)
+    rig = document.rig
+    timeline, time = moment(rig, at)
+    clip = None if timeline is None else timeline.clip
+    world = worlds(rig, None if clip is None else locals_at(rig, clip, [time])).reshape(1, -1, 4, 4)
+    times = np.array([time])
+    return {
+        mesh.name.rsplit("/", 1)[-1]: deformed(mesh, rig, world, morph_weights(mesh, clip, times))[0]
+        for mesh in document.meshes()
+    }
+
+
+def off(shown: dict[str, list[float]], points: dict[str, Floats]) -> float:
+    """How far a corner of a face of the page is from all points of its mesh, or the other way round."""
+    assert shown.keys() == points.keys()
+    most = 0.0
+    for name, there in points.items():
+        apart = np.abs(np.reshape(shown[name], (-1, 1, 3)) - there).max(axis=-1)
+        most = max(most, float(apart.min(axis=0).max()), float(apart.min(axis=1).max()))
+    return most
+
+
+def test_blend_shapes_of_usd_move_with_their_animation(page: Any, tmp_path: Path) -> None:
+    paths = []
+    for number, binding in enumerate((BOUND, "")):
+        (tmp_path / str(number)).mkdir()
+        face = FACES.replace("BINDING", binding)
+        paths.append(arm_usd(tmp_path / str(number), weights=WEIGHTS, more=face))
+    steps = [{"evaluate": POINTS}, {"evaluate": "rigtri.act.clip(-1)"}, {"evaluate": POINTS}]
+    jobs = [{"page": page(path, "--pose", "Anim@12"), "steps": steps} for path in paths]
+    for told, path in zip(visited(*jobs, folder=tmp_path), paths, strict=True):
+        assert healthy(told), told
+        posed, _, rest = told["results"]
+        assert off(posed, moved(path, "Anim@12")) < 1e-5
+        assert off(rest, moved(path, "rest")) < 1e-5
+        assert off(posed, moved(path, "rest")) > 0.1
 
 
 def test_an_image_that_no_browser_reads_is_counted_and_told(page: Any, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-// Make what rigtri/viewer ships of src: page.js, and the licences of what is in it.
+// Make what rigtri/viewer ships of src: page.js, page.draco.js, and the licences of what is in them.
 //
 //   npm install --prefix viewer && node viewer/build.mjs
 //
@@ -22,22 +22,35 @@ for (const [name, version] of Object.entries(wanted)) {
   if (found !== version) throw new Error(`${name} ${version} is wanted, ${found} is installed`);
 }
 
-const result = await build({
-  absWorkingDir: here,
-  entryPoints: ['src/page.js'],
-  nodePaths: [modules],
-  bundle: true,
-  minify: true,
-  format: 'iife',
-  target: 'es2022',
-  charset: 'ascii',
-  legalComments: 'none',
-  write: false,
+/** Bundle a source of ours into a script for pages. before: JavaScript that it finds what it needs in. */
+async function script(source, target, before = '', options = {}) {
+  const result = await build({
+    absWorkingDir: here,
+    stdin: { contents: before + readFileSync(join(here, 'src', source), 'utf8'), resolveDir: join(here, 'src') },
+    nodePaths: [modules],
+    bundle: true,
+    minify: true,
+    format: 'iife',
+    target: 'es2022',
+    charset: 'ascii',
+    legalComments: 'none',
+    logLevel: 'error',
+    write: false,
+    ...options,
+  });
+  const code = result.outputFiles[0].text;
+  // In a page these would end the script, or hide its end.
+  if (/<\/script|<!--/i.test(code)) throw new Error(`${target} cannot stand in a page as it is`);
+  writeFileSync(join(out, target), code);
+}
+
+await script('page.js', 'page.js');
+const wrapper = join(modules, 'three', 'examples', 'jsm', 'libs', 'draco', 'gltf', 'draco_wasm_wrapper.js');
+await script('draco.js', 'page.draco.js', readFileSync(wrapper, 'utf8'), {
+  globalName: 'rigtriDraco',
+  loader: { '.wasm': 'binary' },
+  external: ['fs', 'path'],
 });
-const code = result.outputFiles[0].text;
-// In a page these would end the script, or hide its end.
-if (/<\/script|<!--/i.test(code)) throw new Error('the bundle cannot stand in a page as it is');
-writeFileSync(join(out, 'page.js'), code);
 
 const licences = [
   ['three.js', 'three', 'LICENSE'],
@@ -47,5 +60,8 @@ const told = licences.map(([title, name, file]) => {
   const text = readFileSync(join(modules, name, file), 'utf8').trim();
   return `${title} ${wanted[name]}\n\n${text}\n`;
 });
-const head = 'page.js holds, beside code of rigtri, code of these, each under its own licence:\n';
-writeFileSync(join(out, 'page.js.LICENSES.txt'), [head, ...told].join('\n----\n\n'));
+const draco = 'Draco (its decoder, as three.js has it; in pages that need it)\n\n' +
+  'Copyright The Draco Authors. Licensed under the Apache License, Version 2.0:\n' +
+  'https://www.apache.org/licenses/LICENSE-2.0, the licence of rigtri itself.\n';
+const head = 'The scripts of a page hold, beside code of rigtri, code of these, each under its own licence:\n';
+writeFileSync(join(out, 'page.js.LICENSES.txt'), [head, ...told, draco].join('\n----\n\n'));

@@ -8,6 +8,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ from rigtri.errors import FileError, UsageError
 from rigtri.plain_files import text_of
 
 _WILD = re.compile(r"[*?\[]")
+# A part of a pattern that stands for all folders, with what parts it from the others.
+_ALL_FOLDERS = re.compile(r"(?:^|(?<=[/\\]))\*\*(?:[/\\]+|$)")
 _KEYS = {"input", "output", "variables"}
 # So many of many faults or names are told.
 MOST = 10
@@ -124,10 +127,40 @@ def _listed(name: str) -> list[str]:
 
 def _expanded(pattern: str) -> list[str]:
     """The files that a pattern matches, hidden ones left out; also links to nothing, which work tells of."""
-    found = [path for path in glob.glob(pattern, recursive=True) if not os.path.isdir(path)]
+    found = [path for path in dict.fromkeys(_matching(pattern)) if not os.path.isdir(path)]
     if not found:
         raise UsageError(f"'{pattern}' matches no file (seen from {os.getcwd()}); ** stands for all folders")
     return found
+
+
+def _matching(pattern: str) -> Iterator[str]:
+    """What a pattern matches; ``**`` as all folders, each once; glob goes round where links lead up."""
+    found = _ALL_FOLDERS.search(pattern)
+    if not found:
+        yield from glob.glob(pattern)
+        return
+    head, rest = pattern[: found.start()], pattern[found.end() :]
+    for top in glob.glob(head) if head else [""]:
+        for folder in _folders(top):
+            yield from _matching(os.path.join(glob.escape(folder), rest or "*"))
+
+
+def _folders(top: str) -> Iterator[str]:
+    """A folder and all below it, also through links: each once, by a name without links where it has one."""
+    seen, waiting, links = set(), [top], list[str]()
+    while waiting or links:
+        folder = waiting.pop() if waiting else links.pop()
+        with suppress(OSError):  # one that may not be read has nothing to be found
+            known = os.stat(folder or ".")
+            if (known.st_dev, known.st_ino) in seen:
+                continue
+            seen.add((known.st_dev, known.st_ino))
+            yield folder
+            with os.scandir(folder or ".") as inside:
+                for one in inside:
+                    if one.is_dir() and not one.name.startswith("."):
+                        (links if one.is_symlink() else waiting).append(os.path.join(folder, one.name))
+            links.sort(reverse=True)
 
 
 def _exists(name: str) -> bool:

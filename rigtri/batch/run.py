@@ -106,6 +106,11 @@ class Run:
             tuple((entry, look) for entry, look in pairs if isinstance(look, Record)),
         )
 
+    def keep(self, manifest: Manifest, entries: Sequence[Entry]) -> None:
+        """Put down in a new manifest what becomes of entries that none has known so far."""
+        self._manifest = manifest
+        _clear(entries)
+
     def work(self, plan: Plan, engine: Engine) -> Iterator[tuple[Entry, Record]]:
         """Do what is left, and put each file down as it is done; gives all files, in the order they end."""
         for entry, record in plan.settled:
@@ -233,7 +238,7 @@ def try_out(plan: Plan, engine: Engine) -> str:
         kinds.append(record.kind if record.failed else None)
         for bare, whole in faults(record, assignment.entry):
             reasons[bare] += 1
-            words.setdefault(bare, whole)
+            words.setdefault(bare, whole.replace("FILE", assignment.entry.source))
     if not kinds or None in kinds:
         return ""
     told = "; ".join(f"{words[bare]} ({files} of {len(kinds)})" for bare, files in reasons.most_common(MOST))

@@ -60,6 +60,11 @@ class SpecTask:
         """As `rigtri.batch.work.Task.sources`."""
         return self.spec.sources
 
+    @property
+    def paths(self) -> frozenset[str]:
+        """As `rigtri.batch.work.Task.paths`."""
+        return self.spec.paths
+
     def run(
         self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
     ) -> Outcome:

@@ -29,6 +29,7 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
         _refuse(_names(away), "what is elsewhere cannot be referred to from there; copy", UsageError)
     _refuse(_loose_layers(away), "of USD only .usdz is fetched, which holds all it needs", UsageError)
     _refuse([e.target for e in away if urls.is_web(e.target)], "nothing can be written there", UsageError)
+    _refuse(_names_of_memory(away), "what is written there is gone when the batch ends", UsageError)
     known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
     named = [e.source for e in entries if not (e.found or urls.is_url(e.source))]
     _refuse([name for name in named if not os.path.lexists(name)], "there is no such file to read", FileError)
@@ -73,6 +74,10 @@ def _strange(entries: Sequence[Entry]) -> list[str]:
 
 def _names(entries: Sequence[Entry]) -> list[str]:
     return [entry.source for entry in entries]
+
+
+def _names_of_memory(entries: Sequence[Entry]) -> list[str]:
+    return [entry.target for entry in entries if urls.is_fleeting(entry.target)]
 
 
 def _loose_layers(entries: Sequence[Entry]) -> list[str]:

@@ -24,7 +24,7 @@ _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 _PARTS = re.compile(r"([a-z][a-z0-9+.-]+://)(?:([^/@]*)@)?([^?#]*)([?#].*)?", re.I | re.S)
 _WEB = ("http://", "https://")
 # Stores where an object appears whole or not at all. Elsewhere it is written under another name first.
-_WHOLE = {"s3", "s3a", "gs", "gcs", "az", "abfs", "abfss", "oss", "memory"}
+_WHOLE = {"s3", "s3a", "gs", "gcs", "az", "abfs", "abfss", "oss"}
 # What a hash that a store keeps begins with, in place of one of ours.
 _ETAG = "etag "
 _AT_ONCE = 32
@@ -42,6 +42,11 @@ def is_url(name: object) -> bool:
 def is_web(url: str) -> bool:
     """Whether there are only single files behind a URL, to be read."""
     return url.lower().startswith(_WEB)
+
+
+def is_fleeting(url: str) -> bool:
+    """Whether a URL is of a store that ends with this process."""
+    return url.lower().startswith("memory:")
 
 
 def known(url: str) -> str:
@@ -162,6 +167,7 @@ def put(place: Path, url: str) -> None:
             store.put_file(str(place), path)
         else:
             part = f"{path}.rigtri-part"
+            store.makedirs(posixpath.dirname(path), exist_ok=True)
             store.put_file(str(place), part)
             store.mv(part, path)
 

@@ -29,7 +29,7 @@ FAILED = ("error", "crashed")
 # After what is missing comes what a file has instead.
 _NAMES = ("name not found", "ambiguous name")
 # What a file has not, or not just one of, as these errors say it.
-_NOT_THERE = re.compile(r"No \w+ is named '.*'|\d+ \w+s are named '.*?'")
+_NOT_THERE = re.compile(r"No \w+ (?:is named|matches) '.*'|\d+ \w+s are named '.*?'")
 _HINT = re.compile(r"(?<=')\. .*")
 _MEANT = re.compile(r"Did you mean [^?]*\?")
 Ready = Callable[[Outcome, Written], None]
@@ -59,6 +59,10 @@ class Task(Protocol):
     @property
     def sources(self) -> Sequence[Path]:
         """The files that say what is done."""
+
+    @property
+    def paths(self) -> frozenset[str]:
+        """The variables given to it that paths begin with."""
 
     def run(
         self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready

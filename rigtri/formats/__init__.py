@@ -75,14 +75,14 @@ class Embedded:
 
     kind: ``gltf`` for a .glb or .gltf, ``usd`` for one USD crate with all layers in it. files: by the
     name that the content has for each; a Path where a file is to be read. lacking: what a viewer will
-    not find, in words. meshopt: data of the file are compressed so.
+    not find or draw, in words. decoders: what data of the file are compressed with, ``draco`` or ``meshopt``.
     """
 
     kind: Literal["gltf", "usd"]
     content: bytes | Path
     files: Mapping[str, bytes | Path]
     lacking: tuple[str, ...] = ()
-    meshopt: bool = False
+    decoders: tuple[str, ...] = ()
 
 
 class Document(Protocol):

@@ -14,13 +14,15 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.matrices import decompose, inverse, multiply
-from rigtri.ops.held_limbs import held_limbs
+from rigtri.ops.armature import bind_poses, put_back
+from rigtri.ops.held_limbs import holding, ik_ends, let_go, switches
 from rigtri.ops.held_poses import held
 from rigtri.ops.operation import operation
 from rigtri.ops.taking.notices import some
 from rigtri.ops.taking.pairing import pairs
 from rigtri.report import Report
 from rigtri.rig import ADDED, Rig
+from rigtri.timelines import timelines
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
@@ -68,8 +70,13 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
             geometry=True,
         )
         return whole
+    told = switches(whole, {node: node for node in ik_ends(whole)})
+    if told.on | told.off:
+        whole = put_back(whole, described, both.of, report)
     rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
-    return held_limbs(held(whole, rested, described, both.of, report), report)
+    whole = held(whole, rested, described, both.of, report)
+    whole = let_go(whole, told, timelines(whole), report)
+    return holding(whole, told, timelines(whole))
 
 
 def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
@@ -104,20 +111,9 @@ def _refuse_strange_joints(
     report.warn("not-in-this-file", text)
 
 
-def _binds(rig: Rig) -> dict[int, Floats]:
-    """Where joints stand in their skins' bind poses, (4, 4) each."""
-    found: dict[int, Floats] = {}
-    for skin in rig.skins:
-        if skin.stored:
-            for joint, matrix in zip(skin.joints.tolist(), inverse(skin.inverse_bind), strict=True):
-                if np.isfinite(matrix).all():
-                    found.setdefault(joint, matrix)
-    return found
-
-
 def _bound_otherwise(rig: Rig, described: Rig, of: Mapping[int, int]) -> list[str]:
     """The names of joints of both that are bound otherwise, seen from the joint above them."""
-    ours, theirs = _binds(rig), _binds(described)
+    ours, theirs = bind_poses(rig), bind_poses(described)
     both = {node for node in theirs if of.get(node) in ours}
     seen = [node for node in both if int(described.parents[node]) in both]
     size = max((float(length(theirs[node][3, :3])) for node in both), default=1.0) or 1.0

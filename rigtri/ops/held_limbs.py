@@ -9,7 +9,8 @@ Source: docs/blender.md.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,67 +20,76 @@ from rigtri.records import Path, Track
 from rigtri.report import Report
 from rigtri.rig import SWITCH, Rig
 from rigtri.solve.reference import IkLimb, Reference
-from rigtri.timelines import placed, single, timelines
+from rigtri.timelines import Timeline, placed, single
 
 _PATH: Path = "translation"
 # Scales that tell off from nothing, and nothing from on.
 _OFF, _ON = 0.75, 1.25
 
 
-def held_limbs(rig: Rig, report: Report) -> Rig:
-    """The rig with keys for limbs that IK held without any; limbs whose IK was off lose theirs."""
-    on, off = set[int](), set[int]()
-    for node, end in _switches(rig).items():
-        x, y, z = decompose(rig.local[node])[2]
-        size = float(x + y + z) / 3
-        if size > _ON:
-            on.add(end)
-        elif size < _OFF:
-            off.add(end)
-    if not on | off:
-        return rig
-    limbs = Reference(rig).limbs
-    rig = _let_go(rig, [limb for limb in limbs if limb.control in off], report)
-    return _holding(rig, [limb for limb in limbs if limb.control in on])
+@dataclass(frozen=True)
+class Switches:
+    """The IK ends whose IK was on while somebody animated, and those whose IK was off."""
+
+    on: frozenset[int]
+    off: frozenset[int]
 
 
-def _switches(rig: Rig) -> dict[int, int]:
-    """The nodes that tell of a switch, and the IK ends that they hang below."""
-    ends = {node for node, note in rig.notes.items() if note.get("kind") == "ik"}
-    return {
-        node: int(above)
-        for node, above in enumerate(rig.parents.tolist())
-        if above in ends and SWITCH.fullmatch(rig.names[node])
-    }
+def switches(told: Rig, ends: Mapping[int, int]) -> Switches:
+    """What a file says of its IK ends: ``ends`` has their nodes there, and what they are in the rig."""
+    sizes: dict[int, float] = {}
+    for node, above in enumerate(told.parents.tolist()):
+        if above in ends and SWITCH.fullmatch(told.names[node]):
+            x, y, z = decompose(told.local[node])[2]
+            sizes[ends[above]] = float(x + y + z) / 3
+    return Switches(
+        frozenset(end for end, size in sizes.items() if size > _ON),
+        frozenset(end for end, size in sizes.items() if size < _OFF),
+    )
 
 
-def _holding(rig: Rig, limbs: list[IkLimb]) -> Rig:
-    """A key of the IK end, where it stands at rest, in each clip that has none of it or of its pole."""
+def ik_ends(rig: Rig) -> list[int]:
+    """The controls that IK reaches for."""
+    return [node for node, note in rig.notes.items() if note.get("kind") == "ik"]
+
+
+def holding(rig: Rig, told: Switches, every: Sequence[Timeline]) -> Rig:
+    """The rig with a key of each IK end that is on, where it stands at rest, in each timeline without keys
+    of it and of its pole."""
+    limbs = _limbs(rig, told.on)
     done = rig
-    for timeline in timelines(rig):
-        keyed = {track.node for track in timeline.clip.tracks}
-        times = [track.times[:1] for track in timeline.clip.tracks if len(track.times)]
+    for timeline in every:
+        tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
+        keyed = {track.node for track in tracks}
+        times = [track.times[:1] for track in tracks if len(track.times)]
         if times:
             start = np.min(times, axis=0)
-            tracks = [
+            fresh = [
                 Track(limb.control, _PATH, "STEP", start, single(rig.translation[[limb.control]]))
                 for limb in limbs
                 if keyed.isdisjoint((limb.control, limb.pole))
             ]
-            done = placed(done, timeline, tracks)
+            done = placed(done, timeline, fresh)
     return done
 
 
-def _let_go(rig: Rig, limbs: list[IkLimb], report: Report) -> Rig:
-    """No keys of IK ends and poles in any clip, with a notice."""
-    gone = {node for limb in limbs for node in (limb.control, limb.pole)}
-    lost = {track.node for clip in rig.clips for track in clip.tracks} & gone
+def let_go(rig: Rig, told: Switches, every: Sequence[Timeline], report: Report) -> Rig:
+    """The rig without keys of IK ends that are off, and of their poles, in the timelines, with a notice."""
+    gone = {node for limb in _limbs(rig, told.off) for node in (limb.control, limb.pole)}
+    members = {k for timeline in every for k in timeline.members}
+    lost = {track.node for k in members for track in rig.clips[k].tracks} & gone
     if not lost:
         return rig
     names = some(rig.title(node) for node in sorted(lost))
     report.warn("ik-off", f"IK was switched off in Blender (rigtri_ik): the keys of {names} are left out")
     clips = (
         replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in lost))
-        for clip in rig.clips
+        if k in members
+        else clip
+        for k, clip in enumerate(rig.clips)
     )
     return replace(rig, clips=tuple(clips))
+
+
+def _limbs(rig: Rig, ends: frozenset[int]) -> list[IkLimb]:
+    return [limb for limb in Reference(rig).limbs if limb.control in ends] if ends else []

@@ -14,6 +14,8 @@ import numpy as np
 from rigtri.bounds import refuse_single_name, refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
+from rigtri.ops.armature import put_back
+from rigtri.ops.held_limbs import holding, ik_ends, let_go, switches
 from rigtri.ops.operation import operation
 from rigtri.ops.taking.clip_names import ClipNames, Taken
 from rigtri.ops.taking.comparison import Comparison
@@ -22,6 +24,7 @@ from rigtri.ops.taking.made_names import span
 from rigtri.ops.taking.merging import merged, thinned
 from rigtri.ops.taking.morphs import MorphNames
 from rigtri.ops.taking.notices import moves, some, strangers, tell, tell_tracks
+from rigtri.ops.taking.pairing import pairs
 from rigtri.ops.taking.ranges import Ranges
 from rigtri.ops.taking.sameness import MISSED, differing, lacking
 from rigtri.ops.taking.transfer import PATHS, rest_parts
@@ -29,7 +32,7 @@ from rigtri.records import Booleans, Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.solve.keys import shares
-from rigtri.timelines import placed
+from rigtri.timelines import placed, timelines
 from rigtri.trigonometry import Floats
 
 
@@ -69,6 +72,11 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Ri
             "read(path).rig is that of a file"
         )
     options = options.checked()
+    # Where Blender's IK was on or off, as the script of export-blender lets a file tell.
+    of = pairs(rig, edited).of
+    told = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
+    if told.on | told.off:
+        edited = put_back(edited, rig, of, report, binds=True)
     both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(strangers(rig, edited))
@@ -79,9 +87,21 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Ri
         )
     every = names.taken(options.clips)
     tell(both, report)
+    taken_all, changed = set[str](), set[str]()
     for taken in every:
-        rig = _Taking(rig, both, taken, options.tolerance, report).done()
-    return rig
+        taking = _Taking(rig, both, taken, options.tolerance, report)
+        if taking.is_a_pose():
+            report.warn(
+                "no-length",
+                f"'{taken.name}' has no length in EDITED; RIG's clip of that name was left as it is",
+            )
+            continue
+        before, rig = rig, taking.done()
+        taken_all.add(taken.name)
+        if rig is not before:
+            changed.add(taken.name)
+    rig = let_go(rig, told, [each for each in timelines(rig) if each.name in taken_all], report)
+    return holding(rig, told, [each for each in timelines(rig) if each.name in changed])
 
 
 class _Taking:
@@ -107,12 +127,6 @@ class _Taking:
     def done(self) -> Rig:
         """The rig with the clip."""
         home = self.taken.home
-        if home is not None and self._is_a_pose():
-            self.report.warn(
-                "no-length",
-                f"'{self.taken.name}' has no length in EDITED; RIG's clip of that name was left as it is",
-            )
-            return self.rig
         moved = self.seen.nodes
         if home is not None:
             self.ranges = self.seen.settled()
@@ -133,7 +147,8 @@ class _Taking:
             self.report.reposed = True
         return rig
 
-    def _is_a_pose(self) -> bool:
+    def is_a_pose(self) -> bool:
+        """Whether EDITED has but one moment of a clip that goes on here."""
         home, (start, end) = self.taken.home, span(self.taken.clip)
         ours = span(home.clip) if home is not None else (0.0, 0.0)
         return start == end and ours[0] < ours[1]

@@ -65,11 +65,16 @@ class Root:
 
 @dataclass(frozen=True, eq=False)
 class Follow:
-    """Rules of one child, in the order in which they come on top of each other."""
+    """Rules of one child, in the order in which they come on top of each other.
+
+    riders: FK controls that hang below the child's own control, and ride on the child wherever rules
+    have it, because something looks at what is below them.
+    """
 
     rig: Rig
     rules: tuple[Rule, ...]
     base: Step | None = None
+    riders: tuple[Fk, ...] = ()
 
     @property
     def child(self) -> int:
@@ -90,7 +95,12 @@ class Follow:
         own = self.base.needs if self.base is not None else ()
         world = [node for rule in self.rules if rule.space == "world" for node in rule.sources]
         above = int(self.rig.parents[self.child])
-        return (*own, *world, *((above,) if above >= 0 else ()))
+        return (*own, *world, *((above,) if above >= 0 else ()), *(fk.own.above for fk in self.riders))
+
+    @property
+    def carries(self) -> tuple[int, ...]:
+        """The offsets that ride on the child; they get no keys."""
+        return tuple(fk.own.offset for fk in self.riders)
 
     @property
     def writes(self) -> list[tuple[Path, bool]]:
@@ -119,6 +129,8 @@ class Follow:
                 rule, there, wide[len(drivers)], wide[len(drivers) + 1], wide[-1] if up is not None else None
             )
             posed.set(self.child, factored(found))
+        for fk in self.riders:
+            posed.set(fk.own.offset, fk.riding(posed))
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,8 +281,19 @@ class Solver:
             if base is not None and len(base.sets) > 1:
                 continue  # the limb's solver moves it; a rule of one of its joints would tear it
             order = sorted(rules, key=_turn)
-            result.append(Follow(self.rig, tuple(order), base))
+            result.append(Follow(self.rig, tuple(order), base, self._riders(child)))
         return result
+
+    def _riders(self, joint: int) -> tuple[Fk, ...]:
+        """The FK controls below a joint's own that something looks at, but those that another step moves."""
+        taken = {offset for limb in self.limbs for offset in limb.carries} | self.rules.keys()
+        return tuple(
+            Fk(self.reference, own)
+            for own in self.reference.fk.values()
+            if self.reference.control_of.get(own.above) == joint
+            and own.offset in self._looked_at
+            and own.offset not in taken
+        )
 
     def steps_for(self, nodes: Collection[int]) -> list[Step]:
         """The steps that what becomes of some nodes needs, in order."""

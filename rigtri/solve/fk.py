@@ -122,6 +122,12 @@ class Fk:
         move = transform_directions(channels.translation, self._moves if moves is None else moves)
         return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * channels.scale)
 
+    def riding(self, posed: Posed) -> Parts:
+        """Local parts of the offset where it rides on the joint of the control above, as that is posed."""
+        world, carrier = self.reference.world, self._carrier
+        start = multiply(world[self.own.offset], inverse(world[carrier]))
+        return factored(multiply(multiply(start, posed.world(carrier)), inverse(posed.world(self.own.above))))
+
     def beneath(self, posed: Posed) -> Parts:
         """Local parts of the offset, with which the control stands on its joint, as both are posed."""
         channels, rig = posed.part(self.own.control), self.rig

@@ -8,7 +8,6 @@ from typing import Protocol, TypeVar
 from rigtri.errors import GeometryError
 from rigtri.rig import Rig
 from rigtri.solve.fk import Fk
-from rigtri.solve.ik import Ik
 
 # The nodes by which a step waits for another one, by the place of that one: from what the step uses,
 # up the hierarchy, to what the other sets.
@@ -70,9 +69,10 @@ def steps_for(rig: Rig, steps: Sequence[S], nodes: Collection[int]) -> list[S]:
 
 
 def _setters(steps: Sequence[Uses]) -> dict[int, int]:
-    """Which step sets a node, by its place."""
+    """Which step sets a node, or carries it along, by its place."""
     setter = {node: k for k, step in enumerate(steps) for node in step.sets}
-    return setter | {n: k for k, step in enumerate(steps) if isinstance(step, Ik) for n in step.carries}
+    carried: dict[int, int] = {n: k for k, step in enumerate(steps) for n in getattr(step, "carries", ())}
+    return setter | carried
 
 
 def _ways(rig: Rig, step: Uses, setter: Mapping[int, int]) -> Ways:

@@ -10,7 +10,7 @@ from typing import Any
 
 from rigtri import scratch
 from rigtri.delivery import same_file
-from rigtri.errors import NameNotFoundError, NoLimbError, RigtriError
+from rigtri.errors import DeviationError, GeometryError, NameNotFoundError, NoLimbError, RigtriError
 from rigtri.inputs import opened
 from rigtri.outputs import Written, spare
 from rigtri.pipeline import Outcome, check_target, edit
@@ -18,7 +18,8 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.spec.faults import Fault, SpecError
 from rigtri.spec.loading import PlannedStep, Spec, load
-from rigtri.spec.missing import missing
+from rigtri.spec.missing import fault_of, named
+from rigtri.spec.tree import Tree
 from rigtri.steps import step
 from rigtri.steps.request import Step
 
@@ -57,7 +58,7 @@ def build(
     them at once; else as `rigtri.pipeline.edit`, with the step that it happened in. ``ready`` is called
     as there, with what is to be said of the whole.
     """
-    spec = spec if isinstance(spec, Spec) else load(spec)
+    spec = spec if isinstance(spec, Spec) else load(spec, source=source)
     spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
     for place in spared:
         if not (dry_run and same_file(place, Path(source))):
@@ -67,17 +68,15 @@ def build(
         "dry_run": dry_run,
         "side_files": tuple(side_files),
     }
-    several = len(spec.steps) > 1
-    if several:
-        check_target(source, target, overwrite=overwrite, options=spec.reading)
     work = _Work(spec, verify, report if report is not None else Report(), spared)
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     with (
         opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
-        scratch.folder() if several else nullcontext("") as folder,
+        scratch.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
         work.spooled = str(source) == "-"
+        check_target(work.at, target, overwrite=overwrite, options=spec.reading)
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()
@@ -87,6 +86,10 @@ def build(
             work.edit(lambda rig, _: rig, target, **last)
         work.tell_lost()
     return Built(tuple(work.done), work.whole())
+
+
+def _of_root(tree: Tree, error: RigtriError) -> Fault:
+    return Fault(tree.place(("root",)), "", str(error))
 
 
 @dataclass
@@ -106,15 +109,16 @@ class _Work:
     spooled: bool = False
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
-    lost: list[tuple[tuple[Fault, ...], RigtriError]] = field(default_factory=list)
+    lost: list[tuple[list[Fault], RigtriError]] = field(default_factory=list)
 
     def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
         """Do a step; whether there is anything of it at ``target``."""
-        made, seen = step(one.do, one.request), []
+        made, seen = step(one.do, one.request), list[Rig]()
 
         def looking_on(rig: Rig, report: Report) -> Rig:
             seen.append(rig)
-            return made(rig, report)
+            seen.append(made(rig, report))
+            return seen[-1]
 
         try:
             if self.lost and last:
@@ -122,8 +126,9 @@ class _Work:
             report = self.edit(looking_on, target, **last)
         except NameNotFoundError as error:
             if not one.optional:
-                more = missing(self.spec, one, seen[0], str(error)) if seen else ()
-                self.lost.append(((self.spec.fault(one, error), *more), error))
+                tree = self.spec.tree
+                told = named(tree, one.index, seen[0], error) if seen else [_of_root(tree, error)]
+                self.lost.append((told, error))
                 return False
             return self._leave_out(one, error)
         except NoLimbError as error:
@@ -131,7 +136,11 @@ class _Work:
                 self._give_up(one, error)
             return self._leave_out(one, error)
         except RigtriError as error:
-            self._give_up(one, error)
+            # What cannot be read before a step, or written after it, is no fault of the spec.
+            if len(seen) == 1 or (seen and isinstance(error, GeometryError | DeviationError)):
+                self._give_up(one, error)
+            self.tell_lost()
+            raise
         self.done.append(Done(one, report))
         return True
 
@@ -143,7 +152,7 @@ class _Work:
         return False
 
     def _give_up(self, one: PlannedStep, error: RigtriError) -> None:
-        self.lost.append(((self.spec.fault(one, error),), error))
+        self.lost.append(([fault_of(self.spec.tree, one.index, str(error))], error))
         self.tell_lost()
 
     def edit(self, step: Step, target: Path | str, **last: Any) -> Report:

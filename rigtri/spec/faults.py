@@ -31,6 +31,10 @@ class Fault:
     def __str__(self) -> str:
         return f"{self.place} {self.where}: {self.text}" if self.where else f"{self.place} {self.text}"
 
+    def order(self, files: Sequence[str]) -> tuple[int, int, int]:
+        """Its place among faults of these files."""
+        return files.index(self.place.file), self.place.line, self.place.column
+
     def as_json(self) -> dict[str, object]:
         """The fault as schemas/error.schema.json describes it."""
         place = {"file": self.place.file, "line": self.place.line, "column": self.place.column}
@@ -38,12 +42,17 @@ class Fault:
 
 
 class SpecError(UsageError):
-    """A spec that says what cannot be, or what a character has not; a fault for each."""
+    """A spec that says what cannot be, or what a character has not; a fault for each.
+
+    found: all faults. exit_code: of a spec that is right in itself, that of the error in the character.
+    """
 
     def __init__(self, faults: Sequence[Fault], exit_code: int = UsageError.exit_code) -> None:
-        found = tuple(dict.fromkeys(faults))
+        files = list(dict.fromkeys(fault.place.file for fault in faults))
+        self.found = found = tuple(sorted(dict.fromkeys(faults), key=lambda fault: fault.order(files)))
         self.exit_code = exit_code
         # One fault is the error itself.
         self.faults: tuple[Fault, ...] = found if len(found) > 1 else ()
-        files = ", ".join(dict.fromkeys(fault.place.file for fault in found))
-        super().__init__(f"{files}: {len(found)} faults in the spec" if self.faults else str(found[0]))
+        super().__init__(
+            f"{', '.join(files)}: {len(found)} faults in the spec" if self.faults else str(found[0])
+        )

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigtri.compare import TOLERANCE
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.formats import Options
 from rigtri.plain_files import check_plain
 from rigtri.spec.faults import Fault, Place, SpecError
+from rigtri.spec.missing import unnamed
 from rigtri.spec.tree import Keys, Label, Tree
-from rigtri.spec.validating import step_models, validated, value_at, where_of
+from rigtri.spec.validating import sound, step_models, where_of, wrong
 from rigtri.steps import step
 from rigtri.steps.request import Request
 
@@ -47,13 +47,17 @@ class PlannedStep:
 
 @dataclass(frozen=True)
 class Spec:
-    """A spec that is right in itself; whether a character has its joints shows when it is built."""
+    """A spec that is right in itself; whether a character has its joints shows when it is built.
+
+    sources: the spec and all that it extends. paths: variables that the user gave and paths begin with.
+    """
 
     path: Path
     model: SpecModel
     steps: tuple[PlannedStep, ...]
     tree: Tree
     sources: tuple[Path, ...]
+    paths: frozenset[str] = frozenset()
 
     @property
     def reading(self) -> Options:
@@ -73,7 +77,10 @@ class Spec:
         if not changed:
             return self
         model = self.model.model_copy(update=changed)
-        return replace(self, model=model, steps=_planned(model, self.tree))
+        steps, faults = _planned(model, self.tree, range(len(model.steps)))
+        if faults:
+            raise SpecError(faults)
+        return replace(self, model=model, steps=steps)
 
     def canonical(self) -> str:
         """What is done, as JSON that is equal for equal work: options by name, defaults filled in."""
@@ -93,94 +100,80 @@ class Spec:
         said = {spec: "the spec", **dict.fromkeys(self.sources[1:], f"a spec that {spec} extends")}
         return tuple((file, said.get(file, f"a file that {spec} names")) for file in self.files())
 
-    def fault(self, step: PlannedStep, error: RigtriError) -> Fault:
-        """What a step said about a character, at the word of the spec that it is about."""
-        keys: Keys = ("steps", step.index)
-        text = str(error)
-        where = where_of(self.tree, keys)
-        for below, place in self.tree.under(keys):
-            value = value_at(self.tree.values, (*keys, *below))
-            if below and any(f"'{name}'" in text for name in _names(value, below)):
-                return Fault(place, where, text)
-        return Fault(step.place, where, text)
 
-
-def _names(value: Any, keys: Keys) -> list[str]:
-    """What a value of a spec may name: itself, its key, or one of both sides of ``=``."""
-    words = [value, *value.split("=")] if isinstance(value, str) else []
-    return [word for word in (*words, keys[-1]) if isinstance(word, str)]
-
-
-def load(path: Path | str, *, variables: Mapping[str, str] | None = None) -> Spec:
+def load(
+    path: Path | str,
+    *,
+    variables: Mapping[str, str] | None = None,
+    folders: Mapping[str, Path] | None = None,
+    source: Path | str | None = None,
+) -> Spec:
     """The spec in a YAML, TOML or JSON file.
 
-    variables: values instead of those in the spec. Raises FileError for a file that cannot be read,
-    SpecError, a UsageError, with all that is wrong in it.
+    variables: values instead of those in the spec. folders: what paths that begin with these are seen from,
+    by their names; the working folder unless said. source: a character, whose names are looked for where
+    the spec is wrong. Raises FileError for a file that cannot be read, SpecError, a UsageError,
+    with all that is wrong in it.
     """
     need_extra()
     from rigtri.spec.merging import merged
 
-    path = Path(path)
-    tree, sources, faults = merged(path, variables or {})
-    unsure = {fault.place for fault in faults}
-    lost = [one for one in _find_files(tree) if one[1].place not in unsure]
-    model, found = validated(tree)
-    wrong = {keys[1] for keys, _ in found if len(keys) > 1 and keys[0] == "steps"}
-    wrong |= {n for n, _ in enumerate(tree.labels) if unsure & {p for _, p in tree.under(("steps", n))}}
+    path, given = Path(path), dict.fromkeys(variables or (), Path()) | dict(folders or {})
+    spec = merged(path, variables or {})
+    tree, unsure = spec.tree, spec.unsure
+    paths, lost = _find_files(tree, given)
+    found = [*wrong(tree, whole=spec.whole), *lost]
     # A value with a variable that there is not is wrong for no other reason.
-    faults += [one for keys, one in found if not unsure & {place for _, place in tree.under(keys)}]
-    if model is None or faults or lost:
-        code = UsageError.exit_code if faults else FileError.exit_code
-        wrong |= {number for number, _ in lost}
-        contradictions = [fault for fault, _ in _contradictions(tree, wrong)]
-        raise SpecError([*faults, *(fault for _, fault in lost), *contradictions], code)
-    if not model.steps:
-        raise SpecError([Fault(tree.place(("steps",)), "", "the spec has no steps; say what is to be done")])
-    return Spec(path, model, _planned(model, tree), tree, sources)
+    faults = [
+        *spec.faults,
+        *(one for keys, one in found if one and not unsure & {place for _, place in tree.under(keys)}),
+    ]
+    parts = [keys for keys, _ in found] + [keys for keys, place in tree.spot.all() if place in unsure]
+    model, numbers = sound(tree, {keys[: 2 if keys[0] == "steps" else 1] for keys in parts})
+    steps, contradictions = _planned(model, tree, numbers)
+    faults += contradictions
+    if not faults and not tree.steps:
+        faults.append(Fault(tree.place(("steps",)), "", "the spec has no steps; say what is to be done"))
+    if faults and source is not None:
+        names = unnamed(tree, steps, source, model.reading())
+        faults += (fault for fault in names if fault.place not in unsure)
+    if faults:
+        raise SpecError(faults)
+    return Spec(path, model, steps, tree, spec.files, paths)
 
 
-def _contradictions(tree: Tree, wrong: Container[int | str]) -> list[tuple[Fault, int]]:
-    """What is wrong with options of steps together, where nothing is with any alone; with exit codes."""
-    steps = tree.values.get("steps")
-    found = []
-    for number, said in enumerate(steps if isinstance(steps, list) else ()):
-        if number not in wrong:
-            one = step_models()[said["do"]].model_validate(said)
-            asked = one.request({"root": None, "tolerance": TOLERANCE}, Options())
-            if told := _contradiction(tree, number, said["do"], asked):
-                found.append(told)
-    return found
-
-
-def _contradiction(tree: Tree, number: int, do: str, asked: Request) -> tuple[Fault, int] | None:
+def _contradiction(tree: Tree, number: int, do: str, asked: Request) -> Fault | None:
     keys: Keys = ("steps", number)
     try:
         step(do, asked)
     except RigtriError as error:
-        return Fault(tree.place(keys), where_of(tree, keys), str(error)), error.exit_code
+        return Fault(tree.place(keys), where_of(tree, keys), str(error))
     return None
 
 
-def _find_files(tree: Tree) -> list[tuple[int, Fault]]:
-    """Let the files that steps name be seen from the file of the spec that says so.
+def _find_files(tree: Tree, given: Mapping[str, Path]) -> tuple[frozenset[str], list[tuple[Keys, Fault]]]:
+    """Let the files that steps name be seen from the file of the spec that says so, or its variable.
 
-    The numbers of steps whose files are not there, each with the fault.
+    given: folders of variables that the user gives. The names of those that paths begin with; and by their
+    keys the files that are not there.
     """
-    lost = list[tuple[int, Fault]]()
+    used, lost = set[str](), list[tuple[Keys, Fault]]()
     models = step_models()
-    steps = tree.values.get("steps")
-    for number, one in enumerate(steps if isinstance(steps, list) else ()):
+    for number, one in enumerate(tree.steps):
         model = models.get(str(one.get("do"))) if isinstance(one, dict) else None
         for name, about in model.model_fields.items() if model else ():
             option = about.alias or name
             if name in _FILES and isinstance(one.get(option), str) and one[option]:
-                place = tree.place(("steps", number, option))
-                one[option] = str(Path(place.file).parent / one[option])
+                keys: Keys = ("steps", number, option)
+                spot = tree.at(keys)
+                says = tree.place(("variables", spot.variable)) if spot.variable else spot.place
+                used.update(given.keys() & {spot.variable})
+                one[option] = str(given.get(spot.variable, Path(says.file).parent) / one[option])
                 try:
                     check_plain(one[option], option)
                 except FileError as error:
-                    lost.append((number, Fault(place, where_of(tree, ("steps", number)), str(error))))
-    return lost
+                    lost.append((keys, Fault(spot.place, where_of(tree, keys), str(error))))
+    return frozenset(used), lost
 
 
 def need_extra() -> None:
@@ -198,19 +191,20 @@ def _has(name: str) -> bool:
         return False
 
 
-def _planned(model: SpecModel, tree: Tree) -> tuple[PlannedStep, ...]:
-    """The steps; SpecError with all those whose options contradict each other."""
+def _planned(
+    model: SpecModel, tree: Tree, numbers: Sequence[int]
+) -> tuple[tuple[PlannedStep, ...], list[Fault]]:
+    """The steps of a model, by their numbers in the tree; faults of those that contradict themselves."""
     reading, shared = model.reading(), model.shared()
     found, faults = [], []
-    for number, one in enumerate(model.steps):
+    for number, one in zip(numbers, model.steps, strict=True):
         asked = one.request(shared, reading)
         if told := _contradiction(tree, number, one.do, asked):
             faults.append(told)
+            continue
         place, label = tree.place(("steps", number)), tree.labels[number]
         found.append(PlannedStep(number, label, one.do, asked, one.optional, place, _said(one)))
-    if faults:
-        raise SpecError([fault for fault, _ in faults], faults[0][1])
-    return tuple(found)
+    return tuple(found), faults
 
 
 def _said(one: StepModel) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -26,28 +27,48 @@ MOST_WORDS = 1_000
 _OWN = ("$schema", "version", "name", "extends", "variables", "defaults")
 
 
-def merged(path: Path, given: Mapping[str, str]) -> tuple[Tree, tuple[Path, ...], list[Fault]]:
-    """The spec with all that it extends, its variables filled in; its files; variables that there are not.
+@dataclass(frozen=True)
+class Merged:
+    """A spec with all that it extends. files: it and these. faults: bases and variables that there are not.
 
-    given: variables that the user sets. Raises FileError, and SpecError for what hides the rest.
+    whole: no base is lost, which might say what is not said here. unsure: the places of values
+    with variables that there are not.
+    """
+
+    tree: Tree
+    files: tuple[Path, ...]
+    faults: list[Fault]
+    whole: bool
+    unsure: frozenset[Place]
+
+
+def merged(path: Path, given: Mapping[str, str]) -> Merged:
+    """The spec with all that it extends, its variables filled in.
+
+    given: variables that the user sets. Raises FileError where there is no such spec, and SpecError for
+    what hides the rest.
     """
     files: list[Path] = []
-    tree = _extended(path, (), files)
-    faults = _fill(tree, given)
+    lost: list[Fault] = []
+    tree = _extended(path, (), files, lost)
+    unset, unknown = _unset(tree, given), _fill(tree, given)
     _default(tree)
     _expand(tree)
-    return tree, tuple(dict.fromkeys(files)), faults
+    unsure = frozenset(fault.place for fault in unknown)
+    # A base that is lost may have these variables.
+    return Merged(tree, tuple(dict.fromkeys(files)), lost or [*unset, *unknown], not lost, unsure)
 
 
-def _extended(path: Path, chain: tuple[Path, ...], files: list[Path]) -> Tree:
+def _extended(path: Path, chain: tuple[Path, ...], files: list[Path], lost: list[Fault]) -> Tree:
+    """A spec over its bases. lost: gets those that cannot be read."""
     real = path.resolve()
     if real in chain:
         circle = " → ".join(str(file) for file in (*chain[chain.index(real) :], real))
         raise FileError(f"specs extend each other in a circle: {circle}")
     if len(chain) >= MOST_EXTENDED:
         raise FileError(f"{path}: more than {MOST_EXTENDED} specs extend each other")
-    files.append(path)
     tree = parse(path)
+    files.append(path)
     bases = tree.values.get("extends", ())
     bases = [bases] if isinstance(bases, str) else bases
     if not isinstance(bases, list | tuple) or not all(isinstance(base, str) for base in bases):
@@ -55,10 +76,11 @@ def _extended(path: Path, chain: tuple[Path, ...], files: list[Path]) -> Tree:
     whole = Tree(tree.file, {}, Spot(tree.spot.place))
     for number, base in enumerate(bases):
         try:
-            _over(whole, _extended(path.parent / base, (*chain, real), files))
+            _over(whole, _extended(path.parent / base, (*chain, real), files, lost))
+        except SpecError as error:
+            lost += error.found
         except FileError as error:
-            place = tree.place(("extends", number))
-            raise FileError(f"{place} extends {base}: {error}") from error
+            lost.append(Fault(tree.place(("extends", number)), "", f"extends {base}: {error}"))
     _over(whole, tree)
     whole.file = tree.file
     return whole
@@ -90,17 +112,23 @@ def _put(base: Tree, keys: Keys, value: Any, source: Tree) -> None:
     at[keys[-1]], spot.below[keys[-1]] = value, own.at(keys[-1])
 
 
+def _unset(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
+    """Variables that the user sets and the spec has not."""
+    said = tree.values.get("variables", {})
+    known = said if isinstance(said, Mapping) else {}
+    return [
+        Fault(tree.place(()), "", f"--set {name}: the spec has no such variable.{_near(name, known)}")
+        for name in given
+        if name not in known
+    ]
+
+
 def _fill(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     """Put variables' values into all texts; what is wrong with them."""
     said = tree.values.get("variables", {})
     known = dict(said) if isinstance(said, Mapping) else {}
     known |= {name: _typed(text, known.get(name)) for name, text in given.items()}
     faults: list[Fault] = []
-    unknown = [name for name in given if not isinstance(said, Mapping) or name not in said]
-    faults += [
-        Fault(tree.place(()), "", f"--set {name}: the spec has no such variable.{_near(name, said)}")
-        for name in unknown
-    ]
     for key in tree.values:
         if key not in _OWN or key == "defaults":
             tree.values[key] = _filled(tree.values[key], (key,), tree, known, faults)
@@ -118,6 +146,8 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
         if not escaped and name not in known:
             faults.append(Fault(tree.place(keys), "", f"there is no variable '{name}'.{_near(name, known)}"))
             return value
+    if (first := _VARIABLE.match(value)) and not first[1]:
+        tree.at(keys).variable = first[2]
     alone = _VARIABLE.fullmatch(value)
     if alone and not alone[1]:
         return known[alone[2]]  # a number stays one

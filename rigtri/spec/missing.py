@@ -1,51 +1,91 @@
-"""All names of a step that a character has not, where the step itself tells the first."""
+"""Names that a spec says and a character has not, all of them at once, each at its word."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rigtri.errors import NameNotFoundError
+from rigtri.errors import NameNotFoundError, RigtriError
+from rigtri.formats import Options, read
+from rigtri.inputs import opened
+from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.spec.faults import Fault
-from rigtri.spec.loading import PlannedStep, Spec
-from rigtri.spec.tree import Keys
-from rigtri.spec.validating import value_at, where_of
+from rigtri.spec.tree import Keys, Tree
+from rigtri.spec.validating import step_models, value_at, where_of
+from rigtri.steps import step
 
-# Options whose words are names or globs of nodes.
-_NAMES = frozenset(("joints", "joint", "chain", "below", "exclude", "limb", "ik", "bend-joint"))
-_NAMES |= {"child", "up-object", "locators", "parent"}
-# Those that name a node before ``=``, or as a key, and those that name one behind it, too.
-_BEFORE, _BOTH = frozenset({"driver", "bend", "aim-at"}), frozenset({"aim-at"})
+if TYPE_CHECKING:
+    from rigtri.spec.loading import PlannedStep
 
 
-def missing(spec: Spec, step: PlannedStep, rig: Rig, told: str) -> Iterator[Fault]:
-    """A fault for each name of a step that nothing in the rig has; told: the error that names one already."""
-    keys: Keys = ("steps", step.index)
-    where = where_of(spec.tree, keys)
-    for below, place in spec.tree.under(keys):
-        for name in _named(step.do, below, value_at(spec.tree.values, (*keys, *below))):
-            try:
-                rig.match(name)
-            except NameNotFoundError as error:
-                if f"'{name}'" not in told:
-                    yield Fault(place, where, str(error))
+def missing(tree: Tree, number: int, rig: Rig) -> Iterator[Fault]:
+    """A fault for each word of a step, right or wrong, that names a node which the rig has not."""
+    from pydantic import ValidationError
+
+    from rigtri.spec.models.values import UNKNOWN
+
+    said, keys = tree.steps[number], ("steps", number)
+    lost: dict[tuple[str | int, str], str] = {}
+    try:
+        step_models()[said["do"]].model_validate(said, context=rig)
+    except ValidationError as error:
+        for told in error.errors(include_url=False):
+            if told["type"] == UNKNOWN:
+                lost |= {(told["loc"][0], name): text for name, text in told["ctx"]["names"].items()}
+    where = where_of(tree, keys)
+    for below, place in tree.under(keys):
+        for name in _names(value_at(tree.values, (*keys, *below)), below) if below else ():
+            if text := lost.get((below[0], name)):
+                yield Fault(place, where, text)
 
 
-def _named(do: str, keys: Keys, value: object) -> list[str]:
-    """The nodes that a value of a step names."""
-    option = str(keys[0]) if keys else ""
-    if option in _BEFORE and do != "add-posereader":
-        return _either_side(option, keys, value)
-    if option == "driver" or (do, option) == ("add-twist", "to"):
-        return [value] if isinstance(value, str) else []
-    styled = len(keys) > 1 and keys[-1] in ("aim", "up", "up-from")  # of a chain
-    return [value] if option in _NAMES and isinstance(value, str) and not styled else []
+def unnamed(tree: Tree, steps: Iterable[PlannedStep], source: Path | str, reading: Options) -> list[Fault]:
+    """What a spec names and the character in ``source`` has not; none where that cannot be read.
+
+    steps: those that are right. They are done one after the other, as names may be those of what a
+    step before adds.
+    """
+    right, faults = {one.index: one for one in steps}, list[Fault]()
+    with suppress(RigtriError), opened(source) as path:  # a file that is wrong is told when the spec is right
+        rig = read(path, reading).rig
+        for number, said in enumerate(tree.steps):
+            one, lost = right.get(number), list[Fault]()
+            if one is not None:
+                try:
+                    rig = step(one.do, one.request)(rig, Report())
+                except NameNotFoundError as error:
+                    lost = named(tree, number, rig, error)
+                except RigtriError:
+                    continue
+            elif isinstance(said, dict) and str(said.get("do")) in step_models():
+                lost = list(missing(tree, number, rig))
+            if not (isinstance(said, dict) and said.get("optional") is True):
+                faults += lost
+    return faults
 
 
-def _either_side(option: str, keys: Keys, value: object) -> list[str]:
-    if len(keys) == 2 and isinstance(keys[1], str):
-        return [keys[1], *([value] if option in _BOTH and isinstance(value, str) else [])]
-    if len(keys) > 2 or not isinstance(value, str):
-        return []
-    name, mark, other = value.partition("=")
-    return [name, *([other] if mark and option in _BOTH else [])]
+def named(tree: Tree, number: int, rig: Rig, error: NameNotFoundError) -> list[Fault]:
+    """What a step said that it does not find, and all else that it names and the rig has not."""
+    own = fault_of(tree, number, str(error))
+    return [own, *(one for one in missing(tree, number, rig) if one.place != own.place)]
+
+
+def fault_of(tree: Tree, number: int, text: str) -> Fault:
+    """What is wrong with a step and a character, at the word of the spec that the text names first."""
+    keys: Keys = ("steps", number)
+    first, at = len(text), tree.place(keys)
+    for below, place in tree.under(keys):
+        for name in _names(value_at(tree.values, (*keys, *below)), below) if below else ():
+            found = text.find(f"'{name}'", 0, first)
+            if found >= 0:
+                first, at = found, place
+    return Fault(at, where_of(tree, keys), text)
+
+
+def _names(value: object, keys: Keys) -> set[str]:
+    """What a value of a spec may name: itself, its key, or one of both sides of ``=``."""
+    words = [value, *value.split("=")] if isinstance(value, str) else []
+    return {word for word in (*words, *keys[-1:]) if isinstance(word, str)}

@@ -4,14 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
+from rigtri.formats import Options, read
+from rigtri.inputs import opened
 from rigtri.limbs import Limb, recognise
 from rigtri.rig import Rig
 from rigtri.skeleton import Skeleton, skeleton
 
 # So many joints are shown as a comment; inspect shows all.
 MOST_SHOWN = 200
+
+
+def spec_init(path: Path | str, *, options: Options | None = None) -> str:
+    """A spec in YAML to start from, with steps for the joints of a file, as `rigtri spec-init` writes it.
+
+    Raises FileError for a file that cannot be read, or is without joints.
+    """
+    with opened(path) as file:
+        return starter(read(file, options or Options()).rig, Path(path).name)
 
 
 def starter(rig: Rig, file: str) -> str:
@@ -47,13 +59,15 @@ def plain_values(text: str) -> Any:
 
 
 def _limbs(rig: Rig) -> Iterator[str]:
-    limbs = [limb for limb in recognise(rig) if _chained(rig, limb)]
+    known = recognise(rig)
+    limbs = [limb for limb in known if _chained(rig, limb)]
     if not limbs:
-        yield "  # No arms or legs are known by their names. Name three joints of a limb:"
+        yield "  # No arms or legs in chains are known by their names. Name three joints of a limb:"
         yield "  # - do: add-polevector"
         yield "  #   limb: [upper_arm, forearm, hand]"
         yield "  # - do: add-controls"
         yield "  #   ik: [upper_arm, forearm, hand]"
+        yield from _left_out(rig, known)
         yield ""
         return
     yield "  # Twist joints, so that the skin of these limbs does not wring."
@@ -61,6 +75,9 @@ def _limbs(rig: Rig) -> Iterator[str]:
     yield "    limb:"
     yield from (f"      - {_flow(rig, limb)}" for limb in limbs)
     yield "    count: 2"
+    if lacking := _lacking(known):
+        yield f"  # Not known by its name, so not here: {', '.join(lacking)}. Name three joints of each."
+    yield from _left_out(rig, known)
     yield ""
     yield "  # A root control, an FK control for each joint, IK ends and pole vectors for these limbs."
     yield "  - do: add-controls"
@@ -70,6 +87,23 @@ def _limbs(rig: Rig) -> Iterator[str]:
     yield "  # - do: bake"
     yield "  #   to: controls"
     yield ""
+
+
+def _lacking(known: Iterable[Limb]) -> list[str]:
+    """The arms and legs of a character that are not among those that are known, where it has sides."""
+    found = {(limb.kind, limb.side) for limb in known}
+    return [
+        f"{side} {kind}"
+        for kind in ("arm", "leg")
+        for side in ("left", "right")
+        if (kind, side) not in found and (kind, "") not in found
+    ]
+
+
+def _left_out(rig: Rig, known: Iterable[Limb]) -> Iterator[str]:
+    for limb in known:
+        if not _chained(rig, limb):
+            yield f"  # Left out, as its joints do not hang below each other: {_flow(rig, limb)}"
 
 
 def _chained(rig: Rig, limb: Limb) -> bool:

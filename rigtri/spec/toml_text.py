@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from contextlib import suppress
 from typing import Any
 
 from rigtri.spec.faults import Fault, Place, SpecError
@@ -22,13 +23,24 @@ def read(file: str, text: str) -> tuple[Any, Spot]:
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        place = Place(file, *map(int, found.groups())) if found else Place(file, 1, 1)
         words = re.sub(r" \(at .*\)$", "", str(error))
-        raise SpecError([Fault(place, "", f"no TOML: {words}")]) from error
-    except (ValueError, RecursionError) as error:
-        raise SpecError([Fault(Place(file, 1, 1), "", f"no TOML: {error}")]) from error
-    return _plain(values), _Reader(file, text).document()
+        raise SpecError([Fault(_place(file, text, str(error)), "", f"no TOML: {words}")]) from error
+    except (
+        ValueError,
+        RecursionError,
+    ):  # too long a number, or too deep: told at its place by our own reader
+        values = None
+    spot = _Reader(file, text).document()
+    return _plain(values), spot
+
+
+def _place(file: str, text: str, said: str) -> Place:
+    """Where an error of tomllib is. SpecError for a bracket that is never closed, at that."""
+    if found := re.search(r"\(at line (\d+), column (\d+)\)", said):
+        return Place(file, *map(int, found.groups()))
+    with suppress(IndexError):
+        _Reader(file, text).document()
+    return Spots(file, text).place(len(text.rstrip()))
 
 
 def _plain(value: Any) -> Any:
@@ -77,16 +89,19 @@ class _Reader:
         spot, opening = self._spots.spot(at, depth), self._text[at]
         if opening not in "[{":
             found = _VALUE.match(self._text, at)
+            self._spots.check_number(found[0].strip() if found else "", spot.place)
             return spot, found.end() if found else at + 1
         close = "]" if opening == "[" else "}"
         at = self._blank(at + 1)
-        while self._text[at] != close:
+        while self._text[at : at + 1] != close:
+            if at == len(self._text):
+                raise SpecError([Fault(spot.place, "", f"no TOML: this {opening} is never closed")])
             if opening == "[":
                 spot.below[len(spot.below)], at = self._value(at, depth + 1)
             else:
                 at = self._pair(spot, at, depth)
             at = self._blank(at)
-            if self._text[at] == ",":
+            if self._text.startswith(",", at):
                 at = self._blank(at + 1)
         return spot, at + 1
 

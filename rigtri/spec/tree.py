@@ -14,14 +14,20 @@ Keys = tuple[str | int, ...]
 # Aliases of YAML let a small file stand for more values than memory holds.
 MOST_VALUES = 100_000
 MOST_DEEP = 64
+# Digits of a number; what has more is a mistake, and some numbers have more than Python reads.
+MOST_DIGITS = 40
 
 
 @dataclass
 class Spot:
-    """Where a value stands; below: where the values in it do, by key or number."""
+    """Where a value stands; below: where the values in it do, by key or number.
+
+    variable: the one that a text begins with.
+    """
 
     place: Place
     below: dict[str | int, Spot] = field(default_factory=dict)
+    variable: str = ""
 
     def at(self, key: str | int) -> Spot:
         """The spot of a value in this one; where nobody knows, this one's place."""
@@ -43,12 +49,22 @@ class Tree:
     spot: Spot
     labels: list[Label] = field(default_factory=list)
 
-    def place(self, keys: Keys) -> Place:
-        """Where a value stands; of one that does not, the nearest above it."""
+    @property
+    def steps(self) -> list[Any]:
+        """The steps as they are said, be they right or wrong."""
+        steps = self.values.get("steps")
+        return steps if isinstance(steps, list) else []
+
+    def at(self, keys: Keys) -> Spot:
+        """The spot of a value; of one that does not stand there, the nearest above it."""
         spot = self.spot
         for key in keys:
             spot = spot.at(key)
-        return spot.place
+        return spot
+
+    def place(self, keys: Keys) -> Place:
+        """Where a value stands; of one that does not, the nearest above it."""
+        return self.at(keys).place
 
     def under(self, keys: Keys) -> Iterator[tuple[Keys, Place]]:
         """The places of a value and all within it, by the keys from there on; none where there is none."""
@@ -80,6 +96,13 @@ class Spots:
         """The line and column of an offset in the text."""
         line = bisect_right(self._starts, offset)
         return Place(self._file, line, offset - self._starts[line - 1] + 1)
+
+    def check_number(self, word: str, place: Place | int) -> None:
+        """SpecError for a number that is longer than any that is meant."""
+        if len(word) > MOST_DIGITS and word.lstrip("+-")[:1].isdecimal():
+            place = self.place(place) if isinstance(place, int) else place
+            text = f"a number of {len(word):,} characters; a spec has none of more than {MOST_DIGITS}"
+            raise SpecError([Fault(place, "", text)])
 
     def spot(self, place: Place | int, depth: int) -> Spot:
         """A spot for one more value. SpecError when there are too many."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from difflib import get_close_matches
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -20,19 +20,50 @@ if TYPE_CHECKING:
     from rigtri.spec.models.spec import SpecModel
 
 
-def validated(tree: Tree) -> tuple[SpecModel | None, list[tuple[Keys, Fault]]]:
-    """The spec as its model has it, and what is wrong with it, by the keys that lead there."""
+# What pydantic calls values, and what they are called in a spec, by the type of its error.
+_PLAIN = {
+    "tuple_type": ("a valid tuple", "a list"),
+    "model_attributes_type": ("a valid dictionary or object to extract fields from", "a mapping"),
+    "dict_type": ("a valid dictionary", "a mapping"),
+    "string_type": ("a valid string", "a text"),
+    "int_type": ("a valid integer", "a whole number"),
+    "bool_type": ("a valid boolean", "true or false"),
+    "float_type": ("a valid number", "a number"),
+}
+
+
+def wrong(tree: Tree, *, whole: bool) -> Iterator[tuple[Keys, Fault | None]]:
+    """What is wrong with a spec, by the keys that lead there.
+
+    whole: the spec says all that it will say. Else what is missing is no fault, but nor is it right: None.
+    """
     from pydantic import ValidationError
 
     from rigtri.spec.models.spec import SpecModel
 
-    model, found = None, []
+    known = set()
     try:
-        model = SpecModel.model_validate(tree.values)
+        SpecModel.model_validate(tree.values)
     except ValidationError as error:
-        found = [_fault(tree, told["loc"], told) for told in error.errors(include_url=False)]
-    known = {fault.place for _, fault in found}  # steps have said what is wrong with values of defaults
-    return model, [*found, *((keys, one) for keys, one in _wrong_defaults(tree) if one.place not in known)]
+        for told in error.errors(include_url=False):
+            keys, fault = _fault(tree, told["loc"], told)
+            known.add(fault.place)
+            yield keys, fault if whole or "missing" not in told["type"] else None
+    # Steps have said what is wrong with values of defaults.
+    yield from ((keys, one) for keys, one in _wrong_defaults(tree) if one.place not in known)
+
+
+def sound(tree: Tree, without: Container[Keys]) -> tuple[SpecModel, list[int]]:
+    """What is right in a spec as its model has it, and the numbers of the steps there.
+
+    without: the keys of the steps and of other values that are wrong.
+    """
+    from rigtri.spec.models.spec import SpecModel
+
+    values = {key: value for key, value in tree.values.items() if (key,) not in without}
+    numbers = [number for number in range(len(tree.steps)) if ("steps", number) not in without]
+    steps = {"steps": [tree.steps[number] for number in numbers]} if "steps" in tree.values else {}
+    return SpecModel.model_validate(values | steps), numbers
 
 
 def _wrong_defaults(tree: Tree) -> Iterator[tuple[Keys, Fault]]:
@@ -74,7 +105,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[
         hint = _hint(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
     else:
-        text = told["msg"].removeprefix("Value error, ")
+        text = told["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]
         text += "" if kind == "value_error" else f" (it is {_short(told['input'])})"
         text = f"{option}: {text}" if option else text
@@ -104,7 +135,7 @@ def value_at(values: Any, keys: Keys) -> Any:
 
 def where_of(tree: Tree, keys: Keys) -> str:
     """Which step it is: ``step 3 (add-twist)``, counted from 1; of one with braces with its word."""
-    if keys[:1] == ("defaults",):
+    if keys[:1] == ("defaults",) and len(keys) > 1:
         return "defaults"
     if len(keys) < 2 or keys[0] != "steps" or not isinstance(keys[1], int):
         return ""
@@ -116,7 +147,7 @@ def where_of(tree: Tree, keys: Keys) -> str:
 
 def _option(keys: Keys) -> str:
     """The option that a fault is about."""
-    below = keys[2:] if keys[:1] in (("steps",), ("defaults",)) else keys
+    below = keys[2:] if len(keys) > 1 and keys[0] in ("steps", "defaults") else keys
     return ".".join(str(key) for key in below)
 
 
@@ -126,6 +157,8 @@ def _near(tree: Tree, loc: tuple[str | int, ...]) -> str:
 
     do = loc[1] if loc[0] == "defaults" else loc[2] if len(loc) > 2 else ""
     model: type[BaseModel] = step_models().get(str(do), SpecModel)
+    if loc[-1] == "auto" in model.model_fields:  # what the option is called inside, and its only value
+        return " Did you mean 'limbs: auto'?"
     return _hint(str(loc[-1]), [str(field.alias or name) for name, field in model.model_fields.items()])
 
 

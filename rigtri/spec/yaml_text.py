@@ -18,6 +18,7 @@ def read(file: str, text: str) -> tuple[Any, Spot]:
     """The values in a text; SpecError where it is no YAML."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.reader import ReaderError
 
     yaml = YAML(typ="safe", pure=True)
     try:
@@ -30,8 +31,27 @@ def read(file: str, text: str) -> tuple[Any, Spot]:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
         raise SpecError([Fault(place, "", f"no YAML: {error.problem or error.context}")]) from error
-    except (YAMLError, ValueError, RecursionError) as error:
+    except ReaderError as error:
+        place = Spots(file, text).place(int(error.position))
+        words = f"no YAML: a character that cannot be seen (U+{error.character:04X})"
+        raise SpecError([Fault(place, "", words)]) from error
+    except (YAMLError, ValueError) as error:
         raise SpecError([Fault(Place(file, 1, 1), "", f"no YAML: {_first_line(error)}")]) from error
+    except RecursionError:
+        _find_depth(file, text)
+        raise
+
+
+def _find_depth(file: str, text: str) -> None:
+    """SpecError where a text gets deeper than a spec can be."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.events import CollectionEndEvent, CollectionStartEvent
+
+    spots, depth = Spots(file, text), 0
+    for event in YAML(typ="safe", pure=True).parse(text):
+        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        mark = event.start_mark
+        spots.spot(Place(file, mark.line + 1, mark.column + 1), depth)
 
 
 class _Reader:
@@ -84,6 +104,7 @@ class _Reader:
     def _scalar(self, node: Any) -> Any:
         """A number or truth value as such, dates and all else as the text that they are."""
         if node.tag in _NUMBERS:
+            self._spots.check_number(node.value, self._place(node))
             return self._yaml.constructor.construct_object(node)
         return None if node.tag == f"{_OWN}null" else str(node.value)
 

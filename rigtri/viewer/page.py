@@ -56,15 +56,18 @@ def page(
     title = plain(" ← ".join(one.name for one in shown), one_line=True)
     told = {"title": title, "models": models, "start": {"clip": clip, "time": time}, "notices": list(notices)}
     facts = f'<script type="application/json" id="facts">{_json(told)}</script>'
-    script, style = _text("page.js"), _text("page.css")
+    decoders = {name for one in shown for name in one.embedded.decoders}
+    # The decoder of meshopt is so small that it is in the page's own script.
+    scripts = [*([_text("page.draco.js")] if "draco" in decoders else []), _text("page.js")]
+    style = _text("page.css")
     words = {
-        "policy": _policy(script, style, wasm=any(one.embedded.meshopt for one in shown)),
+        "policy": _policy(scripts, style, wasm=bool(decoders)),
         "version": __version__,
         "title": html.escape(f"{title} – rigtri view"),
         "style": style,
         "licences": html.escape(_text("page.js.LICENSES.txt").strip(), quote=False),
         "data": "\n".join([facts, *carried.elements]),
-        "script": script,
+        "scripts": "\n".join(f"<script>{script}</script>" for script in scripts),
     }
     return re.sub(r"@([a-z]+)@", lambda found: words[found[1]], _text("page.html"))
 
@@ -86,7 +89,7 @@ class _Carried:
         return {
             "name": one.name,
             "kind": embedded.kind,
-            "meshopt": embedded.meshopt,
+            "decoders": list(embedded.decoders),
             "data": self.add(embedded.content),
             "files": [{"name": name, "id": self.add(content)} for name, content in embedded.files.items()],
             "clips": list(one.clips),
@@ -94,9 +97,9 @@ class _Carried:
         }
 
 
-def _policy(script: str, style: str, *, wasm: bool) -> str:
-    """What the page may do: run its own script, wear its own style, show what it carries."""
-    run = [_hash(script), *(["'wasm-unsafe-eval'"] if wasm else [])]
+def _policy(scripts: Sequence[str], style: str, *, wasm: bool) -> str:
+    """What the page may do: run its own scripts, wear its own style, show what it carries."""
+    run = [*map(_hash, scripts), *(["'wasm-unsafe-eval'"] if wasm else [])]
     return "; ".join(
         [
             "default-src 'none'",

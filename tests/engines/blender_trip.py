@@ -3,8 +3,8 @@
 JOBS is a list of objects: the script ``script`` imports the file that lies beside it and sets it up. The
 objects of ``keys`` get keys in a clip of their own: at frame 1 where they stand, at frame 25 moved by ``by``
 in their own channels, and turned by ``turn`` degrees about their y axis. ``off`` are IK ends whose IK is off.
-What is visible is exported to ``target``; ``seen``, a .npz, gets the places of all joints, of all frames, in
-the file's axes.
+``move``: where the armature object is put then. What is visible is exported to ``target``; ``seen``,
+a .npz, gets the places of all joints, of all frames, in the file's axes.
 """
 
 import contextlib
@@ -30,10 +30,14 @@ def animate(control, given):
         control.keyframe_insert(path, frame=25)
 
 
+def imported():
+    """The character's armature."""
+    every = bpy.data.objects
+    return next(thing for thing in every if thing.type == "ARMATURE" and "rigtri_setup" not in thing)
+
+
 def places():
-    armature = next(
-        thing for thing in bpy.data.objects if thing.type == "ARMATURE" and "rigtri_setup" not in thing
-    )
+    armature = imported()
     found = {bone.name: [] for bone in armature.pose.bones}
     for frame in range(1, 26):
         bpy.context.scene.frame_set(frame)
@@ -58,6 +62,7 @@ def work(job):
     for name in job.get("off", ()):
         bpy.data.objects[name]["rigtri_ik"] = 0.0
         bpy.data.objects[name].update_tag()
+    imported().location = job.get("move", (0, 0, 0))
     for name, given in job["keys"].items():
         animate(bpy.data.objects[name], given)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 25

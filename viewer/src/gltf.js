@@ -1,23 +1,24 @@
-// glTF and VRM by three's own loader, and what it cannot read told instead of ending all.
+// glTF and VRM by three's own loader, and what it cannot read told instead of ending all. What a page
+// is without was told by rigtri already.
 
-import { BufferGeometry, Float32BufferAttribute, Group, LoadingManager } from 'three';
+import { BufferAttribute, BufferGeometry, Float32BufferAttribute, Group, LoadingManager } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
 import { bytesOf, Files, LACKING } from './carried.js';
 
 /**
  * A model: the object that holds all, its clips in the file's order, and the object of a node's key,
- * its index in the file. tell: what cannot be shown. wrong: what should have been, and is counted.
+ * its index in the file. wrong: what should have been shown, and is counted.
  */
-export async function loadGltf(model, tell, wrong) {
+export async function loadGltf(model, wrong) {
   const files = new Files(model.files);
   const manager = new LoadingManager();
   manager.setURLModifier((uri) => files.address(uri));
   // What is lacking is told already.
   manager.onError = (uri) => uri !== LACKING && wrong(`${model.name}: this browser cannot read ${files.named(uri)}`);
-  const loader = new GLTFLoader(manager).setDRACOLoader(new NoDraco(tell));
-  if (model.meshopt) loader.setMeshoptDecoder((await import('meshoptimizer/decoder')).MeshoptDecoder);
-  loader.register((parser) => new NoBasis(parser, tell));
+  const loader = new GLTFLoader(manager).setDRACOLoader(new Draco((text) => wrong(`${model.name}: ${text}`)));
+  if (model.decoders.includes('meshopt')) loader.setMeshoptDecoder((await import('meshoptimizer/decoder')).MeshoptDecoder);
+  loader.register((parser) => new NoImage(parser));
   const gltf = await loader.parseAsync(bytesOf(model.data).buffer, '');
   const objects = await everyNode(gltf.parser);
   // All that no other node holds, whatever scene it is in: rigtri reads all nodes, too.
@@ -32,35 +33,43 @@ function everyNode(parser) {
   return Promise.all((parser.json.nodes ?? []).map((_, k) => parser.getDependency('node', k)));
 }
 
-/** In the place of a decoder of Draco: meshes without points, so that joints and clips are seen. */
-class NoDraco {
-  constructor(tell) {
-    this.tell = tell;
+/** What the loader asks for meshes that are compressed with Draco; a broken one has no points. */
+class Draco {
+  constructor(wrong) {
+    this.wrong = wrong;
   }
 
   preload() {
     return this;
   }
 
-  decodeDracoFile(buffer, done, attributes) {
-    this.tell('Meshes that are compressed with Draco are not shown; joints and clips are');
+  async decodeDracoFile(buffer, done, ids, types) {
     const geometry = new BufferGeometry();
-    for (const name of Object.keys(attributes)) geometry.setAttribute(name, new Float32BufferAttribute([], 3));
-    geometry.setIndex([]);
+    try {
+      // The script of the decoder, src/draco.js, stands in the pages that need it.
+      const { index, attributes } = await globalThis.rigtriDraco.decode(new Int8Array(buffer), ids, types);
+      geometry.setIndex(new BufferAttribute(index, 1));
+      for (const [name, { array, width }] of Object.entries(attributes)) {
+        geometry.setAttribute(name, new BufferAttribute(array, width));
+      }
+    } catch (error) {
+      this.wrong(`a mesh that is compressed with Draco cannot be read: ${error.message}`);
+      for (const name of Object.keys(ids)) geometry.setAttribute(name, new Float32BufferAttribute([], 3));
+      geometry.setIndex([]);
+    }
     done(geometry);
   }
 }
 
-/** In the place of a decoder of KTX2: no texture, where the file has no other for it. */
-class NoBasis {
-  constructor(parser, tell) {
-    Object.assign(this, { name: 'KHR_texture_basisu', parser, tell });
+/** No texture, instead of no character, where a file has no image for it that three can read. */
+class NoImage {
+  constructor(parser) {
+    Object.assign(this, { name: 'KHR_texture_basisu', parser });
   }
 
   loadTexture(index) {
-    const texture = this.parser.json.textures[index];
-    if (texture.source !== undefined || !texture.extensions?.[this.name]) return null;
-    this.tell('Textures in KTX2 are not shown');
-    return Promise.resolve(null);
+    const { source, extensions } = this.parser.json.textures[index];
+    const own = extensions?.EXT_texture_webp ?? extensions?.EXT_texture_avif;
+    return this.parser.json.images?.[own?.source ?? source] ? null : Promise.resolve(null);
   }
 }

@@ -24,10 +24,10 @@ const MOST = 4000;
 const MOMENTS = [0, 0.25, 0.5, 0.75, 1];
 
 export class Model {
-  /** Load what the page carries of one file. tell: what cannot be shown; wrong: what should have been. */
-  static async load(facts, tell, wrong) {
+  /** Load what the page carries of one file. wrong: what should have been shown. */
+  static async load(facts, wrong) {
     try {
-      const loaded = await (facts.kind === 'usd' ? loadUsd(facts, wrong) : loadGltf(facts, tell, wrong));
+      const loaded = await (facts.kind === 'usd' ? loadUsd : loadGltf)(facts, wrong);
       return new Model(facts, loaded);
     } catch (error) {
       throw new Error(`three.js cannot show ${facts.name}: ${error.message}`, { cause: error });

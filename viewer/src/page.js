@@ -100,7 +100,7 @@ async function start() {
   }
   overlay = new Overlay(canvas, page.models.some((model) => model.nodes.length > CROWD));
   models = [];
-  for (const model of page.models) models.push(await Model.load(model, (text) => panel.tell(text), wrong));
+  for (const model of page.models) models.push(await Model.load(model, wrong));
   stage.fit();
   stage.show(models);
   panel.fill(page, models);

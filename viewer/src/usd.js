@@ -11,9 +11,9 @@ import {
   VectorKeyframeTrack,
 } from 'three';
 import { USDCParser } from 'three/examples/jsm/loaders/usd/USDCParser.js';
-import { USDComposer } from 'three/examples/jsm/loaders/usd/USDComposer.js';
 
 import { bytesOf } from './carried.js';
+import { Composer } from './shapes.js';
 
 /** Three's reader, which takes small vectors of doubles for numbers where they stand in the file's table. */
 class Crate extends USDCParser {
@@ -38,7 +38,7 @@ const KINDS = [
 export async function loadUsd(model, wrong) {
   const assets = Object.fromEntries(model.files.map((file) => [file.name, bytesOf(file.id)]));
   await Promise.all(model.files.map(({ name }) => checked(name, assets[name], model.name, wrong)));
-  const composer = new USDComposer();
+  const composer = new Composer();
   const root = composer.compose(new Crate().parseData(bytesOf(model.data).buffer), assets);
   await Promise.all(composer.texturePromises);
   delete root.skeleton;
@@ -49,6 +49,7 @@ export async function loadUsd(model, wrong) {
     skeleton.bones.forEach((bone, k) => objects.set(`${path}#${k}`, bone));
     if (animationPath) tracks.push(...jointTracks(composer, animationPath, joints, skeleton.bones));
   }
+  tracks.push(...composer.shapeTracks());
   const finish = (nodes) => {
     holdBones(nodes, model.nodes);
     tracks.push(...model.tracks.map((track) => primTrack(track, nodes)));

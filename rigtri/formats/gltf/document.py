@@ -124,7 +124,7 @@ class GltfDocument:
     def embedded(self) -> Embedded:
         """The file as it is, and the files of buffers and images."""
         allowed = self.options.allow_external_paths
-        return embedded(self.container.gltf, self.container.path, allow_external=allowed)
+        return embedded(self.container.gltf, self.container.path, self._image, allow_external=allowed)
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """The files of buffers, images and extensions."""

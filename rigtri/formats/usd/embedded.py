@@ -9,11 +9,9 @@ from typing import Any
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
 from rigtri.formats import FOUR, Embedded
+from rigtri.formats.browsers import KINDS, shows
 from rigtri.formats.usd import layers
 from rigtri.formats.usd.external import lies_outside
-
-# Images that browsers show.
-_SHOWN = (".png", ".jpg", ".jpeg", ".avif")
 
 
 def embedded(stage: Any, path: Path, *, allow_external: bool) -> Embedded:
@@ -70,14 +68,23 @@ def _unseen(whole: Any) -> Iterator[str]:
         if not prim.IsA(UsdGeom.Mesh):
             continue
         binding = UsdSkel.BindingAPI(prim)
-        if binding.GetBlendShapesAttr().HasAuthoredValue():
-            yield "blend shapes are not shown"
+        if any(_inbetweens(whole.GetPrimAtPath(path)) for path in _shapes(binding)):
+            yield "blend shapes with inbetweens are shown without these, in a straight line"
         method = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("primvars:skel:skinningMethod")
         if method and method.Get() == UsdSkel.Tokens.dualQuaternion:
             yield "meshes that are skinned by dual quaternions are shown as if they were not"
         joints = binding.GetJointIndicesPrimvar()
         if joints and joints.GetElementSize() > 4:
             yield FOUR
+
+
+def _shapes(binding: Any) -> list[Any]:
+    targets = binding.GetBlendShapeTargetsRel()
+    return list(targets.GetForwardedTargets()) if targets else []
+
+
+def _inbetweens(shape: Any) -> bool:
+    return bool(shape and shape.IsA(UsdSkel.BlendShape) and UsdSkel.BlendShape(shape).GetInbetweens())
 
 
 def _textures(
@@ -91,8 +98,6 @@ def _textures(
         resolved, suffix = str(asset.resolvedPath), Path(asset.path.rstrip("]")).suffix.lower()
         if not resolved:
             lacking.append(f"the texture '{asset.path}' is missing")
-        elif suffix not in _SHOWN:
-            lacking.append(f"the texture '{asset.path}' is of a kind that browsers do not show")
         elif within is not None and lies_outside(resolved, within):
             lacking.append(
                 f"the texture '{asset.path}' lies outside the folder of the file; "
@@ -102,6 +107,9 @@ def _textures(
             content = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
             if content is None:
                 lacking.append(f"the texture '{asset.path}' cannot be read")
+                continue
+            if not shows(content.GetBuffer()[:16]):
+                lacking.append(f"the texture '{asset.path}' is not shown, for it is none of {KINDS}")
                 continue
             name = f"texture{len(files)}{suffix}"
             files[name] = bytes(content.GetBuffer())

@@ -12,19 +12,24 @@ from rigtri.spec.models.values import (
     Above,
     Assignments,
     Auto,
+    Chains,
     Direction,
+    Driven,
     EndKind,
     Flag,
     Integers,
     Joined,
+    Limb,
+    Limbs,
     Name,
     Names,
+    Node,
+    Nodes,
     Number,
-    Pairs,
+    OfNodes,
     Points,
     Share,
     Tolerance,
-    Triple,
     Triples,
 )
 
@@ -34,13 +39,13 @@ class AddControls(StepModel):
 
     do: Literal["add-controls"]
     whole_character: Flag = option("whole-character", False)
-    joints: Names = ()
-    chains: Pairs = option("chain", ())
-    below: Names = ()
+    joints: Nodes = ()
+    chains: Chains = option("chain", ())
+    below: Nodes = ()
     skin: str | None = None
-    exclude: Names = ()
+    exclude: Nodes = ()
     root_control: Flag = option("root-control", False)
-    ik: Triples = ()
+    ik: Limbs = ()
     auto: Auto | None = option("limbs", None)
     shapes: Assignments = option("shape", ())
     size: Above | None = None
@@ -57,11 +62,11 @@ class AddPolevector(Placing):
     """Add a locator that says which way a limb bends."""
 
     do: Literal["add-polevector"]
-    limbs: Triples = option("limb", ())
-    chains: Pairs = option("chain", ())
-    bend_joint: str | None = option("bend-joint", None)
+    limbs: Limbs = option("limb", ())
+    chains: Chains = option("chain", ())
+    bend_joint: Node | None = option("bend-joint", None)
     auto: Auto | None = option("limbs", None)
-    bends: Assignments = option("bend", ())
+    bends: OfNodes = option("bend", ())
     facing: Direction | None = None
     name: str | None = None
     kind: EndKind | None = option("as", None)
@@ -87,8 +92,8 @@ class Constrain(StepModel):
 
     do: Literal["constrain"]
     kind: Literal["parent", "point", "orient", "scale", "aim", "polevector"] = option("type")
-    child: str | None = None
-    drivers: Annotated[Assignments, Field(min_length=1)] = option("driver")
+    child: Node | None = None
+    drivers: Annotated[OfNodes, Field(min_length=1)] = option("driver")
     skip: Joined | None = None
     maintain_offset: Flag = option("maintain-offset", True)
     rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] = option("rotate-order", "xyz")
@@ -101,8 +106,8 @@ class Constrain(StepModel):
     up_axis: Direction = option("up-axis", (0.0, 1.0, 0.0))
     world_up: Literal["vector", "object", "objectrotation", "none"] = option("world-up", "vector")
     up_vector: Direction | None = option("up-vector", None)
-    up_object: str | None = option("up-object", None)
-    limb: Triple | None = None
+    up_object: Node | None = option("up-object", None)
+    limb: Limb | None = None
     vrm: Flag = option("vrm-constraints", False)
 
 
@@ -138,7 +143,7 @@ class AddPosereader(StepModel):
     """Let morph targets or values follow a joint's pose, baked to keys of every clip."""
 
     do: Literal["add-posereader"]
-    driver: Name
+    driver: Node
     axis: Direction = (1.0, 0.0, 0.0)
     frame: str = ""
     targets: Annotated[Assignments, BeforeValidator(_targets)] = option("target", ())
@@ -148,7 +153,7 @@ class AddPosereader(StepModel):
     kernel: Literal["linear", "gaussian"] = "linear"
     mode: Literal["swing", "twist", "both"] = "swing"
     morphs: Triples = option("morph", ())
-    attributes: Triples = option("attribute", ())
+    attributes: Driven = option("attribute", ())
     name: str = ""
     within: Tolerance = 1e-4
     fps: Above | None = None

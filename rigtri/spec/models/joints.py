@@ -21,7 +21,6 @@ from rigtri.ops.mirroring.across import WHAT
 from rigtri.spec.models.base import StepModel, option
 from rigtri.spec.models.values import (
     Above,
-    Assignments,
     Auto,
     Axis,
     Direction,
@@ -29,15 +28,17 @@ from rigtri.spec.models.values import (
     File,
     Flag,
     Joined,
-    Name,
+    Limbs,
     Names,
+    Node,
+    Nodes,
+    NodeToNode,
     Number,
     OneOrMany,
     Point,
     Points,
     Preset,
     TextOrPoint,
-    Triples,
     one_of,
 )
 
@@ -56,8 +57,8 @@ class StyledChain(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    start: Name
-    end: Name
+    start: Node
+    end: Node
     aim: Axis | None = None
     up: Axis | None = None
     up_from: str | None = option("up-from", None)
@@ -98,13 +99,13 @@ class OrientJoints(StepModel):
     aim: Axis | None = None
     up: Axis | None = None
     up_from: str | None = option("up-from", None)
-    joints: Names = ()
+    joints: Nodes = ()
     chains: Annotated[tuple[Chain, ...], OneOrMany(_one_chain)] = option("chain", ())
-    below: Names = ()
+    below: Nodes = ()
     skin: str | None = None
-    exclude: Names = ()
-    aim_at: Assignments = option("aim-at", ())
-    limbs: Triples = option("limb", ())
+    exclude: Nodes = ()
+    aim_at: NodeToNode = option("aim-at", ())
+    limbs: Limbs = option("limb", ())
     branch: Names = ()
     end: Literal["tip", "parent", "incoming", "keep", "world"] = "tip"
     per_joint_plane: Flag = option("per-joint-plane", False)
@@ -147,7 +148,7 @@ class MakeLimb(Placing):
     """Make an oriented chain of joints and its pole vector from three locators or points."""
 
     do: Literal["make-limb"]
-    locators: Names = ()
+    locators: Nodes = ()
     points: Points = ()
     planar: Flag = False
     preset: Preset | None = None
@@ -159,7 +160,7 @@ class MakeLimb(Placing):
     name: str = "limb"
     side: Side | None = None
     names: Names = ()
-    parent: str | None = None
+    parent: Node | None = None
     skin: Flag = True
     pole: Flag = True
     kind: EndKind | None = option("as", None)
@@ -171,10 +172,10 @@ class AddTwist(StepModel):
     """Put twist joints along bones, so that forearms and shoulders turn without wringing."""
 
     do: Literal["add-twist"]
-    limbs: Triples = option("limb", ())
+    limbs: Limbs = option("limb", ())
     auto: Auto | None = option("limbs", None)
-    joints: Names = option("joint", ())
-    children: Names = option("to", ())
+    joints: Nodes = option("joint", ())
+    children: Nodes = option("to", ())
     upper: Flag = False
     lower: Flag = False
     count: Annotated[int, Strict(), Field(ge=1, le=64)] = 2
@@ -195,9 +196,9 @@ class Mirror(StepModel):
     plane: Plane = "yz"
     plane_at: Number | None = option("plane-at", None)
     what: Annotated[tuple[Mirrored, ...], OneOrMany(lambda value: isinstance(value, str))] = ()
-    joints: Names = ()
-    below: Names = ()
-    exclude: Names = ()
+    joints: Nodes = ()
+    below: Nodes = ()
+    exclude: Nodes = ()
     pose: str | None = None
     on_nonuniform_scale: Scales = option("on-nonuniform-scale", "snap")
     on_constraint: Constraints = option("on-constraint", "freeze")

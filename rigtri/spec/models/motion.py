@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from rigtri.spec.models.base import StepModel, option
-from rigtri.spec.models.values import Above, Assignments, File, Flag, Names, Share, Tolerance, Triples
+from rigtri.spec.models.values import Above, Assignments, File, Flag, Limbs, Names, Share, Tolerance
 
 
 class TakeClips(StepModel):
@@ -23,7 +23,7 @@ class Snap(StepModel):
     """Match IK to FK, or FK to IK, at some frames: the joints do not move there."""
 
     do: Literal["snap"]
-    limbs: Triples = option("limb", ())
+    limbs: Limbs = option("limb", ())
     all_limbs: Flag = option("all-limbs", False)
     to: Literal["ik", "fk"]
     at: Annotated[Names, Field(min_length=1)]

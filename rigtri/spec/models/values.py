@@ -14,14 +14,19 @@ from pydantic import (
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     Strict,
+    ValidationInfo,
     WithJsonSchema,
 )
-from pydantic_core import CoreSchema, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rigtri.bounds import fits, unfit
+from rigtri.errors import NameNotFoundError
 from rigtri.ops.presets import PRESETS
 from rigtri.ops.ups import direction
+from rigtri.rig import Rig
 
+# The type of the error of names that nothing has in the rig that is the context of a validation.
+UNKNOWN = "unknown_node"
 _TEXT = {"type": "string"}
 _NUMBERS = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
 _TRIPLE = {"anyOf": [_TEXT, _NUMBERS]}
@@ -63,11 +68,11 @@ def _numbers(value: Any) -> Any:
             raise ValueError(f"'{value}' is no point: give [x, y, z]") from None
     if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_number, value)):
         raise ValueError("give three numbers: [x, y, z]")
-    return tuple(float(number) for number in value)
+    return tuple(_workable(float(number)) for number in value)
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and fits(float(value))
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _direction(value: Any) -> Any:
@@ -77,7 +82,8 @@ def _direction(value: Any) -> Any:
 
 def _joined(value: Any) -> Any:
     """Words or numbers of a list with commas between them."""
-    if isinstance(value, list) and all(isinstance(part, str) or _is_number(part) for part in value):
+    words = isinstance(value, list) and all(isinstance(part, str) or _is_number(part) for part in value)
+    if words and all(fits(part) for part in value if not isinstance(part, str)):
         return ",".join(str(part) for part in value)
     return value
 
@@ -115,6 +121,41 @@ def _scalar(value: Any) -> Any:
     return value
 
 
+def _check(names: Sequence[str], rig: Rig) -> None:
+    """An error of pydantic's with all of these names or globs that no node of a rig has."""
+    lost = {}
+    for name in names:
+        try:
+            rig.match(name)
+        except NameNotFoundError as error:
+            lost[name] = str(error)
+    if lost:
+        raise PydanticCustomError(UNKNOWN, "{names}", {"names": lost})
+
+
+def _node(name: str, info: ValidationInfo) -> str:
+    """The name or glob of a node, which the rig of the context has, where there is one."""
+    if info.context is not None:
+        _check([name], info.context)
+    return name
+
+
+def _before(text: str, info: ValidationInfo) -> str:
+    """``NODE`` or ``NODE=…``; names may hold ``=`` themselves."""
+    cuts = [text, *(text[:k] for k, letter in enumerate(text) if letter == "=")]
+    if info.context is not None and not any(map(info.context.has, cuts)):
+        _check([text.partition("=")[0]], info.context)
+    return text
+
+
+def _both(text: str, info: ValidationInfo) -> str:
+    """``NODE=NODE``."""
+    cuts = [(text[:k], text[k + 1 :]) for k, letter in enumerate(text) if letter == "="]
+    if info.context is not None and not any(all(map(info.context.has, pair)) for pair in cuts):
+        _check(text.split("=", 1), info.context)
+    return text
+
+
 def one_of(word: str, known: Collection[str]) -> str:
     """A word of those that are known; ValueError for any other."""
     if word not in known:
@@ -124,10 +165,15 @@ def one_of(word: str, known: Collection[str]) -> str:
 
 Name = Annotated[str, Field(min_length=1)]
 Names = Annotated[tuple[Name, ...], OneOrMany(_word)]
-Pair = tuple[Name, Name]
-Triple = tuple[Name, Name, Name]
-Pairs = Annotated[tuple[Pair, ...], OneOrMany(_row)]
-Triples = Annotated[tuple[Triple, ...], OneOrMany(_row)]
+# Names of nodes, joints mostly: an option that has such values asks the rig for them.
+Node = Annotated[Name, AfterValidator(_node)]
+Nodes = Annotated[tuple[Node, ...], OneOrMany(_word)]
+Chains = Annotated[tuple[tuple[Node, Node], ...], OneOrMany(_row)]
+Limb = tuple[Node, Node, Node]
+Limbs = Annotated[tuple[Limb, ...], OneOrMany(_row)]
+Triples = Annotated[tuple[tuple[Name, Name, Name], ...], OneOrMany(_row)]
+# What drives, the node that it drives, and what of it.
+Driven = Annotated[tuple[tuple[Name, Node, Name], ...], OneOrMany(_row)]
 Flag = Annotated[bool, Strict()]
 Number = Annotated[float, Strict(), AfterValidator(_workable)]
 Above = Annotated[float, Strict(), Field(gt=0), AfterValidator(_workable)]
@@ -137,12 +183,11 @@ Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany(_word)]
 Point = Annotated[tuple[float, float, float], BeforeValidator(_numbers), WithJsonSchema(_TRIPLE)]
 Points = Annotated[tuple[Point, ...], OneOrMany(_row)]
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction), WithJsonSchema(_TRIPLE)]
-# Texts KEY=VALUE, which a spec may also give as a mapping.
-Assignments = Annotated[
-    tuple[str, ...],
-    BeforeValidator(_pairs),
-    WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": _TEXT}, {"type": "object"}]}),
-]
+# Texts KEY=VALUE, which a spec may also give as a mapping; of nodes, and from node to node.
+_ASSIGNED = WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": _TEXT}, {"type": "object"}]})
+Assignments = Annotated[tuple[str, ...], BeforeValidator(_pairs), _ASSIGNED]
+OfNodes = Annotated[tuple[Annotated[str, AfterValidator(_before)], ...], BeforeValidator(_pairs), _ASSIGNED]
+NodeToNode = Annotated[tuple[Annotated[str, AfterValidator(_both)], ...], BeforeValidator(_pairs), _ASSIGNED]
 # Words or numbers, which a spec may give as a list, and the command line has commas between.
 Joined = Annotated[
     str,
