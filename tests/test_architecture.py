@@ -30,12 +30,12 @@ quaternions
 matrices
 euler triangle shapes records
 rig
-pose constraints rules spread twist
+pose constraints rules spread twist hanging
 following timelines insertion fitting triangles
 carried readers driven dependence
 solve
 turned_rules
-reframe report hanging reach
+reframe report reach
 origin
 lengths
 naming
