@@ -18,7 +18,6 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
-from rigtri.batch.engine import workers
 from rigtri.batch.entries import Entry
 from rigtri.batch.spec_task import SpecTask
 from rigtri.batch.work import Assignment, work
@@ -82,8 +81,7 @@ class Workers:
         (folder / "rig.yaml").write_text(SPEC)
         self._source, self._folder = shutil.copy(source, folder), folder
         self._task = SpecTask(load(folder / "rig.yaml"), verify=verify)
-        jobs = workers(len(cores))
-        self._children = [Confined(preload=["rigtri.batch.spec_task"]) for _ in range(jobs)]
+        self._children = [Confined(preload=["rigtri.batch.spec_task"]) for _ in cores]
         if hasattr(os, "sched_setaffinity"):
             for child in self._children:
                 child("cores", os.sched_setaffinity, 0, cores)

@@ -83,9 +83,7 @@ def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> s
     help="Where it is kept what was done. [rigtri-batch.sqlite in DIR]",
 )
 @click.option("--log", metavar="FILE.jsonl", type=click.Path(), help="Add a line of JSON for each file.")
-@click.option(
-    "-j", "--jobs", type=click.IntRange(1, 1024), help="How many processes work. [one more than cores]"
-)
+@click.option("-j", "--jobs", type=click.IntRange(1, 1024), help="How many processes work. [one per core]")
 @click.option(
     "--timeout",
     type=click.FloatRange(0, min_open=True),

@@ -30,9 +30,9 @@ def engine(values: dict[str, Any], folder: str, chosen: Sequence[Entry]) -> Iter
 
 
 def local(values: dict[str, Any], folder: str, files: int, **wanted: Any) -> Engine:
-    from rigtri.batch.engine import Local, workers
+    from rigtri.batch.engine import Local, processors
 
-    jobs = max(1, min(values["jobs"] or workers(), files))
+    jobs = max(1, min(values["jobs"] or processors(), files))
     return Local(jobs, folder, **_limits(values), **wanted)
 
 

@@ -47,15 +47,11 @@ class Engine(Protocol):
         """Give up what is begun, too."""
 
 
-def workers(processors: int | None = None) -> int:
-    """How many processes keep so many processors busy, None for all that are ours: one more than they are.
-
-    For now and then one of them waits, for the disk or until what it tells is put down.
-    """
-    if processors is None:
-        own = hasattr(os, "sched_getaffinity")
-        processors = len(os.sched_getaffinity(0)) if own else os.cpu_count() or 1
-    return processors + 1
+def processors() -> int:
+    """How many processes can work at once here."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 class Local:
