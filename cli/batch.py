@@ -51,15 +51,6 @@ class Bytes(click.ParamType[int]):
         return int(size)
 
 
-def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    """Where a scheduler may be: a host and a port, or one of this process."""
-    if value is not None and not re.fullmatch(
-        r"([a-z]+://)?(\[[0-9a-f:.]+\]|[^\s/:]+):[0-9]{1,5}|inproc://.+", value
-    ):
-        raise click.BadParameter(f"'{value}' is no address of a scheduler: give tcp://HOST:PORT", ctx, param)
-    return value
-
-
 @click.command("batch")
 @click.argument("inputs", metavar="IN…", nargs=-1)
 @spec_option
@@ -96,7 +87,7 @@ def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> s
 @click.option(
     "--dask",
     metavar="tcp://HOST:PORT",
-    callback=_address,
+    callback=batch_engine.address,
     help="Let the workers of a Dask scheduler do it. [this machine]",
 )
 @click.option(

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+import click
+
 if TYPE_CHECKING:
     from rigtri.batch.engine import Engine
     from rigtri.batch.entries import Entry
+
+
+def address(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Where a scheduler may be: a host and a port, or one of this process."""
+    if value is not None and not re.fullmatch(
+        r"([a-z]+://)?(\[[0-9a-f:.]+\]|[^\s/:]+):[0-9]{1,5}|inproc://.+", value
+    ):
+        raise click.BadParameter(f"'{value}' is no address of a scheduler: give tcp://HOST:PORT", ctx, param)
+    return value
 
 
 @contextmanager

@@ -561,7 +561,7 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     if values.get("explain"):
         click.echo("Nothing was written (--explain).", err=True)
     elif values["unnamed"]:
-        click.echo("Nothing was written (--dry-run).", err=True)
+        click.echo("No OUT was written (--dry-run).", err=True)
     elif values["dry_run"]:
         click.echo(f"{where} was not written (--dry-run).", err=True)
     else:

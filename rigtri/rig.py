@@ -288,6 +288,11 @@ class Rig:
             found.setdefault(f"vrm:{bone}", []).append(node)
         return found
 
+    @property
+    def _hints(self) -> list[str]:
+        """What nodes may be called, without the labels of those that no file has yet."""
+        return [*self._by_name, *(way for way in self._by_address if not way.startswith("+"))]
+
     def find(self, name: str, kind: str = "joint") -> int:
         """The one node called ``name``: its name, its label (``#3``), its path, or ``vrm:head``.
 
@@ -300,7 +305,7 @@ class Rig:
             found = joints if len(joints) == 1 else found
         found = found or self._by_address.get(name, [])
         if not found:
-            raise NameNotFoundError(kind, name, [*self._by_name, *self._by_address])
+            raise NameNotFoundError(kind, name, self._hints)
         if len(found) > 1:
             raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
         return found[0]
@@ -338,7 +343,7 @@ class Rig:
             )
         ]
         if not found:
-            raise NameNotFoundError("joint", pattern, [*self._by_name, *self._by_address], pattern=True)
+            raise NameNotFoundError("joint", pattern, self._hints, pattern=True)
         return found
 
     def part(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:

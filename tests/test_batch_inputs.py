@@ -55,6 +55,12 @@ def test_paths_keep_the_tree_below_the_folder_that_they_share(tree: Path) -> Non
     assert pairs("in/a.glb", "in/b.gltf") == pairs("in/[ab].gl*")
 
 
+@pytest.mark.parametrize("word", ["", "@"])
+def test_an_input_without_a_name_is_told_as_such(tree: Path, word: str) -> None:
+    with pytest.raises(UsageError, match=r"an input without a name|@ names no list"):
+        pairs("in/a.glb", word)
+
+
 def test_links_are_followed_and_each_folder_is_looked_through_once(tree: Path) -> None:
     away = tree / "away"
     away.mkdir()

@@ -71,7 +71,7 @@ def test_a_dry_run_needs_no_name_for_what_it_does_not_write(
     before = sorted(tmp_path.iterdir())
     done = run(command, source, *more, "--dry-run", "--json")
     assert done.exit_code == 0, done.output
-    assert "Nothing was written (--dry-run)." in done.stderr
+    assert "No OUT was written (--dry-run)." in done.stderr
     assert sorted(tmp_path.iterdir()) == before
     without = run(command, source, *more, code=2)
     assert (without.exit_code, "-o" in without.stderr) == (2, True)

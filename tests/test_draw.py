@@ -386,3 +386,19 @@ def test_a_machine_without_fonts_is_told_what_to_install(
     monkeypatch.setattr(resvg_py, "svg_to_bytes", partial(resvg_py.svg_to_bytes, skip_system_fonts=True))
     assert "apt-get install fonts-dejavu-core" in run(SAMPLES / "arm.gltf", "-o", "arm.png").stderr
     assert (tmp_path / "arm.png").exists()
+
+
+@pytest.mark.parametrize("wide", [64, 200, 320, 1000])
+def test_the_words_over_a_picture_end_where_it_ends(wide: int) -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    svg = draw(rig, options=Options(size=(wide, 400)), title="a name that somebody has made rather long.glb")
+    found = re.findall(
+        r'<text class="(title|words)[^"]*" x="16" y="\d+"(?: style="font-size: ([\d.]+)px")?>([^<]*)</text>',
+        svg,
+    )
+    assert len(found) == 3
+    for kind, size, text in found:
+        font = float(size or (16 if kind == "title" else 12))
+        assert text
+        assert 16 + width(text, font) <= wide, text
+    assert ("font-size: " in "".join(svg.split("</style>")[1:])) == (wide < 1000)

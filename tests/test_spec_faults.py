@@ -111,7 +111,7 @@ def test_json_is_what_python_takes_for_it(value: Any, cut: int, what: str) -> No
         ('name = """a\n', {(1, 12): "no TOML: Unterminated string"}),
         ("version = 1\ntolerance = " + "1" * 5000, {(2, 13): "a number of 5,000 characters"}),
         ("version = 1\nname = " + "[" * 2000 + "]" * 2000, {(2, 72): "deeper, than a spec can have"}),
-        ("a" + ".a" * 20_000 + " = 1", {(1, 40003): "deeper, than a spec can have"}),
+        ("version = 1\na" + ".a" * 500_000 + " = 1", {(2, 1): "deeper, than a spec can have"}),
     ],
 )
 def test_what_is_no_toml_is_told_at_its_place(
@@ -125,7 +125,7 @@ def test_what_is_no_toml_is_told_at_its_place(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("name: a\nsteps: " + "[" * 2000, {(2, 71): "deeper, than a spec can have"}),
+        ("name: a\nsteps: " + "[" * 500, {(2, 71): "deeper, than a spec can have"}),
         ("tolerance: " + "1" * 5000, {(1, 12): "a number of 5,000 characters"}),
         ("name: a\x07\n", {(1, 8): "a character that cannot be seen (U+0007)"}),
     ],

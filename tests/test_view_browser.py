@@ -11,9 +11,10 @@ from browser import asks_nobody, visited
 from click.testing import CliRunner
 from gltf_files import Builder, small
 from morphs import arm_usd
-from places import ASSETS, NO_ASSETS
+from places import ASSETS, NO_ASSETS, SAMPLES
 from test_view import EVIL, evil
 
+import rigtri
 from rigtri.compare import TOLERANCE
 from rigtri.formats import read
 from rigtri.pose import deformed, locals_at, morph_weights, worlds
@@ -32,6 +33,12 @@ SEEN = [{"evaluate": BARE}, {"evaluate": "new Promise((done) => setTimeout(done,
 APART = """(([clip, speed]) => Math.min(clip.right - speed.left, clip.bottom - speed.top))(
     [document.getElementById('clip'), document.getElementById('speed').parentElement]
     .map((one) => one.getBoundingClientRect()))"""
+
+
+# Whether nothing goes over an edge of the page, of its panel or of a line.
+FITS = """[document.documentElement, document.getElementById('panel'), document.getElementById('player')]
+    .every((one) => one.scrollWidth <= one.clientWidth) &&
+    [...document.querySelectorAll('#switches label')].every((one) => one.offsetHeight < 50)"""
 
 
 @pytest.fixture
@@ -89,6 +96,7 @@ def test_the_samples_move_as_rigtri_says_and_keys_do_what_they_say(
         {"evaluate": "({...rigtri.state})"},
         {"press": "Tab"},
         {"evaluate": "getComputedStyle(document.activeElement).outlineStyle"},
+        {"evaluate": FITS},
         *SEEN,
     ]
     jobs = {"page": both, "steps": steps}, {"page": usd, "steps": [steps[0], *SEEN]}
@@ -103,7 +111,29 @@ def test_the_samples_move_as_rigtri_says_and_keys_do_what_they_say(
     assert glb["results"][3] == "hand_L"
     state = glb["results"][9]
     assert (state["side"], state["axes"], state["playing"]) == ("both", False, True)
-    assert (state["clip"], glb["results"][11]) == (1, "solid")
+    assert (state["clip"], glb["results"][11], glb["results"][12]) == (1, "solid", True)
+
+
+def test_a_joint_is_found_under_the_pointer_before_the_control_that_stands_on_it(
+    page: Any, tmp_path: Path
+) -> None:
+    """And its orange dot is over that of the control; names keep inside of the picture."""
+    source = tmp_path / "in.glb"
+    rigtri.write(rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True), source)
+    at = "(({x, y}) => [x, y])(rigtri.spots().find(({name}) => name === 'chest'))"
+    orange = f"""(([x, y]) => [...document.getElementById('lines').getContext('2d')
+        .getImageData(x * devicePixelRatio, y * devicePixelRatio, 1, 1).data])({at})"""
+    steps = [
+        {"evaluate": orange},
+        {"hover": at},
+        {"wait": "!document.getElementById('hint').hidden"},
+        {"evaluate": "document.getElementById('hint').textContent"},
+    ]
+    (told,) = visited({"page": page(source), "steps": steps}, folder=tmp_path)
+    assert healthy(told), told
+    assert told["results"][3] == "chest"
+    red, green, blue, _ = told["results"][0]
+    assert red > 180 > green > blue
 
 
 def test_a_deviation_is_the_one_that_rigtri_measures(page: Any, tmp_path: Path) -> None:
@@ -164,6 +194,7 @@ def test_a_phone_in_the_dark_that_wants_rest_gets_it(page: Any, samples: Path, t
         {"evaluate": "getComputedStyle(document.body).backgroundColor"},
         # How far the menu of clips goes over what stands beside it, in pixels.
         {"evaluate": APART},
+        {"evaluate": FITS},
         *SEEN,
     ]
     job = {"page": page(samples / "biped.glb", "--clip", "walk"), "options": options, "steps": steps}
@@ -171,6 +202,7 @@ def test_a_phone_in_the_dark_that_wants_rest_gets_it(page: Any, samples: Path, t
     assert healthy(told), told
     assert told["results"][0] == [320, False]
     assert told["results"][3] <= 0
+    assert told["results"][4]
     assert told["results"][1] >= 40
     assert told["results"][2] == "rgb(32, 34, 38)"
     assert told["results"][-1] > DRAWN

@@ -98,6 +98,8 @@ def _named(words: Sequence[str]) -> list[_Input]:
     plain, found = [], []
     for word in words:
         for name in _listed(word[1:]) if word.startswith("@") and not os.path.exists(word) else [word]:
+            if not name:
+                raise UsageError("an input without a name; was a variable of the shell empty?")
             if urls.is_url(name):
                 name = urls.known(name)
             start = _WILD.search(name)
@@ -113,6 +115,8 @@ def _named(words: Sequence[str]) -> list[_Input]:
 
 def _listed(name: str) -> list[str]:
     """The lines of a list of files."""
+    if not name:
+        raise UsageError("@ names no list: give @LIST, or @- for standard input")
     try:
         text = sys.stdin.read() if name == "-" else text_of(name)
     except UnicodeDecodeError as error:

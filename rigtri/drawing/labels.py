@@ -42,6 +42,24 @@ def width(text: str, font: float) -> float:
     return font * (_LETTER * (len(text) - wide) + _WIDE * wide)
 
 
+def fitted(text: str, font: float, wide: float, least: float = 8.0) -> tuple[str, float]:
+    """A line that has ``wide`` pixels, and its font: smaller where it must be, then cut.
+
+    >>> fitted("three joints", 12.0, 400.0)
+    ('three joints', 12.0)
+    >>> fitted("three joints", 12.0, 64.0)
+    ('three joints', 9.5)
+    >>> fitted("three joints", 12.0, 40.0)
+    ('three j…', 8.0)
+    """
+    size = min(font, np.floor(20.0 * wide / max(width(text, 10.0), 1.0)) / 2.0)
+    if size >= least:
+        return text, float(size)
+    while text and width(f"{text}…", least) > wide:
+        text = text[:-1].rstrip()
+    return f"{text}…", least
+
+
 def labels(
     asked: Sequence[tuple[str, Floats, float]],
     busy: Sequence[Floats],

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from rigtri.drawing.bones import AIMED
 from rigtri.drawing.marks import Mark
 from rigtri.drawing.outline import Patch, outline, patches
 from rigtri.drawing.scene import Scene, marks
-from rigtri.drawing.svg import arrow, number, panel, sheet, shown
+from rigtri.drawing.svg import arrow, heading, number, panel, sheet
 from rigtri.drawing.window import Window
 from rigtri.errors import FileError, UsageError
 from rigtri.ops.posing import Options as PoseOptions
@@ -167,9 +166,7 @@ def _panel(side: _Side, window: Window, options: Options, place: int) -> Iterato
     if side.crooked:
         bad = any(mark.crooked for mark in side.marks)
         lines.append(("words crooked" if bad else "words", side.crooked))
-    for row, (kind, text) in enumerate(lines):
-        where = f'x="{number(window.left + 16)}" y="{number(26 + 19 * row)}"'
-        yield f'<text class="{kind}" {where}>{escape(shown(text))}</text>'
+    yield from heading(lines, window.left, window.wide)
 
 
 def _outlines(found: Sequence[Patch], window: Window) -> list[Floats]:

@@ -5,13 +5,13 @@ Numbers have two decimals and come from + − × ÷ √, so the same rig is the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
-from rigtri.drawing.labels import labels
+from rigtri.drawing.labels import fitted, labels
 from rigtri.drawing.marks import Mark
 from rigtri.drawing.style import css
 from rigtri.drawing.window import Window
@@ -204,6 +204,17 @@ def sheet(parts: Sequence[str], wide: int, high: int, told: str) -> str:
             "</svg>\n",
         ]
     )
+
+
+def heading(lines: Sequence[tuple[str, str]], left: float, wide: float) -> Iterator[str]:
+    """The words over a picture, one below the other, each by its class; smaller where it has little room."""
+    for row, (kind, text) in enumerate(lines):
+        font = 16.0 if kind == "title" else 12.0
+        # Bold letters are wider.
+        line, size = fitted(shown(text), font, (wide - 24.0) * (1.0 if kind == "words" else 0.92))
+        style = f' style="font-size: {number(size)}px"' if size != font else ""
+        where = f'x="{number(left + 16)}" y="{number(26 + 19 * row)}"'
+        yield f'<text class="{kind}" {where}{style}>{escape(line)}</text>'
 
 
 def shown(text: str) -> str:

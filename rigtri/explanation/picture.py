@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from xml.sax.saxutils import escape
 
 import numpy as np
 
 from rigtri.drawing.marks import Kind, Mark
 from rigtri.drawing.picture import gizmo
 from rigtri.drawing.scene import pole_arrow, triangle
-from rigtri.drawing.svg import number, panel, sheet, shown
+from rigtri.drawing.svg import heading, panel, sheet, shown
 from rigtri.drawing.window import Window
 from rigtri.explanation.steps import Explanation
 from rigtri.triangle import frame, hinge, pole_position
@@ -37,8 +36,7 @@ def picture(found: Explanation, *, view: str | None = None, size: tuple[int, int
     parts, _ = panel(marks, window, [], font=15.0)
     a, b, c = (shown(name) for name in found.names)
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
-    for row, (kind, text) in enumerate(lines):
-        parts.append(f'<text class="{kind}" x="16" y="{number(26 + 19 * row)}">{escape(text)}</text>')
+    parts += heading(lines, 0.0, wide)
     return sheet([*parts, *gizmo(seen, 40.0, high - 40.0)], wide, high, f"{a}, {b}, {c}: {_words(found)}")
 
 

@@ -13,10 +13,11 @@ from rigtri.pose import sample
 from rigtri.records import Track
 from rigtri.report import Notice
 from rigtri.solve.blocks import blocks, cut
-from rigtri.solve.evaluate import Follow, Root, Solver, Step
+from rigtri.solve.evaluate import Solver
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
 from rigtri.solve.posed import Posed, sampled
+from rigtri.solve.steps import Follow, Root, Step
 from rigtri.solve.two_bone import BEYOND
 from rigtri.timelines import Timeline
 from rigtri.trigonometry import Floats

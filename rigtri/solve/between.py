@@ -19,10 +19,11 @@ from rigtri.quaternions import slerp
 from rigtri.records import Clip, Integers
 from rigtri.rig import Rig
 from rigtri.solve.blocks import blocks, joined
-from rigtri.solve.evaluate import Solver, Step, Turned
+from rigtri.solve.evaluate import Solver
 from rigtri.solve.fk import Fk
 from rigtri.solve.match import Block, matched
 from rigtri.solve.posed import Posed, sampled
+from rigtri.solve.steps import Step, Turned
 from rigtri.timelines import MOST_KEYS, single
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length

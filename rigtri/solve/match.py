@@ -18,11 +18,12 @@ from rigtri.following import Parts
 from rigtri.quaternions import multiply as product
 from rigtri.quaternions import turn_angle
 from rigtri.solve.blocks import BLOCK, blocks, cut, frames, joined
-from rigtri.solve.evaluate import Follow, Solver, Step
+from rigtri.solve.evaluate import Solver
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
 from rigtri.solve.placing import Bent, Placed, ends, placing
 from rigtri.solve.posed import Posed
+from rigtri.solve.steps import Follow, Step
 from rigtri.vectors import length
 
 # Takes a node and its wanted parts, and gives those that will be read from the file again.

@@ -12,11 +12,12 @@ from functools import cached_property
 from rigtri.following import Parts, factored
 from rigtri.matrices import inverse, multiply, transform_points
 from rigtri.rig import Rig
-from rigtri.solve.evaluate import Follow, Solver, Step
+from rigtri.solve.evaluate import Solver
 from rigtri.solve.fk import Fk
 from rigtri.solve.ik import Ik
 from rigtri.solve.order import ordered
 from rigtri.solve.posed import Posed
+from rigtri.solve.steps import Follow, Step
 from rigtri.trigonometry import Floats
 
 

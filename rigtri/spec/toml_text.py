@@ -16,10 +16,14 @@ _KEY = re.compile(rf"[ \t]*([A-Za-z0-9_-]+|{_BASIC}|{_LITERAL})[ \t]*")
 _VALUE = re.compile(
     rf'"""(?:[^\\]|\\.)*?"{{3,5}}(?!")|\'\'\'.*?\'{{3,5}}(?!\')|{_BASIC}|{_LITERAL}|[^,\]}}#\n]+', re.DOTALL
 )
+# tomllib takes time with the square of the parts of such a key.
+_ENDLESS_KEY = re.compile(rf"(?<![\w-])(?:[\"']?[\w-]+[\"']?[ \t]*\.[ \t]*){{{MOST_DEEP},}}")
 
 
 def read(file: str, text: str) -> tuple[Any, Spot]:
     """The values in a text; SpecError where it is no TOML."""
+    if found := _ENDLESS_KEY.search(text):
+        Spots(file, text).spot(found.start(), MOST_DEEP + 1)
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -64,9 +64,10 @@ export class Model {
     this.root.updateMatrixWorld(true);
   }
 
-  /** Some points of all that is seen where it stands now. */
+  /** Some points of all that is seen where it stands now, with the arrows of the nodes. */
   cloud() {
     const cloud = [...this.points.some(MOST), ...this.listed.map((node) => this.place(node))];
+    if (this.reach && this.listed.length < MOST) for (const node of this.listed) cloud.push(...this.#tips(node));
     return cloud.length ? cloud : [new Vector3(-0.5, -0.5, -0.5), new Vector3(0.5, 0.5, 0.5)];
   }
 
@@ -94,6 +95,13 @@ export class Model {
   /** Where a node is, in the world. */
   place(node) {
     return new Vector3().setFromMatrixPosition(this.nodes[node].matrixWorld);
+  }
+
+  /** Where the arrows of a node end. */
+  #tips(node) {
+    const { matrixWorld } = this.nodes[node];
+    const ends = [0, 1, 2].map((k) => new Vector3().setFromMatrixColumn(matrixWorld, k).setLength(this.reach[node]).add(this.place(node)));
+    return ends.filter(({ x, y, z }) => Number.isFinite(x + y + z));
   }
 
   /** How long the arrows of each node are: a share of the way to the nearest joint that hangs on it. */

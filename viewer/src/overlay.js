@@ -49,13 +49,14 @@ export class Overlay {
     pen.globalAlpha = 1;
   }
 
-  /** The name and path of the node nearest to a place in the picture, if one is near; of the model in front. */
+  /** The name and path of the node nearest to a place in the picture, if one is near; of the model in front.
+   * Of several in one place, but for rounding, the first: a joint before what stands on it. */
   near(x, y, reach) {
     let best = null;
     let least = reach * reach;
     for (const spot of this.spots) {
       const square = (spot.x - x) ** 2 + (spot.y - y) ** 2;
-      if (square <= least) [best, least] = [spot, square];
+      if (square < least - (best ? 1 : 0)) [best, least] = [spot, square];
     }
     return best;
   }
@@ -134,23 +135,35 @@ export class Overlay {
   #spots(state) {
     const { pen } = this;
     const marked = [state.hover, state.selected];
-    const taken = [];
+    // Joints over what stands on them.
+    for (const { path, x, y, off } of [...this.spots].reverse()) {
+      const chosen = marked.includes(path);
+      if (state.bones || chosen) this.#ring(x, y, chosen ? 6 : off ? 4 : 2.5, chosen, off);
+    }
     const size = Math.max(11, Math.min(14, this.look.wide / 60));
     pen.font = `${size}px system-ui, sans-serif`;
     pen.textBaseline = 'middle';
-    for (const { name: whole, path, x, y, off } of this.spots) {
-      const name = whole.length > LONGEST ? `${whole.slice(0, LONGEST - 1)}…` : whole;
-      const chosen = marked.includes(path);
-      if (state.bones || chosen) this.#ring(x, y, chosen ? 6 : off ? 4 : 2.5, chosen, off);
-      const room = [x + 8, y - size / 2, pen.measureText(name).width, size];
-      if (path !== state.selected && (!state.names || taken.some((other) => meet(room, other)))) continue;
-      taken.push(room);
-      pen.lineWidth = 3;
-      pen.strokeStyle = this.colors.halo;
-      pen.strokeText(name, x + 8, y);
-      pen.fillStyle = this.colors.bone;
-      pen.fillText(name, x + 8, y);
-    }
+    const taken = [];
+    const selected = this.spots.filter(({ path }) => path === state.selected);
+    for (const spot of selected) this.#name(spot, size, taken, true);
+    if (state.names) for (const spot of this.spots) if (!selected.includes(spot)) this.#name(spot, size, taken);
+  }
+
+  /** A name on the right of its spot, or on the left, where there is room; always, where that is asked. */
+  #name({ name: whole, x, y }, size, taken, always = false) {
+    const { pen } = this;
+    const name = whole.length > LONGEST ? `${whole.slice(0, LONGEST - 1)}…` : whole;
+    const wide = pen.measureText(name).width;
+    const rooms = [x + 8, x - 8 - wide].map((left) => [left, y - size / 2, wide, size]);
+    const inside = rooms.filter(([left]) => left >= 0 && left + wide <= this.look.wide);
+    const room = inside.find((one) => !taken.some((other) => meet(one, other))) ?? (always ? inside[0] ?? rooms[0] : null);
+    if (!room) return;
+    taken.push(room);
+    pen.lineWidth = 3;
+    pen.strokeStyle = this.colors.halo;
+    pen.strokeText(name, room[0], y);
+    pen.fillStyle = this.colors.bone;
+    pen.fillText(name, room[0], y);
   }
 
   #ring(x, y, radius, open, off) {

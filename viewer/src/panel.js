@@ -193,10 +193,11 @@ export class Panel {
 
 function counts(model) {
   const { facts, points, clips } = model;
-  const many = (count, word) => `${count.toLocaleString('en')} ${word}${count === 1 ? '' : 's'}`;
+  // Number and word stay on one line.
+  const many = (count, word) => `${count.toLocaleString('en')}\u00a0${word}${count === 1 ? '' : 's'}`;
   const joints = model.joints.length;
   const what = joints ? many(joints, 'joint') : `no joints, ${many(facts.nodes.length, 'node')}`;
-  const words = [what, points.count === 1 ? '1 vertex' : `${points.count.toLocaleString('en')} vertices`, many(clips.length, 'clip')];
+  const words = [what, points.count === 1 ? '1\u00a0vertex' : `${points.count.toLocaleString('en')}\u00a0vertices`, many(clips.length, 'clip')];
   if (facts.limbs.length) words.push(many(facts.limbs.length, 'limb'));
   if (facts.controls) words.push(many(facts.controls, 'control'));
   return words.join(' · ');

@@ -37,7 +37,8 @@ export class Stage {
     this.camera.add(lamp);
     this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x8a8f99, 1.8));
     this.faded = new MeshBasicMaterial({ color: 0xff8a1f, transparent: true, opacity: 0.35, depthWrite: false });
-    Object.assign(this.faded, { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 });
+    // Behind what is in the same place, so that only what differs has its colour.
+    Object.assign(this.faded, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 });
     this.view = 'three-quarter';
     this.stale = true;
   }
