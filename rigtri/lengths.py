@@ -42,7 +42,7 @@ def same_scales(rig: Rig, joints: Collection[int], scales: Scales, reach: Reach,
     spread[list(joints)] = np.where(scales.uneven, 0.0, scales.spread)[list(joints)]
     if spread.max(initial=0.0) <= ROUNDING:
         return scales.same
-    if _surely(rig, spread, reach, SCALES_MAY * tolerance):
+    if np.isinf(bearable(rig, _effect(spread, reach.at_most), SCALES_MAY * tolerance)):
         return scales.same
     far = reach.exact
     limit = bearable(rig, spread * far, SCALES_MAY * tolerance)
@@ -75,16 +75,11 @@ def ties(rig: Rig, reach: Reach, tolerance: float) -> tuple[Constraint, ...]:
     if off.max(initial=0.0) <= 2 * ROUNDING:
         return ()
     # A turn by δ against the parent: 2·sin(δ/2) of it.
-    if _surely(rig, 2.0 * off, reach, ROTATIONS_MAY * tolerance):
+    if np.isinf(bearable(rig, _effect(2.0 * off, reach.at_most), ROTATIONS_MAY * tolerance)):
         return ()
     effect = 2.0 * off * reach.exact
     tied = np.flatnonzero(effect > bearable(rig, effect, ROTATIONS_MAY * tolerance)).tolist()
     return tuple(Constraint("length", node, int(rig.parents[node]), np.zeros(3)) for node in tied)
-
-
-def _surely(rig: Rig, fault: Floats, reach: Reach, most: float) -> bool:
-    """Whether bounds tell already that faults, (n,), move nothing by more than ``most``."""
-    return any(np.isinf(bearable(rig, _effect(fault, bound), most)) for bound in reach.bounds())
 
 
 def _effect(fault: Floats, far: Floats) -> Floats:

@@ -13,8 +13,7 @@ from weakref import WeakKeyDictionary, ref
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.hanging import is_plain, part_of_mesh, reach_of_box, reach_of_points
-from rigtri.matrices import inverse, multiply
+from rigtri.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.pose import Motion, between_keys, deformed, key_times, morph_weights, rest, worlds
 from rigtri.records import Integers, Mesh, Track
 from rigtri.rig import Rig
@@ -46,29 +45,24 @@ def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> fl
 
 
 def _measured(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:
-    low, high = _seen(rig, meshes, world)
-    if not (low <= high).all():
-        origins = world[rig.is_joint, 3, :3] if rig.is_joint.any() else world[:, 3, :3]
-        origins = origins[np.isfinite(origins).all(axis=1)]
-        if not len(origins):
-            return 1.0
-        low, high = origins.min(axis=0), origins.max(axis=0)
-    return float(length(high - low)) or 1.0
-
-
-def _seen(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> tuple[Floats, Floats]:
-    """The box of all points at rest that are numbers, lows and highs, (3,) each; inf and −inf for none."""
+    world = world[np.newaxis]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            points = deformed(mesh, rig, world[np.newaxis], morph_weights(mesh, None, np.zeros(1)))[0]
+            points = deformed(mesh, rig, world, morph_weights(mesh, None, np.zeros(1)))[0]
         if not np.isfinite(points).all():
             points = points[np.isfinite(points).all(axis=1)]
         low, high = (
             np.minimum(low, points.min(axis=0, initial=np.inf)),
             np.maximum(high, points.max(axis=0, initial=-np.inf)),
         )
-    return low, high
+    if not (low <= high).all():
+        origins = world[0, rig.is_joint, 3, :3] if rig.is_joint.any() else world[0, :, 3, :3]
+        origins = origins[np.isfinite(origins).all(axis=1)]
+        if not len(origins):
+            return 1.0
+        low, high = origins.min(axis=0), origins.max(axis=0)
+    return float(length(high - low)) or 1.0
 
 
 def fits(mesh: Mesh, rig: Rig) -> bool:
@@ -91,7 +85,7 @@ def reaches(rig: Rig) -> Floats:
 
 
 class Reach:
-    """What `reaches` finds, when it is asked for, and before that bounds of it that pose nothing."""
+    """What `reaches` finds, when it is asked for, and before that a bound of it that poses nothing."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -99,30 +93,16 @@ class Reach:
     @cached_property
     def exact(self) -> Floats:
         """As `reaches`, (n,)."""
-        rig, world, (own, size) = self._rig, self._world, self._at_rest
+        rig, world, (own, size) = self._rig, worlds(self._rig, rest(self._rig)), self._at_rest
         reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
         for posed in _stretched(rig):
             reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
         return np.asarray(reach / size)
 
-    def bounds(self) -> Iterator[Floats]:
-        """What is no less than `exact`, (n,), the quickest first; infinite where numbers do not tell."""
-        yield self.roughly
-        yield self.at_most
-
-    @cached_property
-    def roughly(self) -> Floats:
-        """As `at_most`, and no less, from boxes of meshes and a few of their points."""
-        return self._at_most(*self._about_at_rest)
-
     @cached_property
     def at_most(self) -> Floats:
         """No less than `exact`, (n,), from each node's own numbers; infinite where these do not tell."""
-        return self._at_most(*self._at_rest)
-
-    def _at_most(self, own: Floats, size: float) -> Floats:
-        """As `at_most`. own, size: as `_at_rest` has them."""
-        rig = self._rig
+        rig, (own, size) = self._rig, self._at_rest
         (low, high), (least, most), bones = _sizes_of_nodes(rig)
         for level in rig.levels[1:]:
             parents = rig.parents[level]
@@ -140,49 +120,20 @@ class Reach:
         return np.where(np.isfinite(reach), reach, np.inf)
 
     @cached_property
-    def _world(self) -> Floats:
-        return worlds(self._rig, rest(self._rig))
-
-    @cached_property
-    def _meshes(self) -> Sequence[Mesh]:
-        try:
-            return self._rig.drawn()
-        except FileError:
-            return ()
-
-    @cached_property
     def _at_rest(self) -> tuple[Floats, float]:
         """How far each node's own things reach, (n,), in file units, and the size of what is seen."""
-        rig, own = self._rig, np.zeros(len(self._rig))
-        meshes = [mesh for mesh in self._meshes if fits(mesh, rig)]
+        rig = self._rig
+        try:
+            meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
+        except FileError:
+            meshes = []
+        own, world = np.zeros(len(rig)), worlds(rig, rest(rig))
         for mesh in meshes:
-            reach_of_points(rig, self._world, mesh, own)
-        size = size_of(rig, meshes, self._world)
-        self._add_frames(own, size, meshes)
+            _own(rig, world, mesh, own)
+        size = size_of(rig, meshes, world)
+        framed = frames_shown(rig, meshes)
+        own[framed] = np.maximum(own[framed], _corner(world[framed, :3, :3]) * size)
         return own, size
-
-    @cached_property
-    def _about_at_rest(self) -> tuple[Floats, float]:
-        """As `_at_rest`, from the boxes of meshes and their outermost points: no less far, no larger."""
-        rig, own, size = self._rig, np.zeros(len(self._rig)), 0.0
-        for mesh in self._meshes:
-            if not is_plain(mesh, rig) or not np.isfinite(self._world).all():
-                return self._at_rest
-            outermost = np.concatenate([mesh.points.argmin(axis=0), mesh.points.argmax(axis=0)])
-            box = mesh.points[outermost, [0, 1, 2, 0, 1, 2]].reshape(2, 3)
-            if not np.isfinite(box).all():
-                return self._at_rest
-            reach_of_box(rig, self._world, mesh, box, own)
-            low, high = _seen(rig, [part_of_mesh(mesh, outermost)], self._world)
-            size = max(size, float(length(high - low)))
-        if not (0.0 < size < np.inf and np.isfinite(own).all()):
-            return self._at_rest
-        self._add_frames(own, size, self._meshes)
-        return own, size
-
-    def _add_frames(self, own: Floats, size: float, meshes: Sequence[Mesh]) -> None:
-        framed = frames_shown(self._rig, meshes)
-        own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * size)
 
 
 def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:
@@ -275,6 +226,43 @@ def _corner(axes: Floats) -> Floats:
     x, y, z = edges[:, 0], edges[:, 1], edges[:, 2]
     far = np.stack([length(x + a * y + b * z) for a in (1.0, -1.0) for b in (1.0, -1.0)])
     return np.asarray(far.max(axis=0))
+
+
+def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
+    """Raise ``reach``, (n,), in file units, to what the points of a mesh ask of the nodes that move them."""
+    if mesh.skin is None or not mesh.joints.shape[1]:
+        _raise(reach, np.full(len(mesh.points), mesh.node), mesh.points, world)
+        return
+    skin = rig.skins[mesh.skin]
+    into = multiply(mesh.bind, skin.inverse_bind)
+    with np.errstate(invalid="ignore", over="ignore"):
+        # From a point to its direction from each joint, as the joint stands: rows, components, joints.
+        seen = transform_directions(into[..., :3], world[skin.joints][:, np.newaxis]).transpose(1, 2, 0)
+        joints, rows = mesh.moved
+        points = [mesh.points[:, k][rows] for k in range(3)]
+        square = np.zeros(len(rows))
+        for axis in range(3):
+            along = seen[3, axis][joints]
+            for k in range(3):
+                along += points[k] * seen[k, axis][joints]
+            square += along * along
+        far = np.sqrt(np.where(np.isfinite(square), square, 0.0))
+    if len(joints):
+        starts = np.flatnonzero(np.diff(joints, prepend=-1))
+        np.maximum.at(reach, skin.joints[joints[starts]], np.maximum.reduceat(far, starts))
+    if mesh.box is not None:
+        corners = np.broadcast_to(mesh.box.reshape(2, -1, 3), (2, len(skin.joints), 3))
+        for picked in np.ndindex(2, 2, 2):
+            corner = np.stack([corners[low, :, axis] for axis, low in enumerate(picked)], axis=1)
+            _raise(reach, skin.joints, transform_points(corner, into), world)
+
+
+def _raise(reach: Floats, node: Integers, points: Floats, world: Floats) -> None:
+    """points: (k, 3), each in the space of its ``node``, (k,)."""
+    if len(points):
+        with np.errstate(invalid="ignore", over="ignore"):
+            far = length(transform_directions(points, world[node]))
+        np.maximum.at(reach, node, np.where(np.isfinite(far), far, 0.0))
 
 
 def bearable(rig: Rig, effect: Floats, most: float) -> float:

@@ -30,7 +30,7 @@ quaternions
 matrices
 euler triangle shapes records
 rig
-pose constraints rules spread twist hanging
+pose constraints rules spread twist
 following timelines insertion fitting triangles
 carried readers driven dependence
 solve
