@@ -37,6 +37,8 @@ from rigtri.vectors import length
 SAME_SCALE = 2e-5
 # A turn this near to a signed permutation of the axes is one.
 SAME_AXIS = 1e-9
+# What float64 leaves beside the diagonal of a scale that was turned exactly, as a share of the scale.
+LAST_BITS = 1e-12
 
 
 def turned(turn: Floats) -> Booleans:
@@ -201,7 +203,7 @@ class Scales:
         axes: the rows of C, (3, 3).
         """
         rows = self.of_node(node)
-        limit = 0.5 * self.same[node] * np.abs(rows).max()
+        limit = max(0.5 * self.same[node], LAST_BITS) * np.abs(rows).max()
         products = axes[[0, 1, 2]] * axes[[1, 2, 0]]
         off = sum(products[:, k] * rows[:, k, np.newaxis] for k in range(3))
         return bool((np.abs(off) <= limit).all())
