@@ -168,9 +168,19 @@ def _chain(tree: Skeleton, top: int) -> list[int]:
 def _joints(rig: Rig, tree: Skeleton) -> Iterator[str]:
     yield "# The joints, as steps may call them:"
     depths: dict[int, int] = {}
-    for number, joint in enumerate(tree.joints):
+    for number, joint in enumerate(_depth_first(rig, frozenset(tree.joints))):
         if number == MOST_SHOWN:
             yield f"#   … {len(tree.joints) - MOST_SHOWN} more; all with: rigtri inspect FILE"
             break
         depths[joint] = depths.get(tree.above[joint], -1) + 1
         yield f"#   {'  ' * depths[joint]}{_name(rig, joint)}"
+
+
+def _depth_first(rig: Rig, joints: frozenset[int]) -> Iterator[int]:
+    """Joints as inspect lists them: below each, all that hangs there, before its next sibling."""
+    left = [node for node in range(len(rig) - 1, -1, -1) if rig.parents[node] < 0]
+    while left:
+        node = left.pop()
+        left += reversed(rig.children[node])
+        if node in joints:
+            yield node
