@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -200,7 +201,7 @@ def _tasks(values: dict[str, Any]) -> Tasks:
         words = {name: values[name] for name in ("strict", "tolerance", "resources")}
         return SpecTask(spec.limited(**words), values["verify"])
 
-    return task
+    return cache(task)
 
 
 def _place(name: str | None) -> Path | str | None:
@@ -218,7 +219,7 @@ def _found(
     from rigtri.batch.entries import entries
 
     job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
-    found = entries(inputs, job=job, out_dir=out_dir, base=base)
+    found = entries(inputs, job=job, out_dir=out_dir, base=base, fits=tasks)
     task = tasks(found.entries[0].variables)
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
