@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -18,7 +17,7 @@ import click
 
 from rigtri.errors import FileError, UsageError
 
-from . import batch_engine, batch_job, failures
+from . import INTERRUPTED, batch_engine, batch_job, failures
 from .build import assigned, set_option, spec_option
 from .options import Tolerance, dry_run_option, json_option, quiet_option
 from .progress import Progress
@@ -136,7 +135,7 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
         sys.exit(run(inputs, values, _tasks(values)))
     except KeyboardInterrupt:  # before files are worked on, or after
         click.echo("\ninterrupted: what is done is done; run it again for the rest", err=True)
-        sys.exit(128 + signal.SIGINT)
+        sys.exit(INTERRUPTED)
 
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
