@@ -47,7 +47,7 @@ class Bytes(click.ParamType[int]):
         found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
         size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
         if not 1 << 20 <= size < 1 << 50:
-            self.fail(f"{value} is no amount of memory, such as 500M or 2G", param, ctx)
+            self.fail(f"{value} is no amount of memory, such as 500M or 2G; the least is 1M", param, ctx)
         return int(size)
 
 

@@ -312,3 +312,9 @@ def test_tasks_of_a_slurm_array_are_parts() -> None:
         slurm(ID=7, COUNT=3, MIN=1, MAX=9, STEP=1)
     with pytest.raises(UsageError, match="tells no part"):
         of_slurm({"SLURM_ARRAY_TASK_ID": "1"})
+
+
+def test_too_little_memory_is_told_with_the_least(tree: Path) -> None:
+    result = CliRunner().invoke(program, ["batch", "in/a.glb", "--spec", "rig.yaml", "--max-memory", "1K"])
+    assert result.exit_code == 2
+    assert "the least is 1M" in result.stderr
