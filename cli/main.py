@@ -18,6 +18,7 @@ from . import failures, hear_interrupts, ignore_interrupts
 # so that `rigtri --help` does not wait for numpy.
 COMMANDS = {
     "inspect": "Show the joints of a file: axes, lengths, bends, skins, clips, warnings.",
+    "recognise": "Find spine, head, arms, legs, hands and fingers by map, names and shape, and say why.",
     "view": "Write a page that shows a character, posed and moving, with its rig, before and after.",
     "orient-joints": "Give joints new axes; nothing that can be seen moves.",
     "add-polevector": "Add a locator that says which way a limb bends.",
@@ -34,6 +35,7 @@ COMMANDS = {
     "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
     "export-blender": "Write a script that sets controls, IK and constraints up in Blender.",
     "strip": "Take out again what rigtri has put into a file.",
+    "auto": "Recognise a character and build its rig; the spec of it is written beside.",
     "build": "Build a rig by a spec: the steps that a file lists, in one go.",
     "batch": "Do what a spec says to many files, in several processes.",
     "batch-report": "Say what the manifest of a batch knows: counts, worst, slowest, errors.",

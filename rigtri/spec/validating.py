@@ -107,6 +107,8 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[
     elif kind == "union_tag_invalid":
         hint = _hint(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
+    elif kind == "string_type" and told["input"] is None:
+        text = f"{option}: this place is open: name what belongs there, or leave it out"
     else:
         text = told["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]
