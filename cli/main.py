@@ -12,7 +12,7 @@ import click
 from rigtri import __version__
 from rigtri.errors import RigtriError
 
-from . import failures, hear_interrupts
+from . import failures, hear_interrupts, ignore_interrupts
 
 # Command → its one line of help. A command's module is imported when the command runs,
 # so that `rigtri --help` does not wait for numpy.
@@ -75,6 +75,13 @@ class Program(click.Group):
             return super().main(*args, **extra)
         except OSError as error:  # of what is said before a command runs, such as --help
             failures.end(None, error)
+        finally:
+            if not (args or extra):  # the process is ours and ends now
+                ignore_interrupts()
+
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
+        with failures.told_interrupts():
+            return super().make_context(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
         for stream in (sys.stdout, sys.stderr):
@@ -82,7 +89,8 @@ class Program(click.Group):
                 # A name may hold half of a surrogate pair, or what the terminal's encoding has not.
                 stream.reconfigure(errors="backslashreplace")
         try:
-            return super().invoke(ctx)
+            with failures.told_interrupts():
+                return super().invoke(ctx)
         except click.ClickException as error:
             failures.misused(ctx, error)
         except BrokenPipeError:

@@ -571,6 +571,19 @@ def test_a_starter_calls_a_joint_by_what_means_it_alone() -> None:
     assert len({rig.find(name) for name in named}) == len(named)
 
 
+def test_a_starter_lists_each_joint_right_below_the_one_that_it_hangs_on() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    text = starter(rig, "biped.glb")
+    above: list[str] = []
+    for line in text[text.index("# The joints") :].splitlines()[1:]:
+        name = json.loads(line.strip("# "))
+        depth = (len(line) - len(line[1:].lstrip()) - 4) // 2
+        assert depth <= len(above), line
+        parent = rig.parents[rig.find(name)]
+        assert not depth or rig.address(parent) == above[depth - 1]
+        above = [*above[:depth], name]
+
+
 def test_spec_init_writes_json_that_build_reads(tmp_path: Path) -> None:
     source, spec = SAMPLES / "biped.glb", tmp_path / "rig.json"
     result = CliRunner().invoke(program, ["spec-init", str(source), "-o", str(spec), "--json"])
