@@ -14,7 +14,8 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 from rigtri.batch.entries import Entry
@@ -53,15 +54,37 @@ Times = tuple[float, float]
 Loop = Callable[[int], Times]
 
 
-class Workers:
-    """Processes such as a batch has, each of which orients one file after another."""
+@contextmanager
+def kept_to(cores: set[int]) -> Iterator[None]:
+    """Meanwhile this thread, and the threads and programs it starts, share these cores, where systems can."""
+    if not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, cores)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
-    def __init__(self, source: Path, folder: Path, *, verify: bool, jobs: int = 1) -> None:
+
+def of_this_process() -> list[int]:
+    """The cores that are ours."""
+    return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else [0, 1]
+
+
+class Workers:
+    """The processes that a batch has on so many cores, each of which orients one file after another."""
+
+    def __init__(self, source: Path, folder: Path, *, verify: bool, cores: set[int]) -> None:
         folder.mkdir()
         (folder / "rig.yaml").write_text(SPEC)
         self._source, self._folder = shutil.copy(source, folder), folder
         self._task = SpecTask(load(folder / "rig.yaml"), verify=verify)
-        self._children = [Confined(preload=["rigtri.batch.spec_task"]) for _ in range(jobs)]
+        self._children = [Confined(preload=["rigtri.batch.spec_task"]) for _ in cores]
+        if hasattr(os, "sched_setaffinity"):
+            for child in self._children:
+                child("cores", os.sched_setaffinity, 0, cores)
         self._made = 0
 
     def __call__(self, count: int) -> Times:
@@ -131,25 +154,29 @@ def blender(source: Path, folder: Path) -> Loop | None:
 
 def measured(source: Path, folder: Path, count: int, rounds: int) -> list[str]:
     """A table of all loops over one file, each the median of its rounds, and what was asked for."""
-    workers = {
-        "rigtri, verified": Workers(source, folder / "verified", verify=True),
-        "rigtri, not verified": Workers(source, folder / "plain", verify=False),
-        "rigtri, verified, two processes": Workers(source, folder / "two", verify=True, jobs=2),
-    }
+    one, two = (set(of_this_process()[:many]) for many in (1, 2))
+    wanted = {"rigtri, verified": (True, one), "rigtri, not verified": (False, one)}
+    if len(two) == 2:
+        wanted["rigtri, verified, two cores"] = True, two
     peers = {
         "glTF-Transform: read, write": transform(source, folder),
         "Blender: import, aim, export": blender(source, folder),
     }
-    loops: dict[str, Loop] = workers | {name: loop for name, loop in peers.items() if loop is not None}
-    times: dict[str, list[Times]] = {name: [] for name in loops}
-    for _ in range(rounds):
-        for name, loop in loops.items():
-            times[name].append(loop(count))
-    for worker in workers.values():
-        worker.close()
+    loops: dict[str, Loop] = {}
+    with ExitStack() as stack:
+        for name, (verify, cores) in wanted.items():
+            batch = Workers(source, folder / f"{len(loops)}", verify=verify, cores=cores)
+            loops[name] = stack.enter_context(closing(batch))
+        loops |= {name: loop for name, loop in peers.items() if loop is not None}
+        times: dict[str, list[Times]] = {name: [] for name in loops}
+        for _ in range(rounds):
+            for name, loop in loops.items():
+                with kept_to(wanted[name][1] if name in wanted else one):
+                    times[name].append(loop(count))
     base = min(used for _, used in times["rigtri, verified"])
     lines = [f"## Warm, one file after another: {source.name}, {source.stat().st_size / 1e6:.2f} MB", ""]
-    lines += ["| loop | files/s | ms a file | ms of processors | ratio of these |", "|---|---|---|---|---|"]
+    head = "| loop, on one core | files/s | ms a file | ms of processors | ratio of these |"
+    lines += [head, "|---|---|---|---|---|"]
     for name, found in times.items():
         wall, used = statistics.median(wall for wall, _ in found), min(used for _, used in found)
         lines.append(

@@ -2,18 +2,47 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import time
 from contextlib import suppress
+from typing import NoReturn
+
+INTERRUPTED = 128 + signal.SIGINT
+# Two interrupts nearer than this, in seconds, are one: the second would break off what the first tidies up.
+_NEAR = 0.5
+_last = -_NEAR
+
+
+def _end(_number: int, _frame: object) -> NoReturn:
+    """End at once: nothing is begun."""
+    os.write(2, b"\nrigtri: interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def _raise(_number: int, _frame: object) -> None:
+    global _last
+    before, _last = _last, time.monotonic()
+    if _last - before > _NEAR:
+        raise KeyboardInterrupt
+
 
 # Until the program begins, which hears of interrupts itself, one ends it without a traceback of imports.
-_silent = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-if _silent:
+_first = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+if _first:
     with suppress(ValueError):  # a thread that is not the main one hears of none
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.signal(signal.SIGINT, _end)
 
 
 def hear_interrupts() -> None:
     """Let interrupts be exceptions again."""
-    if _silent and signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
+    if _first and signal.getsignal(signal.SIGINT) is _end:
         with suppress(ValueError):
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.signal(signal.SIGINT, _raise)
+
+
+def ignore_interrupts() -> None:
+    """When all is done and told, let an interrupt change nothing any more."""
+    if signal.getsignal(signal.SIGINT) is _raise:
+        with suppress(ValueError):
+            signal.signal(signal.SIGINT, signal.SIG_IGN)

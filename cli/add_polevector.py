@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     "--limbs",
     "auto",
     type=click.Choice(["auto"]),
-    help="Find arms and legs by the VRM humanoid map or by joint names.",
+    help="Find arms and legs by themselves, as rigtri recognise shows them.",
 )
 @pole_options
 @click.option(

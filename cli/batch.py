@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ import click
 
 from rigtri.errors import FileError, UsageError
 
-from . import batch_engine, batch_job, failures
+from . import INTERRUPTED, batch_engine, batch_job, failures
 from .build import assigned, set_option, spec_option
 from .options import Tolerance, dry_run_option, json_option, quiet_option
 from .progress import Progress
@@ -47,7 +47,7 @@ class Bytes(click.ParamType[int]):
         found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
         size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
         if not 1 << 20 <= size < 1 << 50:
-            self.fail(f"{value} is no amount of memory, such as 500M or 2G", param, ctx)
+            self.fail(f"{value} is no amount of memory, such as 500M or 2G; the least is 1M", param, ctx)
         return int(size)
 
 
@@ -135,7 +135,7 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
         sys.exit(run(inputs, values, _tasks(values)))
     except KeyboardInterrupt:  # before files are worked on, or after
         click.echo("\ninterrupted: what is done is done; run it again for the rest", err=True)
-        sys.exit(128 + signal.SIGINT)
+        sys.exit(INTERRUPTED)
 
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
@@ -200,7 +200,7 @@ def _tasks(values: dict[str, Any]) -> Tasks:
         words = {name: values[name] for name in ("strict", "tolerance", "resources")}
         return SpecTask(spec.limited(**words), values["verify"])
 
-    return task
+    return cache(task)
 
 
 def _place(name: str | None) -> Path | str | None:
@@ -218,7 +218,7 @@ def _found(
     from rigtri.batch.entries import entries
 
     job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
-    found = entries(inputs, job=job, out_dir=out_dir, base=base)
+    found = entries(inputs, job=job, out_dir=out_dir, base=base, fits=tasks)
     task = tasks(found.entries[0].variables)
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)

@@ -117,10 +117,11 @@ def _run(values: dict[str, Any], spec: Spec) -> None:
         return built.outcome
 
     options = {"spec": values["spec"], "variables": assigned(values["variables"])}
-    run("build", values, done, options, lambda _: _told(made[0]), more=lambda: {"steps": _steps(made[0])})
+    run("build", values, done, options, lambda _: told_of(made[0]), more=lambda: {"steps": steps_of(made[0])})
 
 
-def _steps(built: Built) -> list[dict[str, Any]]:
+def steps_of(built: Built) -> list[dict[str, Any]]:
+    """The steps of a build for its report."""
     return [
         {
             "step": one.step.number,
@@ -132,7 +133,8 @@ def _steps(built: Built) -> list[dict[str, Any]]:
     ]
 
 
-def _told(built: Built) -> str:
+def told_of(built: Built) -> str:
+    """A line for each step of a build."""
     return "\n".join(
         f"{one.step.number}. {one.step.do}: {summary(one.step.do, one.report)}" for one in built.done
     )

@@ -14,6 +14,7 @@ import click
 
 from rigtri.errors import Fault, RigtriError, kind_of
 
+from . import INTERRUPTED
 from .words import plain
 
 # In the context of a run: whether standard output is wanted as JSON and has nothing on it yet.
@@ -81,8 +82,18 @@ def gone(code: int) -> NoReturn:
 
 
 @contextmanager
+def told_interrupts() -> Iterator[None]:
+    """An interrupt ends the program with its own code, and in our words."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo("\nrigtri: interrupted", err=True)
+        sys.exit(INTERRUPTED)
+
+
+@contextmanager
 def always(ctx: click.Context, code: int) -> Iterator[None]:
-    """Whatever fails ends with ``code``: for a command whose other codes are answers."""
+    """Whatever fails ends with ``code``: for a command whose other codes are answers. Interrupts go on up."""
     try:
         yield
     except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -91,9 +102,6 @@ def always(ctx: click.Context, code: int) -> Iterator[None]:
         gone(code)
     except (RigtriError, OSError, MemoryError) as error:
         end(ctx, error, code)
-    except KeyboardInterrupt:
-        click.echo("Aborted!", err=True)
-        sys.exit(code)
     except Exception as error:  # a mistake of ours: Python's own code for it would be an answer
         traceback.print_exc()
         raise SystemExit(code) from error

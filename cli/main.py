@@ -12,12 +12,13 @@ import click
 from rigtri import __version__
 from rigtri.errors import RigtriError
 
-from . import failures, hear_interrupts
+from . import failures, hear_interrupts, ignore_interrupts
 
 # Command → its one line of help. A command's module is imported when the command runs,
 # so that `rigtri --help` does not wait for numpy.
 COMMANDS = {
     "inspect": "Show the joints of a file: axes, lengths, bends, skins, clips, warnings.",
+    "recognise": "Find spine, head, arms, legs, hands and fingers by map, names and shape, and say why.",
     "view": "Write a page that shows a character, posed and moving, with its rig, before and after.",
     "orient-joints": "Give joints new axes; nothing that can be seen moves.",
     "add-polevector": "Add a locator that says which way a limb bends.",
@@ -34,6 +35,7 @@ COMMANDS = {
     "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
     "export-blender": "Write a script that sets controls, IK and constraints up in Blender.",
     "strip": "Take out again what rigtri has put into a file.",
+    "auto": "Recognise a character and build its rig; the spec of it is written beside.",
     "build": "Build a rig by a spec: the steps that a file lists, in one go.",
     "batch": "Do what a spec says to many files, in several processes.",
     "batch-report": "Say what the manifest of a batch knows: counts, worst, slowest, errors.",
@@ -73,6 +75,13 @@ class Program(click.Group):
             return super().main(*args, **extra)
         except OSError as error:  # of what is said before a command runs, such as --help
             failures.end(None, error)
+        finally:
+            if not (args or extra):  # the process is ours and ends now
+                ignore_interrupts()
+
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
+        with failures.told_interrupts():
+            return super().make_context(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
         for stream in (sys.stdout, sys.stderr):
@@ -80,7 +89,8 @@ class Program(click.Group):
                 # A name may hold half of a surrogate pair, or what the terminal's encoding has not.
                 stream.reconfigure(errors="backslashreplace")
         try:
-            return super().invoke(ctx)
+            with failures.told_interrupts():
+                return super().invoke(ctx)
         except click.ClickException as error:
             failures.misused(ctx, error)
         except BrokenPipeError:

@@ -461,6 +461,7 @@ def _side_files(values: dict[str, Any]) -> dict[str, Path]:
     from pathlib import Path
 
     flags = {"--report": "report_path", "--save-frames": "save_frames"}
+    flags |= {"--spec-out": "spec_out", "--picture": "picture"}
     found = {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
     if values.get("sidecar") and not values.get("unnamed"):
         found["--sidecar"] = _sidecar(values)

@@ -29,8 +29,8 @@ from .words import plain
 def command(source: str, target: str, overwrite: bool, as_json: bool, **values: Any) -> None:
     """Write a rig spec to start from: steps for the joints that a character has.
 
-    Limbs that are known by their names or by VRM get twist joints, controls and pole vectors; all
-    joints stand in it as a comment. --json prints the spec as JSON, which `rigtri build` reads as well;
+    Limbs that rigtri recognises get twist joints, controls and pole vectors; all joints stand in
+    it as a comment. --json prints the spec as JSON, which `rigtri build` reads as well;
     FILE.json gets it so.
 
     \b

@@ -18,6 +18,7 @@ _WHERE = {
     "to_pygltflib": "rigtri.in_memory",
     "edit": "rigtri.pipeline",
     "build": "rigtri.spec.building",
+    "auto": "rigtri.spec.automatic",
     "orient_joints": "rigtri.ops.orient",
     "add_polevector": "rigtri.ops.polevector",
     "make_limb": "rigtri.ops.limb",
@@ -37,6 +38,7 @@ _WHERE = {
     "verify": "rigtri.on_disk",
     "diff": "rigtri.difference",
     "check": "rigtri.checks",
+    "recognise": "rigtri.recognition.engine",
     "draw": "rigtri.drawing.picture",
     "explain": "rigtri.explanation.steps",
     "view": "rigtri.viewer.shown",
@@ -60,6 +62,7 @@ __all__ = [
     "add_rivet",
     "add_twist",
     "as_described",
+    "auto",
     "bake",
     "build",
     "check",
@@ -75,6 +78,7 @@ __all__ = [
     "mirror",
     "orient_joints",
     "read",
+    "recognise",
     "register_usd_schemas",
     "snap",
     "spec_init",
@@ -115,8 +119,10 @@ if TYPE_CHECKING:
     from rigtri.ops.take_clips import take_clips
     from rigtri.ops.twist import add_twist
     from rigtri.pipeline import edit
+    from rigtri.recognition.engine import recognise
     from rigtri.report import Report
     from rigtri.rig import Rig
+    from rigtri.spec.automatic import auto
     from rigtri.spec.building import build
     from rigtri.spec.starter import spec_init
     from rigtri.viewer.shown import view

@@ -34,12 +34,14 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
-def commit(part: Path, path: Path, *, named: bool = True) -> None:
+def commit(part: Path, path: Path, *, synced: bool = False, named: bool = True) -> None:
     """Force a part to the disk and let it take the name, mode and owner of the file it replaces.
 
-    named: force the name to the disk, too; else that is for the caller, by `sync_folder`.
+    synced: the disk has it already. named: force the name to the disk, too; else that is for the
+    caller, by `sync_folder`.
     """
-    sync(part)
+    if not synced:
+        sync(part)
     # Afterwards, for it may be that nobody may write it then; and some disks know no permissions.
     with suppress(OSError):
         _inherit(path, part)

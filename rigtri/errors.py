@@ -78,12 +78,12 @@ class GeometryError(RigtriError):
 
 
 class NoLimbError(GeometryError):
-    """A character of whose limbs none is known, by VRM or by names."""
+    """A character of whose limbs none is known surely enough."""
 
     def __init__(self) -> None:
         super().__init__(
-            "--limbs auto: no VRM humanoid map and no joint names that say arms or legs. Name the "
-            "limbs with --limb ROOT MIDDLE END; see the joints with: rigtri inspect FILE"
+            "--limbs auto: no arms or legs were recognised surely enough. Name the limbs with "
+            "--limb ROOT MIDDLE END; see what is there, and why, with: rigtri recognise FILE"
         )
 
 

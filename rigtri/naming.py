@@ -1,9 +1,7 @@
-"""What joint names say: the side, the part of the body, and the twin on the other side.
+"""What joint names say: their words, the side, and the twin on the other side.
 
-Names are cut into words at separators, digits and capitals; words that only
-say whose convention it is (``mixamorig``, ``Bip01``, ``DEF``, ``jnt`` …) are
-dropped. What is left must be a known word as a whole, so that a control
-(``handIK.L``) is not taken for a hand.
+Names are cut into words at separators, digits and capitals. Which bone the words mean is
+`rigtri.recognition.schemes`' to say.
 """
 
 from __future__ import annotations
@@ -16,59 +14,6 @@ Side = Literal["left", "right", ""]
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 _LEFT = frozenset({"l", "left", "lft", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "右"})
-_SILENT = frozenset(
-    [
-        "mixamorig",
-        "bip",
-        "biped",
-        "valve",
-        "valvebiped",
-        "def",
-        "org",
-        "mch",
-        "j",
-        "jnt",
-        "jt",
-        "joint",
-        "bone",
-        "bn",
-        "b",
-        "sk",
-        "skel",
-        "skeleton",
-        "armature",
-        "rig",
-        "cc",
-        "base",
-        "character",
-        "char",
-        "root",
-        "ctrl",
-        "deform",
-        "normal",
-        "human",
-    ]
-)
-
-# Part of a limb → the words that name it. Mixamo says Arm, ForeArm, Hand and UpLeg, Leg, Foot.
-_PARTS: dict[str, frozenset[str]] = {
-    "arm/start": frozenset(
-        ["upperarm", "uparm", "armupper", "upperarms", "bicep", "humerus", "shoulderupper"]
-    ),
-    "arm/middle": frozenset(["forearm", "lowerarm", "lowarm", "loarm", "armlower", "elbow", "ひじ"]),
-    "arm/end": frozenset(["hand", "wrist", "palm", "手首"]),
-    "leg/start": frozenset(["thigh", "upperleg", "upleg", "legupper", "femur", "足"]),
-    "leg/middle": frozenset(["shin", "calf", "lowerleg", "lowleg", "loleg", "leglower", "knee", "ひざ"]),
-    "leg/end": frozenset(["foot", "ankle", "足首"]),
-}
-# Words that mean one part or another; the first that is not taken by a clearer word wins.
-_MAYBE: dict[str, tuple[str, ...]] = {
-    "arm": ("arm/start",),
-    "shoulder": ("arm/start",),
-    "腕": ("arm/start",),
-    "leg": ("leg/middle", "leg/start"),
-    "hip": ("leg/start",),
-}
 
 
 def words(name: str) -> list[str]:
@@ -85,23 +30,6 @@ def side(name: str) -> Side:
     found = set(words(_spread(name)))
     left, right = bool(found & _LEFT), bool(found & _RIGHT)
     return "left" if left and not right else "right" if right and not left else ""
-
-
-def part(name: str) -> str:
-    """The part that a name says: words and side tokens that carry no meaning left out.
-
-    >>> part("J_Bip_L_UpperArm"), part("thigh_twist_01_l")
-    ('upperarm', 'thightwist')
-    """
-    kept = [w for w in words(_spread(name)) if w not in _LEFT | _RIGHT | _SILENT and not w.isdigit()]
-    return "".join(kept)
-
-
-def limb_parts(name: str) -> tuple[str, ...]:
-    """What a name can be in a limb, likeliest first: ``arm/start`` … ``leg/end``; () for none."""
-    said = part(name)
-    sure = tuple(role for role, names in _PARTS.items() if said in names)
-    return sure or _MAYBE.get(said, ())
 
 
 def without_prefix(names: list[str]) -> list[str]:

@@ -46,6 +46,7 @@ class Written:
             with as_file_error(final):
                 recover(final)
         self.part = beside(final)
+        self.on_disk = False  # whether the disk has all of the part already
         self.placed: list[tuple[Path, Path | None]] = []
         self.beside: list[Path] = []  # all companions, also those that were there
         self._orphans = _our_buffers(final)
@@ -87,7 +88,7 @@ class Written:
     def finish(self) -> None:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""
         with as_file_error(self.final):
-            commit(self.part, self.final, named=not self._shared)
+            commit(self.part, self.final, synced=self.on_disk, named=not self._shared)
         # The new file is there; what cannot be tidied up any more is no reason to fail.
         with suppress(OSError):
             for _, backup in self.placed:

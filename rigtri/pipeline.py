@@ -188,7 +188,7 @@ def _deliver(
     clock.lap("write")
     if not verify:
         return None
-    with _reaching_the_disk(written.part) if keep else nullcontext():
+    with _reaching_the_disk(written) if keep else nullcontext():
         result = _checked(document, path, rig, written, names, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
@@ -333,11 +333,11 @@ def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
 
 
 @contextmanager
-def _reaching_the_disk(path: Path) -> Iterator[None]:
-    """Meanwhile let the disk take a file: the sync before the rename then finds it there."""
-    with path.open("rb+") as file:
+def _reaching_the_disk(written: Written) -> Iterator[None]:
+    """Meanwhile let the disk take the part, so that the rename need not wait for that."""
+    with written.part.open("rb+") as file:
         # The thread must not open it: it would wait for this one before it came to the sync.
-        thread = threading.Thread(target=_try_sync, args=(file.fileno(),))
+        thread = threading.Thread(target=_try_sync, args=(file.fileno(), written))
         thread.start()
         try:
             yield
@@ -345,9 +345,10 @@ def _reaching_the_disk(path: Path) -> Iterator[None]:
             thread.join()
 
 
-def _try_sync(file: int) -> None:
-    with suppress(OSError):  # it comes again, and is told, with the sync that counts
+def _try_sync(file: int, written: Written) -> None:
+    with suppress(OSError):  # it comes again before the rename, and is told then
         os.fsync(file)
+        written.on_disk = True
 
 
 class _Clock:

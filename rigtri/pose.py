@@ -21,7 +21,6 @@ from rigtri.quaternions import multiply as product
 from rigtri.records import Clip, Integers, Interpolation, Mesh, Path, Skin, Track
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
-from rigtri.vectors import by_component
 
 
 def worlds(rig: Rig, local: Floats | None = None) -> Floats:
@@ -89,14 +88,19 @@ class Motion:
         if not len(self.driven):
             return local
         parts = {
-            "translation": np.repeat(rig.translation[np.newaxis, self.driven], count, axis=0),
-            "rotation": np.repeat(rig.rotation[np.newaxis, self.driven], count, axis=0),
-            "scale": np.repeat(rig.scale[np.newaxis, self.driven], count, axis=0),
+            "translation": _held(rig.translation[self.driven], count),
+            "rotation": _held(rig.rotation[self.driven], count),
+            "scale": _held(rig.scale[self.driven], count),
         }
         for pack in self.packs:
-            parts[pack.path][:, pack.columns] = pack.sample(times)
-        rotation = _as_shown(parts["rotation"], normalised)
-        local[:, self.driven] = compose(parts["translation"], rotation, parts["scale"])
+            if pack.columns is None:
+                parts[pack.path] = pack.sample(times)
+            else:
+                parts[pack.path][:, pack.columns] = pack.sample(times)
+        by_node = {path: values.swapaxes(0, 1) for path, values in parts.items()}  # as they lie in memory
+        rotation = _as_shown(by_node["rotation"], normalised)
+        composed = compose(by_node["translation"], rotation, by_node["scale"])
+        local[:, self.driven] = composed.swapaxes(0, 1)
         return local
 
 
@@ -311,6 +315,13 @@ def _polar(linear: Floats) -> tuple[Floats, Floats]:
     return np.where(fit, stretch, np.nan), np.where(fit[..., 0], rotation, np.nan)
 
 
+def _held(values: Floats, count: int) -> Floats:
+    """What nodes have at rest, (d, c), at so many times, (count, d, c), laid out as by `_Pack.sample`."""
+    held: Floats = np.empty((values.shape[1], len(values), count)).transpose()
+    held[:] = values
+    return held
+
+
 def _as_shown(rotation: Floats, normalised: bool) -> Floats:
     if not normalised:
         return rotation
@@ -333,21 +344,25 @@ def _together(tracks: list[Track]) -> list[list[Track]]:
 class _Pack:
     """Tracks that share path, interpolation and times: values (k, tracks, [3,] c).
 
-    columns: where each track's node stands among the driven nodes.
+    columns: where each track's node stands among the driven nodes, None for all of them in order.
+    Each number of a node at all keys is in one row of memory.
     """
 
     path: Path
     interpolation: Interpolation
     times: Floats
     values: Floats
-    columns: Integers
+    columns: Integers | None
 
     @staticmethod
     def of(tracks: list[Track], driven: Integers) -> _Pack:
+        tracks = sorted(tracks, key=lambda track: track.node)
         first = tracks[0]
-        values = by_component((len(first.values), len(tracks), *first.values.shape[1:]))
+        shape = len(first.values), len(tracks), *first.values.shape[1:]
+        values: Floats = np.empty(shape[::-1]).transpose()
         np.stack([track.values for track in tracks], axis=1, out=values)
-        columns = np.searchsorted(driven, [track.node for track in tracks])
+        nodes = np.array([track.node for track in tracks])
+        columns = None if np.array_equal(nodes, driven) else np.searchsorted(driven, nodes)
         return _Pack(first.path, first.interpolation, first.times, values, columns)
 
     def sample(self, times: Floats) -> Floats:
@@ -370,9 +385,9 @@ class _Pack:
 
 
 def _taken(values: Floats, rows: Integers) -> Floats:
-    """Some rows of values, (k, tracks, c), each component in one row of memory as in `by_component`."""
-    taken: Floats = np.take(values.transpose(2, 0, 1), rows, axis=1)
-    return taken.transpose(1, 2, 0)
+    """Some rows of values, (k, tracks, c), in memory as they are in `_Pack`."""
+    taken: Floats = np.take(values.transpose(), rows, axis=2)
+    return taken.transpose()
 
 
 def _turned(values: Floats, left: Integers, inside: Floats) -> Floats:

@@ -202,15 +202,15 @@ def slerp_rows(a: Floats, b: Floats, rows: NDArray[np.int64], share: Floats) -> 
     a, b: (k, t, 4). rows, share: (f,).
     """
     b, total = _shorter(a, b)
-    whole, here = sine(total), share == 0
-    inside = np.flatnonzero(~here & (share != 1))
-    totals, part = total[rows], share[inside, np.newaxis]
-    from_a, from_b = np.where(here[:, np.newaxis], whole[rows], 0.0), np.zeros(totals.shape)
-    from_b[share == 1] = whole[rows[share == 1]]
-    some = totals[inside]
-    from_a[inside], from_b[inside] = sine((1.0 - part) * some), sine(part * some)
-    start, end = (np.take(turns.transpose(2, 0, 1), rows, axis=1).transpose(1, 2, 0) for turns in (a, b))
-    return _along(start, end, share[:, np.newaxis], whole[rows], (from_a, from_b))
+    # Turns before times, which then lie side by side in memory, as in a, b and what is given.
+    whole, totals = (np.take(angles.T, rows, axis=1) for angles in (sine(total), total))
+    here, there = share == 0, share == 1
+    inside = np.flatnonzero(~here & ~there)
+    part, some = share[inside], totals[:, inside]
+    from_a, from_b = np.where(here, whole, 0.0), np.where(there, whole, 0.0)
+    from_a[:, inside], from_b[:, inside] = sine((1.0 - part) * some), sine(part * some)
+    start, end = (np.take(turns.transpose(), rows, axis=2).transpose() for turns in (a, b))
+    return _along(start, end, share[:, np.newaxis], whole.T, (from_a.T, from_b.T))
 
 
 def _shorter(a: Floats, b: Floats) -> tuple[Floats, Floats]:

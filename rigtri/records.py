@@ -36,6 +36,10 @@ class Track:
     key: Hashable = None
     unlisted: frozenset[int] = frozenset()
 
+    def having(self, values: Floats) -> Track:
+        """The track with other values; `replace` takes twice as long, and clips have hundreds."""
+        return Track(self.node, self.path, self.interpolation, self.times, values, self.key, self.unlisted)
+
 
 def key_values(track: Track) -> Floats:
     """The values of a track at its keys, (k, c), without the tangents of splines."""

@@ -37,6 +37,8 @@ from rigtri.vectors import length
 SAME_SCALE = 2e-5
 # A turn this near to a signed permutation of the axes is one.
 SAME_AXIS = 1e-9
+# What float64 leaves beside the diagonal of a scale that was turned exactly, as a share of the scale.
+LAST_BITS = 1e-12
 
 
 def turned(turn: Floats) -> Booleans:
@@ -154,19 +156,20 @@ class Scales:
 
     @staticmethod
     def of(rig: Rig) -> Scales:
-        tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "scale"]
+        tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "scale" and len(t.values)]
         sign = _signs(rig)
         rest = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]) * sign, rig.scale)
         keys = [_scale_rows(t) for t in tracks]
-        owner = np.repeat([t.node for t in tracks], [len(k) for k in keys]).astype(np.int64)
-        rows = np.concatenate([rest, *keys])
-        owner = np.concatenate([np.arange(len(rig)), owner])
+        counts = np.array([1] * len(rig) + [len(rows) for rows in keys], dtype=np.int64)
+        nodes = np.array([*range(len(rig)), *(t.node for t in tracks)], dtype=np.int64)
+        rows, owner = np.concatenate([rest, *keys]), np.repeat(nodes, counts)
         unsigned = rows * sign[owner]
-        largest = np.zeros(len(rig))
-        np.maximum.at(largest, owner, np.abs(unsigned).max(axis=1))
-        apart = np.zeros((len(rig), 3))
-        np.maximum.at(apart, owner, np.abs(unsigned - unsigned[:, [1, 2, 0]]))
-        apart /= np.where(largest == 0, 1.0, largest)[:, np.newaxis]
+        # Of each node's rest and each of its tracks, and then of each node.
+        sizes = np.abs(np.stack([*unsigned.T, *(unsigned - unsigned[:, [1, 2, 0]]).T]))
+        most = np.zeros((6, len(rig)))
+        np.maximum.at(most.T, nodes, np.maximum.reduceat(sizes, np.cumsum(counts) - counts, axis=1).T)
+        largest = most[:3].max(axis=0)
+        apart = (most[3:] / np.where(largest == 0, 1.0, largest)).T
         return Scales(rows, owner, sign, apart, np.full(len(rig), SAME_SCALE))
 
     @cached_property
@@ -200,7 +203,7 @@ class Scales:
         axes: the rows of C, (3, 3).
         """
         rows = self.of_node(node)
-        limit = 0.5 * self.same[node] * np.abs(rows).max()
+        limit = max(0.5 * self.same[node], LAST_BITS) * np.abs(rows).max()
         products = axes[[0, 1, 2]] * axes[[1, 2, 0]]
         off = sum(products[:, k] * rows[:, k, np.newaxis] for k in range(3))
         return bool((np.abs(off) <= limit).all())
@@ -311,7 +314,7 @@ def _turn_clips(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: Sca
             part, track = rows[start : start + len(old)], tracks[k]
             start += len(old)
             if path != "scale" or not np.array_equal(part, old):
-                changed[k] = replace(track, values=part.reshape(track.values.shape))
+                changed[k] = track.having(part.reshape(track.values.shape))
     if not changed:
         return rig
     after = iter(changed.get(k, track) for k, track in enumerate(tracks))

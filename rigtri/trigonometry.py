@@ -41,8 +41,8 @@ def sin_cos(angle: ArrayLike) -> tuple[Floats, Floats]:
     >>> s.round(12).tolist(), c.round(12).tolist()
     ([0.0, 0.841470984808], [1.0, 0.540302305868])
     """
-    rest, turn = _quartered(np.asarray(angle, dtype=np.float64))
-    square = rest * rest
+    rest, quarters = _quartered(np.asarray(angle, dtype=np.float64))
+    turn, square = _last_turn(quarters), rest * rest
     # |rest| <= pi/4: the first omitted terms are below 1e-19 and 1e-18.
     sine = rest * _series(square, _SINE)
     cosine = _series(square, _COSINE)
@@ -58,22 +58,28 @@ def sine(angle: ArrayLike) -> Floats:
     >>> float(sine(1.0).round(12))
     0.841470984808
     """
-    rest, turn = _quartered(np.asarray(angle, dtype=np.float64))
+    rest, quarters = _quartered(np.asarray(angle, dtype=np.float64))
     square = rest * rest
     found = rest * _series(square, _SINE)
-    if not turn.any():  # up to an eighth of a circle; NaN is any
+    if not quarters.any():  # up to an eighth of a circle; NaN is any
         return np.asarray(found)
+    turn = _last_turn(quarters)
     odd = (turn == 1) | (turn == 3)
     s = np.where(odd, _series(square, _COSINE), found)
     return np.where(turn >= 2, -s, s)
 
 
 def _quartered(x: Floats) -> tuple[Floats, Floats]:
-    """What is left of angles without whole quarters, and how many of these, 0 to 3."""
+    """What is left of angles without whole quarters, and how many of these they have."""
     with np.errstate(invalid="ignore"):
-        quarter = np.rint(x / _HALF_PI)
-        rest = (x - quarter * _HALF_PI_HIGH) - quarter * _HALF_PI_LOW
-        return rest, np.mod(quarter, 4.0)
+        quarters = np.rint(x / _HALF_PI)
+        return (x - quarters * _HALF_PI_HIGH) - quarters * _HALF_PI_LOW, quarters
+
+
+def _last_turn(quarters: Floats) -> Floats:
+    """How many of some quarters are no whole turn, 0 to 3."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.mod(quarters, 4.0))
 
 
 def arc_tangent(y: ArrayLike, x: ArrayLike) -> Floats:

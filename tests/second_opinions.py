@@ -29,6 +29,7 @@ SCHEMAS = (
     "mirror",
     "node",
     "pose",
+    "recognise",
     "report",
     "rig",
 )

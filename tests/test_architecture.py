@@ -39,6 +39,7 @@ reframe report reach
 origin
 lengths
 naming
+recognition
 limbs
 stature
 views

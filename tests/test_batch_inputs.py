@@ -7,12 +7,14 @@ import os
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rigtri.batch import targets
 from rigtri.batch.entries import Entry, entries
 from rigtri.batch.shards import Shard, of_slurm, parse
+from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
 
 
@@ -132,7 +134,7 @@ def test_a_job_file_says_more_for_each_file(tree: Path) -> None:
 def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> None:
     job = Path("job.jsonl")
     lines = [
-        '{"input": "a.glb"}',
+        '{"input": "in/a.glb"}',
         "{",
         '{"file": "a.glb"}',
         "[]",
@@ -146,6 +148,52 @@ def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> Non
     assert all(f"job.jsonl:{line}: " in text for line in (2, 3, 4, 5, 6))
     assert "job.jsonl:1:" not in text
     assert "'file' is no key" in text
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ('{"input": "a.glb", "input": "b.glb"}', "job.jsonl:1: no JSON: 'input' is said twice (column 20)"),
+        ('{"input": "a.glb", "variables": {"x": 1, "x": 2}}', "'x' is said twice"),
+        ('{"input": "a.glb", "variables": {"x": NaN}}', "NaN is no number of JSON"),
+        ("{'input': 'a.glb'}", "a key is expected here, a text in double quotes (column 2)"),
+    ],
+)
+def test_a_line_of_a_job_file_is_strict_json(line: str, said: str, tree: Path) -> None:
+    Path("job.jsonl").write_text(line)
+    with pytest.raises(UsageError) as told:
+        entries([], job=Path("job.jsonl"), out_dir=Path("out"))
+    assert said in str(told.value)
+
+
+def test_all_that_is_wrong_with_inputs_is_told_at_once(tree: Path) -> None:
+    Path("empty").write_text("")
+    Path("job.jsonl").write_text('{"input": "gone.glb"}\n{"input": 3}\n')
+    with pytest.raises(UsageError) as told:
+        entries(["nope/*.glb", "nope2/*", "@gone", "@empty", ""], job=Path("job.jsonl"), out_dir=Path("out"))
+    text = str(told.value)
+    for said in ("'nope/*.glb'", "'nope2/*'", "@gone:", "@empty names", "without a name", "job.jsonl:2: "):
+        assert said in text
+    assert "job.jsonl:1: there is no such file to read: gone.glb" in text
+    with pytest.raises(FileError, match=r"@a: .*; @b: "):
+        entries(["@a", "@b"], out_dir=Path("out"))
+
+
+def test_variables_of_a_job_file_are_told_with_its_other_lines(tree: Path) -> None:
+    Path("rig.yaml").write_text("version: 1\nvariables: {side: left}\nsteps: [{do: orient-joints}]\n")
+    lines = [
+        '{"input": "in/a.glb", "variables": {"sied": "left"}}',
+        '{"input": "gone.glb", "variables": {"side": "right"}}',
+        '{"input": "in/a.glb", "variables": {"sied": "left"}}',
+        "{",
+    ]
+    Path("job.jsonl").write_text("\n".join(lines))
+    result = CliRunner().invoke(program, ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"])
+    assert result.exit_code == 2
+    assert "job.jsonl:1: in/a.glb: rig.yaml:1:1 --set sied: the spec has no such variable" in result.stderr
+    assert "job.jsonl:2: there is no such file to read: gone.glb" in result.stderr
+    assert "job.jsonl:4: " in result.stderr
+    assert "job.jsonl:3: " not in result.stderr
 
 
 @pytest.mark.parametrize(
@@ -264,3 +312,9 @@ def test_tasks_of_a_slurm_array_are_parts() -> None:
         slurm(ID=7, COUNT=3, MIN=1, MAX=9, STEP=1)
     with pytest.raises(UsageError, match="tells no part"):
         of_slurm({"SLURM_ARRAY_TASK_ID": "1"})
+
+
+def test_too_little_memory_is_told_with_the_least(tree: Path) -> None:
+    result = CliRunner().invoke(program, ["batch", "in/a.glb", "--spec", "rig.yaml", "--max-memory", "1K"])
+    assert result.exit_code == 2
+    assert "the least is 1M" in result.stderr

@@ -398,7 +398,7 @@ def _line(name: str, file: Path, target: Path) -> list[str]:
     """A command that reads ``file``, with what it needs besides."""
     if name == "batch":
         return [name, str(file), "--spec", str(file), "-O", str(target)]
-    if name in ("inspect", "check", "batch-report", "spec-init", "schema", "completion"):
+    if name in ("inspect", "recognise", "check", "batch-report", "spec-init", "schema", "completion"):
         return [name, str(file)]
     if name in ("verify", "diff"):
         return [name, str(file), str(file)]

@@ -104,7 +104,10 @@ def test_what_works_on_files_says_nothing_of_interrupts_and_kills(tmp_path: Path
 
 
 @SERVED
-def test_an_interrupt_of_the_imports_ends_the_program_without_a_word() -> None:
-    line = "import os, signal, rigtri.cli; os.kill(os.getpid(), signal.SIGINT)"
-    done = subprocess.run([sys.executable, "-c", line], capture_output=True, timeout=60, check=False)
-    assert (done.returncode, done.stderr) == (-signal.SIGINT, b"")
+@pytest.mark.parametrize("line", ["rigtri.cli; {0}", "rigtri.cli.main; {1}; rigtri.cli.main.program()"])
+def test_an_interrupt_at_any_time_ends_the_program_in_our_words(line: str) -> None:
+    now = "os.kill(os.getpid(), signal.SIGINT)"
+    soon = "rigtri.cli.main.import_module = lambda _: [" + f"{now}, " * 3 + "]"
+    text = f"import os, signal, sys, {line.format(now, soon)}"
+    done = subprocess.run([sys.executable, "-c", text, "build"], capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (130, b"\nrigtri: interrupted\n")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rigtri.naming import limb_parts, side, twin, without_prefix
+from rigtri.naming import side, twin, without_prefix
 
 
 @pytest.mark.parametrize(
@@ -24,32 +24,6 @@ from rigtri.naming import limb_parts, side, twin, without_prefix
 )
 def test_a_name_tells_its_side(name: str, expected: str) -> None:
     assert side(name) == expected
-
-
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [
-        ("upper_arm.L", "arm/start"),
-        ("LeftArm", "arm/start"),
-        ("LeftForeArm", "arm/middle"),
-        ("lowerarm_l", "arm/middle"),
-        ("LElbow", "arm/middle"),
-        ("wrist.l", "arm/end"),
-        ("LeftUpLeg", "leg/start"),
-        ("DEF-shin.R.001", "leg/middle"),
-        ("RKnee", "leg/middle"),
-        ("foot_r", "leg/end"),
-    ],
-)
-def test_a_name_tells_its_part_of_a_limb(name: str, expected: str) -> None:
-    assert limb_parts(name)[0] == expected
-
-
-@pytest.mark.parametrize(
-    "name", ["handIK.L", "handslot.l", "kneeIK.r", "PoleTarget.L", "l-LEGCONTROL", "upperarm_twist_01_l"]
-)
-def test_a_control_or_helper_is_no_part_of_a_limb(name: str) -> None:
-    assert limb_parts(name) == ()
 
 
 @pytest.mark.parametrize(

@@ -196,7 +196,7 @@ def test_names_of_locators_are_plain_and_free() -> None:
 def test_what_is_asked_wrongly_is_said() -> None:
     with pytest.raises(UsageError, match="--limb"):
         placed(arm(), limbs=())
-    with pytest.raises(GeometryError, match="no VRM humanoid map"):
+    with pytest.raises(GeometryError, match="no arms or legs were recognised"):
         placed(arm(), limbs=(), auto=True)
     with pytest.raises(NameNotFoundError, match="'knee'"):
         placed(arm(), bends={"knee": (0.0, 0.0, 1.0)})

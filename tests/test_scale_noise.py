@@ -91,6 +91,14 @@ def test_a_frame_reaches_at_least_half_its_diagonal(tmp_path: Path) -> None:
     assert reaches(rig)[elbow] > np.sqrt(3.0)
 
 
+def test_where_no_noise_of_a_scale_is_allowed_its_joint_takes_the_nearest_axes(tmp_path: Path) -> None:
+    """Of a cardinal turn float64 leaves bits beside the diagonal; they are none of the scale's."""
+    rig = read(gltf(tmp_path / "limb.glb", Limb(rest={"elbow": (1, 1.000001, 0.999999)}))).rig
+    options = Orient(on_nonuniform_scale="snap", style=Style("x", "y"), tolerance=0.0)
+    turned = orient_joints(rig, options=options)
+    assert not np.array_equal(turned.rotation, rig.rotation)
+
+
 def test_what_is_refused_for_a_nearly_uniform_scale_names_its_joint(tmp_path: Path) -> None:
     """With a tolerance that the plan did not know, a turn of the elbow shows, and the advice says so."""
     source = with_camera(tmp_path, 9e-6)

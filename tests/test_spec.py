@@ -555,11 +555,9 @@ def test_a_starter_is_yaml_for_names_that_end_lines_or_cannot_be_seen() -> None:
 
 def test_a_starter_says_which_limbs_it_passes_over() -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    odd = replace(
-        rig, names=tuple(name.replace("thigh_R", "femur").replace("arm_L", "") for name in rig.names)
-    )
-    assert "# Not known by its name, so not here: left arm, right leg. Name" in starter(odd, "odd.glb")
-    assert "Not known" not in starter(rig, "biped.glb")
+    half = read(SAMPLES / "mirrored_pair.glb").rig
+    assert "# Not recognised, so not here: left leg, right leg. Name" in starter(half, "half.glb")
+    assert "Not recognised" not in starter(rig, "biped.glb")
     flat = starter(read(SAMPLES / "flat_ik.glb").rig, "flat_ik.glb")
     assert "# Left out, as its joints do not hang below each other: [" in flat
 
@@ -571,6 +569,19 @@ def test_a_starter_calls_a_joint_by_what_means_it_alone() -> None:
     named = [json.loads(line.strip("# ")) for line in comment.splitlines()[1:]]
     assert not {"#12", "vrm:hips", "a{b,c}"}.intersection(named)
     assert len({rig.find(name) for name in named}) == len(named)
+
+
+def test_a_starter_lists_each_joint_right_below_the_one_that_it_hangs_on() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    text = starter(rig, "biped.glb")
+    above: list[str] = []
+    for line in text[text.index("# The joints") :].splitlines()[1:]:
+        name = json.loads(line.strip("# "))
+        depth = (len(line) - len(line[1:].lstrip()) - 4) // 2
+        assert depth <= len(above), line
+        parent = rig.parents[rig.find(name)]
+        assert not depth or rig.address(parent) == above[depth - 1]
+        above = [*above[:depth], name]
 
 
 def test_spec_init_writes_json_that_build_reads(tmp_path: Path) -> None:

@@ -457,3 +457,52 @@ def test_an_optional_step_is_left_out_where_no_limb_is_known(tmp_path: Path) -> 
             SAMPLES / "tail.glb", tmp_path / "no.glb", write(tmp_path, step.replace(", optional: true", ""))
         )
     assert caught.value.exit_code == 5
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_strict_build_leaves_no_step_out(first: bool, tmp_path: Path) -> None:
+    steps = ["{do: orient-joints}", "{do: add-controls, chain: [tail_1, tial_4], optional: true}"]
+    spec = write(tmp_path, f"strict: true\nsteps: [{', '.join(reversed(steps) if first else steps)}]")
+    with pytest.raises(
+        SpecError, match=r"rig\.yaml:\d+:\d+ .*--strict: step . \(add-controls\) is left out"
+    ) as error:
+        build(SAMPLES / "tail.glb", tmp_path / "out.glb", spec)
+    assert error.value.exit_code == 5
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_what_a_spec_says_instead_hides_no_fault_of_its_base(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        "version: 2\ntolerance: -1\nstrict: ${s}\nvariables: {s: true}\nsteps: [{do: orient-joints}]",
+        "base.yaml",
+    )
+    top = write(tmp_path, "version: 1\nextends: base.yaml\ntolerance: 1e-4\n")
+    with pytest.raises(SpecError) as caught:
+        load(top)
+    places = {(Path(fault.place.file).name, fault.place.line) for fault in caught.value.found}
+    assert places == {("base.yaml", 1), ("base.yaml", 2)}
+
+
+def test_no_spec_has_its_version_from_another(tmp_path: Path) -> None:
+    write(tmp_path, "version: 2\nsteps: [{do: orient-joints}]", "base.yaml")
+    (found,) = faults(write(tmp_path, "extends: base.yaml\n"))
+    assert found == (1, 10)
+
+
+def test_names_that_no_variable_can_have_are_one_fault_each(tmp_path: Path) -> None:
+    text = 'variables: {"bad name": left, "": 3, "a{b}": 1, größe: 2}\nsteps: [{do: strip}]\n'
+    found = faults(write(tmp_path, text))
+    assert len(found) == 3
+    assert all("is no name of a variable: " in said for said in found.values())
+
+
+def test_a_variable_that_names_another_one_is_told_where_it_is_used(tmp_path: Path) -> None:
+    text = 'variables: {a: "${b}", b: maya}\nsteps: [{do: orient-joints, preset: "${a}"}]\n'
+    (said,) = faults(write(tmp_path, text)).values()
+    assert "the variable 'a' names another one, ${b}, which is not filled in; give 'a' its value" in said
+
+
+def test_an_option_that_is_like_none_is_told_with_those_that_there_are(tmp_path: Path) -> None:
+    (said,) = faults(write(tmp_path, "steps: [{do: strip, zzz: 1}]")).values()
+    assert "there is no option 'zzz'. There are optional, do, splits." in said

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import glob
-import json
 import os
 import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
-from rigtri.batch import urls
-from rigtri.errors import FileError, UsageError
+from rigtri.batch import jobs, urls
+from rigtri.batch.jobs import Fits, Input
+from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.plain_files import text_of
 
 _WILD = re.compile(r"[*?\[]")
 # A part of a pattern that stands for all folders, with what parts it from the others.
 _ALL_FOLDERS = re.compile(r"(?:^|(?<=[/\\]))\*\*(?:[/\\]+|$)")
-_KEYS = {"input", "output", "variables"}
 # So many of many faults or names are told.
 MOST = 10
 
@@ -39,21 +37,6 @@ class Entry:
     line: str = field(default="", compare=False)
 
 
-@dataclass(frozen=True, slots=True)
-class _Input:
-    """A file that was named. base: the folder whose tree is kept. output: where a job file says so.
-
-    found, line: as of `Entry`.
-    """
-
-    source: str
-    base: str
-    output: str | None = None
-    variables: tuple[tuple[str, str], ...] = ()
-    found: bool = False
-    line: str = ""
-
-
 @dataclass(frozen=True)
 class Found:
     """The entries of a batch, each once, sorted by their source; and inputs left out as outputs."""
@@ -69,6 +52,7 @@ def entries(
     out_dir: Path | str | None = None,
     base: Path | str | None = None,
     layers: bool = False,
+    fits: Fits | None = None,
 ) -> Found:
     """The files that ``words`` name: paths, URLs, patterns with ``**``, ``@list`` (``@-`` is standard input).
 
@@ -78,11 +62,15 @@ def entries(
     out_dir: outputs keep their place in the tree below ``base``; without that it is the fixed part
     of a pattern, and for paths the deepest folder that they share. A pattern does not find what
     lies in out_dir. layers: outputs are layers over their inputs, also over packages.
-    UsageError for a word that names nothing, FileError for lists that cannot be read.
+    fits: asked whether the variables of a job file's lines can be.
+    UsageError for a word that names nothing, FileError for lists that cannot be read; all at once.
     """
-    inputs, left_out = _without_outputs(_named(words), out_dir)
+    faults: list[RigtriError] = []
+    inputs, left_out = _without_outputs(_named(words, faults), out_dir)
     if job is not None:
-        inputs += _of_job(job)
+        with _kept(faults):
+            inputs += _of_job(job, faults, fits)
+    _refuse(faults)
     if not inputs:
         if left_out:
             raise UsageError(f"all files that were found lie in {out_dir}, where the outputs go")
@@ -93,24 +81,58 @@ def entries(
     return Found(tuple(sorted(each, key=lambda entry: (entry.source, entry.target))), left_out)
 
 
-def _named(words: Sequence[str]) -> list[_Input]:
-    """The inputs that words name."""
+@contextmanager
+def _kept(faults: list[RigtriError]) -> Iterator[None]:
+    """Meanwhile an error goes to the faults."""
+    try:
+        yield
+    except (FileError, UsageError) as error:
+        faults.append(error)
+
+
+def _refuse(faults: Sequence[RigtriError]) -> None:
+    """All faults as one error."""
+    if len(faults) == 1:
+        raise faults[0]
+    if faults:
+        more = f"; and {len(faults) - MOST} more" if len(faults) > MOST else ""
+        files = all(isinstance(fault, FileError) for fault in faults)
+        raise (FileError if files else UsageError)(f"{'; '.join(map(str, faults[:MOST]))}{more}")
+
+
+def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
+    """The inputs that words name; ``faults`` gets what is wrong with words."""
     plain, found = [], []
     for word in words:
-        for name in _listed(word[1:]) if word.startswith("@") and not os.path.exists(word) else [word]:
-            if not name:
-                raise UsageError("an input without a name; was a variable of the shell empty?")
-            if urls.is_url(name):
-                name = urls.known(name)
-            start = _WILD.search(name)
-            if start and not (urls.is_web(name) or _exists(name)):
-                fixed = os.path.dirname(name[: start.start()])
-                every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
-                found += [_Input(path, fixed, found=True) for path in every]
-            else:
-                plain.append(name)
-    base = _shared(plain)
-    return [*(_Input(name, base) for name in plain), *found]
+        names = [word]
+        if word.startswith("@") and not os.path.exists(word):
+            names = []
+            with _kept(faults):
+                names = _listed(word[1:])
+        for name in names:
+            with _kept(faults):
+                if not name:
+                    raise UsageError("an input without a name; was a variable of the shell empty?")
+                if urls.is_url(name):
+                    name = urls.known(name)
+                start = _WILD.search(name)
+                if start and not (urls.is_web(name) or _exists(name)):
+                    fixed = os.path.dirname(name[: start.start()])
+                    every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
+                    found += [Input(path, fixed, found=True) for path in every]
+                else:
+                    plain.append(name)
+    base = ""
+    with _kept(faults):
+        base = _shared(plain)
+    return [*(Input(name, base) for name in plain), *found]
+
+
+def _of_job(path: Path, faults: list[RigtriError], fits: Fits | None) -> list[Input]:
+    """The lines of a job file; those without an output keep their tree."""
+    found = jobs.inputs(path, faults, fits)
+    shared = _shared([item.source for item in found if item.output is None])
+    return [replace(item, base=shared) for item in found]
 
 
 def _listed(name: str) -> list[str]:
@@ -193,7 +215,7 @@ def _shared(names: Sequence[str]) -> str:
         raise UsageError("the files lie on several drives; give each drive a batch of its own") from None
 
 
-def _without_outputs(named: list[_Input], out_dir: Path | str | None) -> tuple[list[_Input], int]:
+def _without_outputs(named: list[Input], out_dir: Path | str | None) -> tuple[list[Input], int]:
     if out_dir is None:
         return named, 0
     place = os.path.join(_real(out_dir), "")
@@ -215,20 +237,20 @@ def _relative(source: str, base: Path | str) -> str:
     return os.path.relpath(os.path.abspath(source), os.path.abspath(base))
 
 
-def _below(item: _Input, base: Path | str) -> _Input:
+def _below(item: Input, base: Path | str) -> Input:
     relative = _relative(item.source, base)
     if relative.split(os.sep)[0] == os.pardir and item.output is None:
         raise UsageError(f"{item.source} does not lie below --base {base}")
     return replace(item, base=str(base))
 
 
-def _entry(item: _Input, out_dir: Path | str | None, layers: bool) -> Entry:
+def _entry(item: Input, out_dir: Path | str | None, layers: bool) -> Entry:
     """Where an input goes."""
-    target = item.output or _kept(item, out_dir, layers)
+    target = item.output or _placed(item, out_dir, layers)
     return Entry(item.source, target, item.variables, item.found, item.line)
 
 
-def _kept(item: _Input, out_dir: Path | str | None, layers: bool) -> str:
+def _placed(item: Input, out_dir: Path | str | None, layers: bool) -> str:
     """The output's name, at its place in the tree."""
     if out_dir is None:
         raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
@@ -239,51 +261,3 @@ def _kept(item: _Input, out_dir: Path | str | None, layers: bool) -> str:
     if layers and target.suffix.lower() == ".usdz":
         target = target.with_suffix(".usda")
     return str(target)
-
-
-def _of_job(path: Path) -> list[_Input]:
-    """The lines of a job file; a UsageError that tells all that is wrong with them."""
-    lines = text_of(path, "--job").splitlines()
-    found: list[_Input] = []
-    faults: list[str] = []
-    for number, line in enumerate(lines, 1):
-        if line.strip():
-            try:
-                item = _job_input(json.loads(line), path.parent)
-                found.append(replace(item, line=f"{path}:{number}"))
-            except (ValueError, RecursionError) as error:
-                faults.append(f"{path}:{number}: {error}")
-    if faults:
-        more = f"; and {len(faults) - MOST} more" if len(faults) > MOST else ""
-        raise UsageError(f"{'; '.join(faults[:MOST])}{more}")
-    if not found:
-        raise UsageError(f"{path} names no files")
-    shared = _shared([item.source for item in found if item.output is None])
-    return [replace(item, base=shared) for item in found]
-
-
-def _job_input(line: Any, folder: Path) -> _Input:
-    """One line of a job file. ValueError for what it cannot mean."""
-    if not isinstance(line, dict):
-        raise ValueError('a line is an object, as in {"input": "hero.glb", "variables": {"side": "left"}}')
-    if unknown := sorted(line.keys() - _KEYS):
-        raise ValueError(f"'{unknown[0]}' is no key of a job; known are {', '.join(sorted(_KEYS))}")
-    for key in ("input", "output"):
-        if not isinstance(line.get(key, "." if key == "output" else None), str) or line.get(key) == "":
-            raise ValueError(f"'{key}' is the path of a file")
-    variables = line.get("variables", {})
-    if not isinstance(variables, dict):
-        raise ValueError("'variables' is an object of names and values")
-    output = _seen_from(folder, line["output"]) if "output" in line else None
-    return _Input(_seen_from(folder, line["input"]), "", output, tuple(_texts(variables)))
-
-
-def _seen_from(folder: Path, name: str) -> str:
-    return urls.known(name) if urls.is_url(name) else str(folder / name)
-
-
-def _texts(variables: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    for name, value in sorted(variables.items()):
-        if isinstance(value, dict | list) or value is None:
-            raise ValueError(f"the variable '{name}' is a text, a number, true or false")
-        yield name, value if isinstance(value, str) else json.dumps(value)

@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.bounds import refuse_unworkable
 from rigtri.errors import GeometryError, UsageError
-from rigtri.limbs import Limb, recognise
+from rigtri.limbs import Limb, recognise, with_recognised
 from rigtri.matrices import nearest_rotation
 from rigtri.naming import Side, side
 from rigtri.ops.added import add, find, group, home, noted, stand
@@ -130,7 +130,7 @@ class _Builder:
         self.tree: Skeleton = skeleton(rig, options.root)
         self.ref: Reference = reference(self.tree, "nodes")
         self.world = worlds(rig)
-        self.limbs = (*options.ik, *(recognise(rig) if self._all_limbs else ()))
+        self.limbs = with_recognised(rig, options.ik) if self._all_limbs else options.ik
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))
         self.aims = {joint: aim_of(self.tree, self.ref, joint, rules) for joint in self.tree.joints}
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]

@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import FileError, UsageError
 from rigtri.lengths import same_scales, ties
-from rigtri.limbs import Limb, along, recognise
+from rigtri.limbs import Limb, along, with_recognised
 from rigtri.matrices import transform_directions
 from rigtri.ops.aims import Aim, Branch, End, Rules, aim_of, limb_children
 from rigtri.ops.frames import like_turns, mirrored_turns, stored_turns, turn_onto
@@ -120,7 +120,7 @@ class Plan:
             for joint in along(rig, rig.find(start), rig.find(end)):
                 styles[joint] = style.checked()
         options.style.checked()
-        limbs = _limbs(rig, options)
+        limbs = with_recognised(rig, options.limbs)
         rules = Rules(
             options.branch,
             tuple(rig.find(name) for name in options.branch_to),
@@ -402,13 +402,6 @@ def _check_parallel(rig: Rig, options: Options) -> None:
         raise UsageError(f"{rig.frozen}, so --world is for all joints of this file: name none")
     if options.pose not in (None, "nodes"):
         raise UsageError(f"--pose {options.pose}: {rig.frozen}; rotations are zero in the pose of the nodes")
-
-
-def _limbs(rig: Rig, options: Options) -> tuple[Limb, ...]:
-    """The user's limbs, then the recognised ones that share no joint with them."""
-    mine = {node for limb in options.limbs for node in limb.triple}
-    found = [limb for limb in recognise(rig) if not mine.intersection(limb.triple)]
-    return (*options.limbs, *found)
 
 
 def _facing(rig: Rig, options: Options) -> Floats | None:

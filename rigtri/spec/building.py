@@ -147,6 +147,12 @@ class _Work:
     def _leave_out(self, one: PlannedStep, error: RigtriError) -> bool:
         report = Report()
         report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
+        if self.spec.model.strict:
+            try:
+                report.refuse_warnings()
+            except GeometryError as refused:
+                self.lost.append(([fault_of(self.spec.tree, one.index, str(refused))], refused))
+            return False
         self.report.hear(report.warnings)
         self.done.append(Done(one, report))
         return False

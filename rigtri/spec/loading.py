@@ -116,7 +116,7 @@ def load(
     with all that is wrong in it.
     """
     need_extra()
-    from rigtri.spec.merging import merged
+    from rigtri.spec.merging import merged, plain
 
     path, given = Path(path), dict.fromkeys(variables or (), Path()) | dict(folders or {})
     spec = merged(path, variables or {})
@@ -128,6 +128,9 @@ def load(
         *spec.faults,
         *(one for keys, one in found if one and not unsure & {place for _, place in tree.under(keys)}),
     ]
+    told = {fault.place for fault in faults}
+    hidden = (one for base in spec.bases for _, one in wrong(plain(base), whole=False) if one)
+    faults += [one for one in hidden if one.place not in told]
     parts = [keys for keys, _ in found] + [keys for keys, place in tree.spot.all() if place in unsure]
     model, numbers = sound(tree, {keys[: 2 if keys[0] == "steps" else 1] for keys in parts})
     steps, contradictions = _planned(model, tree, numbers)

@@ -31,12 +31,14 @@ _OWN = ("$schema", "version", "name", "extends", "variables", "defaults")
 class Merged:
     """A spec with all that it extends. files: it and these. faults: bases and variables that there are not.
 
+    bases: the specs that it extends, each by itself.
     whole: no base is lost, which might say what is not said here. unsure: the places of values
     with variables that there are not.
     """
 
     tree: Tree
     files: tuple[Path, ...]
+    bases: tuple[Tree, ...]
     faults: list[Fault]
     whole: bool
     unsure: frozenset[Place]
@@ -48,19 +50,20 @@ def merged(path: Path, given: Mapping[str, str]) -> Merged:
     given: variables that the user sets. Raises FileError where there is no such spec, and SpecError for
     what hides the rest.
     """
-    files: list[Path] = []
+    trees: dict[Path, Tree] = {}
     lost: list[Fault] = []
-    tree = _extended(path, (), files, lost)
+    tree = _extended(path, (), trees, lost)
     unset, unknown = _unset(tree, given), _fill(tree, given)
     _default(tree)
     _expand(tree)
     unsure = frozenset(fault.place for fault in unknown)
     # A base that is lost may have these variables.
-    return Merged(tree, tuple(dict.fromkeys(files)), lost or [*unset, *unknown], not lost, unsure)
+    bases = tuple(base for file, base in trees.items() if file != path)
+    return Merged(tree, tuple(trees), bases, lost or [*unset, *unknown], not lost, unsure)
 
 
-def _extended(path: Path, chain: tuple[Path, ...], files: list[Path], lost: list[Fault]) -> Tree:
-    """A spec over its bases. lost: gets those that cannot be read."""
+def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost: list[Fault]) -> Tree:
+    """A spec over its bases. trees: gets each by itself. lost: gets those that cannot be read."""
     real = path.resolve()
     if real in chain:
         circle = " → ".join(str(file) for file in (*chain[chain.index(real) :], real))
@@ -68,7 +71,7 @@ def _extended(path: Path, chain: tuple[Path, ...], files: list[Path], lost: list
     if len(chain) >= MOST_EXTENDED:
         raise FileError(f"{path}: more than {MOST_EXTENDED} specs extend each other")
     tree = parse(path)
-    files.append(path)
+    trees[path] = tree
     bases = tree.values.get("extends", ())
     bases = [bases] if isinstance(bases, str) else bases
     if not isinstance(bases, list | tuple) or not all(isinstance(base, str) for base in bases):
@@ -76,11 +79,12 @@ def _extended(path: Path, chain: tuple[Path, ...], files: list[Path], lost: list
     whole = Tree(tree.file, {}, Spot(tree.spot.place))
     for number, base in enumerate(bases):
         try:
-            _over(whole, _extended(path.parent / base, (*chain, real), files, lost))
+            _over(whole, _extended(path.parent / base, (*chain, real), trees, lost))
         except SpecError as error:
             lost += error.found
         except FileError as error:
             lost.append(Fault(tree.place(("extends", number)), "", f"extends {base}: {error}"))
+    whole.values.pop("version", None)  # each file says its own
     _over(whole, tree)
     whole.file = tree.file
     return whole
@@ -146,6 +150,11 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
         if not escaped and name not in known:
             faults.append(Fault(tree.place(keys), "", f"there is no variable '{name}'.{_near(name, known)}"))
             return value
+        other = None if escaped else _VARIABLE.search(str(known[name]))
+        if other and not other[1]:
+            text = f"the variable '{name}' names another one, {other[0]}, which is not filled in; "
+            faults.append(Fault(tree.place(keys), "", f"{text}give '{name}' its value"))
+            return value
     if (first := _VARIABLE.match(value)) and not first[1]:
         tree.at(keys).variable = first[2]
     alone = _VARIABLE.fullmatch(value)
@@ -156,6 +165,16 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
         faults.append(Fault(tree.place(keys), "", f"a text with variables has at most {MOST_TEXT:,} letters"))
         return value
     return text
+
+
+def plain(tree: Tree) -> Tree:
+    """What a spec says by itself, but for its steps: values that no other spec and no variable changes."""
+    values = {key: value for key, value in tree.values.items() if key != "steps" and not _varies(value)}
+    return Tree(tree.file, values, tree.spot)
+
+
+def _varies(value: Any) -> bool:
+    return any("${" in text for text in _texts(value))
 
 
 def _typed(text: str, like: Any) -> Any:

@@ -99,11 +99,16 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[
         text = f"{option}: there are too few values"
     elif kind == "missing":
         text = f"'{name}' is missing"
+    elif kind == "string_pattern_mismatch" and keys[:1] == ("variables",):
+        text = f"'{keys[-1]}' is no name of a variable: it has letters, as in ${{side}}, and no spaces, "
+        text += "braces, quotes, $ or ="
     elif kind == "union_tag_not_found":
         text = "'do' is missing: the name of an operation, e.g. orient-joints"
     elif kind == "union_tag_invalid":
         hint = _hint(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
+    elif kind == "string_type" and told["input"] is None:
+        text = f"{option}: this place is open: name what belongs there, or leave it out"
     else:
         text = told["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]
@@ -159,7 +164,8 @@ def _near(tree: Tree, loc: tuple[str | int, ...]) -> str:
     model: type[BaseModel] = step_models().get(str(do), SpecModel)
     if loc[-1] == "auto" in model.model_fields:  # what the option is called inside, and its only value
         return " Did you mean 'limbs: auto'?"
-    return _hint(str(loc[-1]), [str(field.alias or name) for name, field in model.model_fields.items()])
+    known = [str(field.alias or name) for name, field in model.model_fields.items()]
+    return _hint(str(loc[-1]), known) or f" There are {', '.join(known)}."
 
 
 def _hint(word: str, known: Sequence[str]) -> str:

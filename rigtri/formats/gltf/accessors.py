@@ -76,6 +76,7 @@ class Accessors:
         self._file = gltf.where
         self._items = gltf.object().get("accessors", [])
         self._views = gltf.object().get("bufferViews", [])
+        self._plain_views: dict[int, tuple[int, int, int, int] | None] = {}
         self._layouts: dict[int, Layout] = {}
         self._floats: dict[int, Floats] = {}
         self._decoded: dict[int, memoryview] = {}
@@ -99,6 +100,8 @@ class Accessors:
         """Let go of where very many numbers lie: of 200,000 accessors that is as much as their JSON."""
         if len(self._layouts) > MOST_LAYOUTS:
             self._layouts.clear()
+        if len(self._plain_views) > MOST_LAYOUTS:
+            self._plain_views.clear()
 
     def span(self, view: int) -> tuple[int, int, int]:
         """Buffer, start and end of a buffer view. FileError where it is not to be had."""
@@ -171,21 +174,35 @@ class Accessors:
         if not (type(component) is type(count) is type(view) is type(offset) is int and type(kind) is str):
             return None
         width, item = WIDTHS.get(kind), COMPONENTS.get(component)
-        if width is None or item is None or not 0 <= view < len(self._views) or count < 1 or offset < 0:
+        seen = self._plain_view(view)
+        if width is None or item is None or seen is None or count < 1 or offset < 0:
             return None
-        seen = self._views[view]
-        buffer, start, length = seen.get("buffer"), seen.get("byteOffset", 0), seen.get("byteLength")
-        stride, size = seen.get("byteStride", 0), item.itemsize * width
-        if not type(buffer) is type(start) is type(length) is type(stride) is int or "extensions" in seen:
-            return None
-        fits = 0 <= buffer < len(self.buffers) and min(start, length, stride) >= 0
+        buffer, start, length, stride = seen
+        size = item.itemsize * width
         stride = stride or size
-        if not fits or stride < size or offset + stride * (count - 1) + size > length:
-            return None
-        if start + length > self.buffers.length(buffer):
+        if stride < size or offset + stride * (count - 1) + size > length:
             return None
         normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
         return Layout(component, width, count, normalized, sparse, view, buffer, start + offset, stride)
+
+    def _plain_view(self, index: int) -> tuple[int, int, int, int] | None:
+        """As `_view`, None for what is not plain, or is wrong; read once, as many accessors share it."""
+        if index not in self._plain_views:
+            self._plain_views[index] = self._read_plain_view(index)
+        return self._plain_views[index]
+
+    def _read_plain_view(self, index: int) -> tuple[int, int, int, int] | None:
+        if not 0 <= index < len(self._views):
+            return None
+        view = self._views[index]
+        buffer, start, length = view.get("buffer"), view.get("byteOffset", 0), view.get("byteLength")
+        stride = view.get("byteStride", 0)
+        if not type(buffer) is type(start) is type(length) is type(stride) is int or "extensions" in view:
+            return None
+        fits = 0 <= buffer < len(self.buffers) and min(start, length, stride) >= 0
+        if not fits or start + length > self.buffers.length(buffer):
+            return None
+        return buffer, start, length, stride
 
     def _lay(self, accessor: Value) -> Layout:
         raw = accessor.object()

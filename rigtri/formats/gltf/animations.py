@@ -54,12 +54,16 @@ def pointer_of(target: dict[str, Any]) -> str | None:
 
 def animated_nodes(gltf: Value) -> set[int]:
     """File indices of nodes whose translation, rotation or scale is animated."""
-    targets = (
-        target_of(channel.object())
-        for animation in gltf.each("animations")
-        for channel in animation.each("channels")
-    )
-    return {target[0] for target in targets if target is not None and target[1] in WIDTH}
+    found: set[int] = set()
+    for animation in gltf.each("animations"):
+        channels = animation.get("channels")
+        for number, channel in enumerate(channels.entries() if channels is not None else ()):
+            if type(channel) is not dict:
+                Value(channel, f"{animation.where}.channels[{number}]").object()
+            target = target_of(channel)
+            if target is not None and target[1] in WIDTH:
+                found.add(target[0])
+    return found
 
 
 class ClipReader:
@@ -178,9 +182,9 @@ class ClipReader:
         return index
 
     def _input(self, index: Any, place: str) -> Floats:
-        index = self._accessor(index, place, "input")
-        times = self._times.get(index)
+        times = self._times.get(index) if type(index) is int else None
         if times is None:
+            index = self._accessor(index, place, "input")
             times = self._accessors.read_aloud(index)
             if times.shape[1] != 1:
                 raise FileError(f"{place}: its times have {times.shape[1]} numbers each, not one")
@@ -205,9 +209,9 @@ class ClipReader:
             )
 
     def _output(self, index: Any, place: str) -> Floats:
-        index = self._accessor(index, place, "output")
-        values = self._values.get(index)
+        values = self._values.get(index) if type(index) is int else None
         if values is None:
+            index = self._accessor(index, place, "output")
             values = self._values[index] = self._accessors.read_aloud(index)
         return values
 

@@ -10,7 +10,7 @@ from rigtri.formats import Options
 from rigtri.spec.models.controls import AddControls, AddPolevector, AddPosereader, AddRivet, Constrain
 from rigtri.spec.models.joints import AddTwist, MakeLimb, Mirror, OrientJoints, Strip
 from rigtri.spec.models.motion import Bake, Pose, Snap, TakeClips
-from rigtri.spec.models.values import File, Flag, Name, OneOrMany, Scalar, Tolerance
+from rigtri.spec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
 AnyStep = Annotated[
     OrientJoints
@@ -44,7 +44,7 @@ class SpecModel(BaseModel):
         description="Specs whose options, variables and defaults hold here too, and whose steps are done "
         "where this spec has none. What stands here wins; of several, the later.",
     )
-    variables: dict[Name, Scalar] = Field(
+    variables: dict[VariableName, Scalar] = Field(
         {}, description="Values that ${NAME} stands for in the steps; --set NAME=VALUE gives others."
     )
     defaults: dict[str, dict[str, Any]] = Field(

@@ -164,6 +164,8 @@ def one_of(word: str, known: Collection[str]) -> str:
 
 
 Name = Annotated[str, Field(min_length=1)]
+# What stands in ${…}, and before = of --set.
+VariableName = Annotated[str, Field(pattern=r"^[^\s{}$='\"]+$")]
 Names = Annotated[tuple[Name, ...], OneOrMany(_word)]
 # Names of nodes, joints mostly: an option that has such values asks the rig for them.
 Node = Annotated[Name, AfterValidator(_node)]

@@ -1,0 +1,180 @@
+"""rigtri auto"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.ops.presets import PRESETS
+
+from . import pictures
+from .build import steps_of, told_of
+from .options import (
+    TOLERANCE,
+    Tolerance,
+    dry_run_option,
+    given_options,
+    output_options,
+    overwrite_option,
+    read_options,
+    reading_options,
+    run,
+    side_files,
+    source_argument,
+    target_option,
+    verify_option,
+    with_target,
+)
+
+if TYPE_CHECKING:
+    from rigtri.pipeline import Outcome
+    from rigtri.report import Report
+    from rigtri.rig import Rig
+    from rigtri.spec.automatic import Proposal
+    from rigtri.spec.building import Built
+
+SUFFIX = ".rig.yaml"
+
+
+@click.command("auto")
+@source_argument
+@target_option
+@click.option(
+    "--preset",
+    type=click.Choice(list(PRESETS)),
+    help="Whose axes the joints get. [maya; vrm where a file allows no others]",
+)
+@click.option(
+    "--spec-out",
+    metavar="FILE.yaml",
+    type=click.Path(dir_okay=False),
+    help=f"Where the spec goes by which OUT was built. [OUT's name with {SUFFIX}]",
+)
+@click.option("--no-spec", is_flag=True, help="Write no spec.")
+@click.option(
+    "--picture",
+    metavar="FILE.svg",
+    type=click.Path(dir_okay=False),
+    help="Draw the skeleton before and after, as .svg or .png; also with --dry-run.",
+)
+@reading_options
+@click.option(
+    "--tolerance",
+    type=Tolerance(),
+    default=TOLERANCE,
+    show_default=True,
+    help="Refuse a result farther off than this share of the bounding-box diagonal.",
+)
+@verify_option
+@click.option("--strict", is_flag=True, help="Make any warning an error (5).")
+@click.option(
+    "--report",
+    "report_path",
+    metavar="FILE.json",
+    type=click.Path(dir_okay=False),
+    help="Write what was recognised and done, with the measured deviation.",
+)
+@dry_run_option
+@overwrite_option
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    """Recognise a character and give it a rig: axes, twist joints, controls, IK ends, pole vectors.
+
+    The spec that it is built by is written beside OUT: the next character of the same kind is a
+    `rigtri build` away. A limb that is not sure is not guessed: then nothing is built, and the spec has
+    open places (null) for the names of its joints.
+
+    \b
+    Examples:
+        rigtri auto hero.glb -o out.glb
+        rigtri auto hero.glb --preset unreal-editor --dry-run --picture hero.svg
+        rigtri build other.glb --spec out.rig.yaml -o other-out.glb
+    """
+    if values["source"] == "-":
+        raise UsageError("auto reads its file more than once; give it by its name")
+    values["spec_out"] = _spec_place(values)
+    values = with_target(values) | {"sidecar": False}
+    if values["picture"] is not None:
+        pictures.check_target(values["picture"], [values["source"]], overwrite=values["overwrite"])
+    job = _Job(values)
+    run("auto", values, job.done, given_options(ctx), job.told, job.drawn, job.more)
+
+
+def _spec_place(values: dict[str, Any]) -> str | None:
+    """Where the spec goes; None where none is written."""
+    said, target = values["spec_out"], values["target"]
+    if values["no_spec"]:
+        if said is not None:
+            raise UsageError("give --spec-out or --no-spec, not both")
+        return None
+    if said is not None and Path(said).suffix.lower() not in (".yaml", ".yml"):
+        raise UsageError(f"{said}: the spec is YAML; give it the suffix .yaml")
+    return said or (None if target in (None, "-") else str(Path(target).with_suffix(SUFFIX)))
+
+
+class _Job:
+    """A character on its way from what was recognised to its rig."""
+
+    def __init__(self, values: dict[str, Any]) -> None:
+        self.values = values
+        self.proposal: Proposal
+        self.built: Built
+
+    def done(self, report: Report) -> Outcome:
+        from rigtri.spec.automatic import auto, propose
+
+        values = self.values
+        self.proposal = propose(values["source"], preset=values["preset"] or "", options=read_options(values))
+        words = ("spec_out", "verify", "tolerance", "strict", "dry_run")
+        try:
+            self.built = auto(
+                values["source"],
+                values["target"],
+                **{word: values[word] for word in words},
+                overwrite=values["overwrite"] or values["unnamed"],
+                side_files=side_files(values),
+                report=report,
+                proposal=self.proposal,
+            )
+        except GeometryError:
+            self._draw(self.proposal.rig, None)
+            raise
+        return self.built.outcome
+
+    def drawn(self, report: Report) -> None:
+        """The picture, before and after."""
+        self._draw(self.built.outcome.rig or self.proposal.rig, self.proposal.rig)
+
+    def _draw(self, rig: Rig, before: Rig | None) -> None:
+        from rigtri.drawing.picture import Options, draw
+        from rigtri.report import Report
+
+        target = self.values["picture"]
+        if target is not None:
+            report, titles = Report(), {"title": "after", "title_against": "before"}
+            svg = draw(rig, against=before, options=Options(), report=report, **titles)
+            pictures.deliver(svg, target, report)
+
+    def told(self, report: Report) -> str:
+        """What was recognised, and what each step has done."""
+        from rigtri.recognition.described import text
+        from rigtri.spec.starter import told
+
+        found, whole = self.proposal, self.values["dry_run"] or self.values["verbose"]
+        lines = [text(found.rig, found.layout) + "\n"] if whole else list(told(found.layout))
+        lines.append(told_of(self.built))
+        if self.values["spec_out"] is not None and not self.values["dry_run"]:
+            lines.append(f"Wrote {self.values['spec_out']}")
+        return "\n".join(lines)
+
+    def more(self) -> dict[str, Any]:
+        """For the report: what was recognised, the spec, and the steps of the build."""
+        from rigtri.recognition.described import as_json
+
+        found = self.proposal
+        characters = as_json(found.rig, found.layout)["characters"]
+        return {"recognised": characters, "spec": found.text, "steps": steps_of(self.built)}

@@ -1,0 +1,64 @@
+"""rigtri recognise"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .options import json_option, read_options, reading_options, source_argument, tell_root
+from .words import plain
+
+
+@click.command("recognise")
+@source_argument
+@click.option("--joints", is_flag=True, help="List every joint by itself: its bone, what it is for, and why.")
+@click.option(
+    "--scheme",
+    "own",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="Ask this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES names folders.",
+)
+@reading_options
+@click.option("-q", "--quiet", is_flag=True, help="Leave out the warnings.")
+@json_option
+def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> None:
+    """Find spine, head, arms, legs, hands and fingers by map, names and shape, and say why.
+
+    Each chain and joint comes with how sure that is, from 0 to 1, and with the evidence in words. What
+    is below 0.75 is shown with a question mark, and left alone by --limbs auto, --whole-character and
+    the like. Where a file shows no character, it is said why; that is no error.
+
+    \b
+    Examples:
+        rigtri recognise hero.glb
+        rigtri recognise hero.glb --joints --scheme studio.toml
+        rigtri recognise hero.glb --json > layout.json
+    """
+    from rigtri.formats import read
+    from rigtri.inputs import opened
+    from rigtri.recognition.described import as_json, text
+    from rigtri.recognition.engine import recognise
+    from rigtri.recognition.schemes import own_scheme
+
+    schemes = [own_scheme(path) for path in own]
+    with opened(source) as path:
+        document = read(path, read_options({**values, "empty": True}))
+        layout = recognise(document.rig, own=schemes)
+        if values["as_json"]:
+            warnings = [{"code": n.code, "text": n.text} for n in document.warnings]
+            found = {"file": source} | as_json(document.rig, layout) | {"warnings": warnings}
+            click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+            return
+        width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+        click.echo(plain(text(document.rig, layout, joints=joints, width=width)))
+        if not values["quiet"]:
+            tell_root(source, values["root"])
+            for notice in document.warnings:
+                click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)

@@ -1,0 +1,146 @@
+"""Where a chain of joints bends: shoulder, elbow and wrist among clavicles, twist joints and toes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from rigtri.recognition.poses import Poses
+from rigtri.recognition.tree import Tree
+from rigtri.trigonometry import Floats
+from rigtri.vectors import dot, length, normalise
+
+# The cosine above which a joint does not bend: a twist joint within a bone, 6°.
+STRAIGHT = 0.9945
+# What a joint within a bone costs, and what it costs where it does not stand in the middle.
+_WITHIN, _UNEVEN = 0.08, 0.25
+# What a first bone costs that is too long for a clavicle: a joint is skipped.
+_LED = 0.25
+# What a middle costs that is bent as an ankle is at rest, and how far that is, as a cosine (70°).
+_FOLD, _FOLDED = 0.1, 0.34
+# What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
+_MOVES, _SHARP = 0.1, 0.966
+# Longer chains are looked at as far as this: no limb has so many joints.
+_MOST = 11
+
+
+@dataclass(frozen=True)
+class Bend:
+    """Three places within a path: start, middle, end. quality: how limb-like, 0 to 1; lead: over the
+    next best; size: the length of both bones, file units."""
+
+    at: tuple[int, int, int]
+    quality: float
+    lead: float
+    size: float
+
+
+def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
+    """Where a limb ends in fingers or toes: place in the path and how many; (last, 0) for none."""
+    gone = 0.0
+    for at, node in enumerate(path):
+        gone += tree.bone[node] if at else 0.0
+        below = [tree.bone[k] + tree.reach[k] for k in _ways_on(tree, node)]
+        longest = max(below, default=0.0)
+        alike = len([k for k in below if k > 0.35 * longest])
+        if at and gone > 0.0 and alike >= 2 and longest < 0.75 * gone:
+            jointed = len([k for k in tree.below[node] if tree.below[k] and tree.bone[k] + tree.reach[k] > 0])
+            return at, max(alike, jointed)
+    return len(path) - 1, 0
+
+
+def _ways_on(tree: Tree, node: int) -> list[int]:
+    """The joints below one, without those that only stand along a bone to another: twist joints."""
+    below = tree.below[node]
+    if len(below) < 2:
+        return list(below)
+    along = normalise(tree.places[list(below)] - tree.places[node])
+    return [
+        one
+        for k, one in enumerate(below)
+        if tree.below[one]
+        or not any(
+            tree.bone[one] < tree.bone[other] and float(dot(along[k], along[i])) > STRAIGHT
+            for i, other in enumerate(below)
+        )
+    ]
+
+
+def bend_of(tree: Tree, path: Sequence[int], poses: Poses) -> Bend | None:
+    """Where a path bends like an arm or leg; None for one of fewer than three joints."""
+    stop, _ = branches(tree, path)
+    path = list(path[: min(stop + 1, _MOST)])
+    if len(path) < 3:
+        return None
+    now = _least(tree.places[np.newaxis, path])
+    moves = _least(poses.moving[:, path]) if len(path) > 3 and len(poses.moving) else None
+    ever = now if moves is None else [min(a, b) for a, b in zip(now, moves, strict=True)]
+    bones = [tree.bone[node] for node in path]
+    found = sorted(
+        ((_quality(bones, at, now, ever, moves is not None), at) for at in combinations(range(len(path)), 3)),
+        reverse=True,
+    )
+    (quality, at), others = found[0], found[1:]
+    if quality <= 0:
+        return None
+    size = 0.0
+    for k in range(at[0] + 1, at[2] + 1):
+        size += bones[k]
+    return Bend(at, quality, quality - (others[0][0] if others else 0.0), size)
+
+
+def _least(places: Floats) -> list[float]:
+    """The least cosine of the bend at each joint of a path over poses, (f, k, 3); 1 at both ends."""
+    along = normalise(np.diff(places, axis=1))
+    cosines = np.nan_to_num(dot(along[:, 1:], along[:, :-1]), nan=1.0)
+    return [1.0, *cosines.min(axis=0).tolist(), 1.0]
+
+
+def _quality(
+    bones: list[float], at: tuple[int, int, int], now: list[float], ever: list[float], moves: bool
+) -> float:
+    """How limb-like three places of a path are: two long bones about as long as each other."""
+    start, middle, end = at
+    upper, lower = bones[start + 1 : middle + 1], bones[middle + 1 : end + 1]
+    a, b = _added(upper), _added(lower)
+    whole = _added(bones[1:])
+    if min(a, b) <= 0.0:
+        return 0.0
+    within = [k for k in range(start + 1, end) if k != middle]
+    if any(ever[k] < STRAIGHT for k in within):
+        return 0.0
+    balance, cover = min(a, b) / max(a, b), (a + b) / whole
+    cost = 0.0
+    for bone in (upper, lower):
+        if len(bone) > 1:
+            cost += _WITHIN * (len(bone) - 1) + _UNEVEN * (1.0 - min(bone) / max(bone))
+    # What comes before an upper bone is a clavicle, and shorter.
+    before = _added(bones[1 : start + 1]) / a
+    cost += _LED * min(1.0, max(0.0, (before - 0.7) / 0.7))
+    cost += _FOLD if now[middle] < _FOLDED else 0.0
+    gain = _MOVES if moves and ever[middle] < _SHARP else 0.0
+    return float(np.sqrt(balance)) * cover - cost + gain
+
+
+def _added(numbers: list[float]) -> float:
+    total = 0.0
+    for number in numbers:
+        total += number
+    return total
+
+
+def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
+    """From the line of start and end to the middle, (..., 3), in file units: where a limb bends to."""
+    along = normalise(end - start)
+    line = np.nan_to_num(along)
+    arm = middle - start
+    return arm - dot(arm, line)[..., np.newaxis] * line
+
+
+def folded(start: Floats, middle: Floats, end: Floats) -> Floats:
+    """How much shorter a limb stands than it is long, (...): 0 where it is straight, 1 where folded up."""
+    whole = length(middle - start) + length(end - middle)
+    return 1.0 - np.divide(length(end - start), whole, out=np.ones_like(whole), where=whole > 0)

@@ -1,0 +1,289 @@
+"""A body by its shape alone: which pairs of branches are legs and arms, of all ways to see it.
+
+Every way to take one pair of branches for legs and another for arms, or none, is weighed by what bodies
+have in common: legs carry and are longest, arms begin higher in the tree, a head stands beyond them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from rigtri.recognition.bending import Bend, bend_of, branches
+from rigtri.recognition.loose import loose_ends
+from rigtri.recognition.poses import Poses
+from rigtri.recognition.symmetry import Pair, Plane, between
+from rigtri.recognition.tree import Tree
+from rigtri.trigonometry import Floats
+from rigtri.vectors import dot, length, normalise
+
+# So many of the longest pairs are tried as legs and as arms.
+_TRIED = 10
+# Another file's up than the one it says is believed so much less.
+_OTHER_UP = 0.8
+# The line between two limbs of a pair lies across the plane: the cosine, which allows for a turned chest.
+_SQUARE = 0.8
+# What legs lose that begin deeper in the tree than arms.
+_DEEPER = 0.15
+# What legs lose that go the way of the spine.
+_UPWARDS = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Limbs:
+    """Two limbs that are alike. at: places of start, middle and end in ``pair.paths``; of two joints where
+    there is no end. starts, ends: where they are, in the middle between both, (3,). size: of both bones,
+    file units. fingers: how many chains there are at the end. quality: how limb-like, 0 to 1."""
+
+    pair: Pair
+    at: tuple[int, ...]
+    starts: Floats
+    ends: Floats
+    size: float
+    fingers: int
+    quality: float
+    lead: float
+
+    def joints(self, which: int) -> tuple[int, ...]:
+        """Start, middle and end of one of the two, or start and end."""
+        return tuple(self.pair.paths[which][k] for k in self.at)
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One way to see a body. legs, arms: either may be missing. score: 0 to 1. lead: over the same pairs
+    the other way round. up: unit, (3,)."""
+
+    legs: Limbs | None
+    arms: Limbs | None
+    form: Literal["biped", "quadruped"]
+    up: Floats
+    score: float
+    lead: float = 0.0
+
+
+def limbs_of(tree: Tree, pairs: Sequence[Pair], poses: Poses) -> list[Limbs]:
+    """The pairs as limbs, with where each bends."""
+    found = []
+    for pair in pairs[: 3 * _TRIED]:
+        bend = bend_of(tree, pair.paths[0], poses)
+        if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
+            pair = loose_ends(tree, pair, poses)
+            bend = bend_of(tree, pair.paths[0], poses) if len(pair.paths[0]) > 2 else None
+        if bend is not None or len(pair.paths[0]) > 1:
+            found.append(_limbs(tree, pair, bend))
+    return found
+
+
+def _limbs(tree: Tree, pair: Pair, bend: Bend | None) -> Limbs:
+    stop, _ = branches(tree, pair.paths[0])
+    at = bend.at if bend else (0, stop)
+    pair = _middlemost(tree, pair, at[-1]) if bend else pair
+    starts, ends = (
+        0.5 * (tree.places[pair.paths[0][k]] + tree.places[pair.paths[1][k]]) for k in (at[0], at[-1])
+    )
+    count = min(branches(tree, path)[1] for path in pair.paths)
+    size = bend.size if bend else pair.reach
+    quality, lead = (bend.quality, bend.lead) if bend else (0.2, 0.0)
+    return Limbs(pair, at, starts, ends, size, count, quality, lead)
+
+
+def _middlemost(tree: Tree, pair: Pair, at: int) -> Pair:
+    """The pair with the middle one for its end, where several joints begin at that place: of a palm."""
+    ends = [_middle_of(tree, path[at]) for path in pair.paths]
+    if [path[at] for path in pair.paths] == ends:
+        return pair
+    one, other = ((*path[:at], end, *tree.paths[end][1:]) for path, end in zip(pair.paths, ends, strict=True))
+    return replace(pair, paths=(one, other))
+
+
+def _middle_of(tree: Tree, node: int) -> int:
+    """Of the joints that stand where ``node`` does, under one, the one whose branch ends midmost."""
+    near = 0.01 * (tree.bone[node] + tree.reach[node])
+    same = [
+        k
+        for k in tree.below[tree.above[node]]
+        if tree.below[k] and float(length(tree.places[k] - tree.places[node])) < near
+    ]
+    if len(same) < 3:
+        return node
+    tips = np.stack([tree.places[tree.paths[k][-1]] for k in same])
+    spread = [float(length(tips - tip).max()) for tip in tips]
+    return same[spread.index(min(spread))]
+
+
+def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body]:
+    """All ways to take pairs for legs and arms, the likeliest first."""
+    if plane is None:
+        return []
+    even = [pair for pair in limbs if _across(tree, pair, plane)][:_TRIED]
+    ways = [way for legs in even for way in _ways(tree, legs, even)]
+    ways.sort(key=lambda body: -body.score)
+    if not ways:
+        return []
+    best = ways[0]
+    turned = [k.score for k in ways if k.legs is best.arms and k.arms is best.legs]
+    return [replace(best, lead=best.score - max(turned, default=0.0)), *ways[1:]]
+
+
+def _across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
+    """Whether the plane lies between the two."""
+    middle, across = between(tree, limbs.pair)
+    if not abs(float(dot(across, plane.normal))) > _SQUARE:
+        return False
+    left, right = (tree.places[list(path)] for path in limbs.pair.paths)
+    return float(length(left - right).max()) > 3.0 * abs(float(plane.side_of(middle)))
+
+
+def _ways(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> Iterator[Body]:
+    longest = max([k.size for k in others if k.quality > 0.3], default=legs.size)
+    longest = max(longest, legs.size, 1e-30)
+    ups = _ups(tree, legs, None)
+    yield max((_legs_alone(legs, up, trust, longest) for up, trust in ups), key=lambda body: body.score)
+    yield _arms_alone(tree, legs, longest)
+    for arms in others:
+        if arms is legs or not _apart(tree, legs, arms):
+            continue
+        seen = [_judged(tree, legs, arms, others, up, trust, longest) for up, trust in _ups(tree, legs, arms)]
+        yield max(seen, key=lambda body: body.score)
+
+
+def _ups(tree: Tree, legs: Limbs, arms: Limbs | None) -> list[tuple[Floats, float]]:
+    """Directions that may be up, unit (3,), each with how far it is trusted."""
+    found = [(np.asarray(tree.rig.up, dtype=np.float64), 1.0)]
+    down = normalise(legs.starts - legs.ends)
+    if arms is not None:
+        found.append((normalise(arms.starts - legs.starts), _OTHER_UP))
+        found.append((normalise(arms.starts - arms.ends + legs.starts - legs.ends), _OTHER_UP))
+    else:
+        found.append((down, _OTHER_UP))
+    return [(up, trust) for up, trust in found if bool(np.isfinite(up).all())]
+
+
+def _apart(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
+    """Whether neither pair is a part of the other."""
+    if legs.pair.nodes & arms.pair.nodes:
+        return False
+    firsts = [(path[0], limbs) for limbs in (legs, arms) for path in limbs.pair.paths]
+    return not any(tree.is_below(a, b) for a, one in firsts for b, other in firsts if one is not other)
+
+
+def _judged(
+    tree: Tree,
+    legs: Limbs,
+    arms: Limbs,
+    others: Sequence[Limbs],
+    up: Floats,
+    trust: float,
+    longest: float,
+) -> Body:
+    """A pair as legs and another as arms: what speaks for it, as a weighted mean."""
+    spine, down = arms.starts - legs.starts, legs.ends - legs.starts
+    tall = float(dot(np.nan_to_num(normalise(spine)), up))
+    stands = float(dot(np.nan_to_num(normalise(down)), -up))
+    hangs = float(dot(np.nan_to_num(normalise(arms.ends - arms.starts)), -up))
+    common = tree.common(legs.pair.above, arms.pair.above)
+    tier = _tier(tree, arms.pair.above, common) - _tier(tree, legs.pair.above, common)
+    four = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75 and arms.fingers < 3
+    fit = _within(tall, 0.3, 0.8) if not four else 0.9
+    ratio = float(length(spine)) / max(legs.size, 1e-30)
+    points = [
+        (1.0, 1.0 if tier > 0 else 0.4 if tier == 0 else 0.0),
+        (0.6, _within(ratio, 0.05, 0.4) * (1.0 - _within(ratio, 2.5, 5.0))),
+        (0.6, _within(min(arms.size / max(legs.size, 1e-30), legs.size / max(arms.size, 1e-30)), 0.2, 0.55)),
+        (0.5, _within(legs.quality, 0.2, 0.6)),
+        (0.5, _within(arms.quality, 0.2, 0.6)),
+        (0.6, 0.5 if arms.fingers == legs.fingers else 1.0 if arms.fingers > legs.fingers else 0.0),
+        (1.0, trust * _within(stands, 0.0, 0.7)),
+        (0.8, trust * fit),
+        (0.8, _head(tree, legs, arms, up)),
+        (0.5, _within(max(legs.size, arms.size) / longest, 0.2, 0.6)),
+        (0.8, _within(legs.pair.reach / _most_beside(legs, others), 0.4, 1.0)),
+        (1.0, 0.0 if _passed_over(tree, legs, arms, others) else 1.0),
+    ]
+    score = _mean(points)
+    # Branches that grow upwards are no legs.
+    if float(dot(np.nan_to_num(normalise(down)), np.nan_to_num(normalise(spine)))) > 0.3:
+        score -= _UPWARDS
+    score -= _DEEPER if tier < 0 else 0.0
+    return Body(legs, arms, "quadruped" if four else "biped", up, score)
+
+
+def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:
+    """The reach of the longest pair that hangs where these do: beside a skirt the legs are."""
+    return max([legs.pair.reach, *(k.pair.reach for k in others if k.pair.above == legs.pair.above)])
+
+
+def _passed_over(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs]) -> bool:
+    """Whether a pair hangs at the spine below the arms that would be arms as well: they are hair, or ears."""
+    low, high = legs.pair.above, arms.pair.above
+    common = tree.common(low, high)
+    between = set(tree.way(common, high)[1:-1]) if high >= 0 else set()
+    return any(
+        k.pair.above in between and len(k.at) == 3 and k.quality > 0.45 and k.size > 0.3 * arms.size
+        for k in others
+    )
+
+
+def _legs_alone(legs: Limbs, up: Floats, trust: float, longest: float) -> Body:
+    """A pair as legs, and no arms: a bird, or the lower part of a body."""
+    stands = float(dot(np.nan_to_num(normalise(legs.ends - legs.starts)), -up))
+    points = [
+        (1.0, trust * _within(stands, 0.2, 0.8)),
+        (0.6, _within(legs.quality, 0.3, 0.7)),
+        (1.0, legs.size / longest),
+        (1.0, 0.0),
+    ]
+    return Body(legs, None, "biped", up, _mean(points))
+
+
+def _arms_alone(tree: Tree, arms: Limbs, longest: float) -> Body:
+    """A pair as arms, and no legs: the upper part of a body."""
+    up = np.asarray(tree.rig.up, dtype=np.float64)
+    points = [
+        (1.0, _within(_head(tree, arms, arms, up), 0.3, 1.0)),
+        (0.6, _within(arms.quality, 0.3, 0.7)),
+        (0.6, 1.0 if arms.fingers > 1 else 0.5),
+        (0.4, 1.0 if tree.depth[arms.pair.above] > 0 and arms.pair.above >= 0 else 0.0),
+        (0.5, arms.size / longest),
+        (1.0, 0.0),
+    ]
+    return Body(None, arms, "biped", up, _mean(points))
+
+
+def _tier(tree: Tree, node: int, common: int) -> int:
+    return (tree.depth[node] if node >= 0 else -1) - (tree.depth[common] if common >= 0 else -1)
+
+
+def _head(tree: Tree, legs: Limbs, arms: Limbs, up: Floats) -> float:
+    """Whether something stands beyond the arms that is no limb: 1, 0.3 where nothing does."""
+    limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
+    beyond = normalise(arms.starts - legs.starts)  # NaN for arms alone
+    over = np.nan_to_num(beyond) + up
+    above = arms.pair.above
+    for _ in range(3):
+        for child in tree.below.get(above, []):
+            if child in limbs or any(tree.is_below(first, child) for first in limbs):
+                continue
+            branch = tree.places[tree.branch(child)]
+            if float(dot(branch - arms.starts, over).max()) > 0.05 * arms.size:
+                return 1.0
+        if above < 0 or above == legs.pair.above:
+            break
+        above = tree.above[above]
+    return 0.3
+
+
+def _within(value: float, low: float, high: float) -> float:
+    """0 up to ``low``, 1 from ``high`` on, evenly between."""
+    return min(1.0, max(0.0, (value - low) / (high - low)))
+
+
+def _mean(points: Sequence[tuple[float, float]]) -> float:
+    total = weights = 0.0
+    for weight, value in points:
+        total, weights = total + weight * value, weights + weight
+    return total / weights

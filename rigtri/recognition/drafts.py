@@ -1,0 +1,89 @@
+"""A character on the way to being known: chains as they are found, and who has which joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rigtri.naming import Side
+from rigtri.recognition.layout import Chain, Kind
+from rigtri.recognition.poses import Poses
+from rigtri.recognition.readings import Reading
+from rigtri.recognition.shape import Shape
+from rigtri.recognition.tree import Tree
+from rigtri.trigonometry import Floats
+from rigtri.vectors import cross, dot, normalise
+
+
+@dataclass
+class Draft:
+    """shape; reading: what names say, None where nothing. certain: bones of a humanoid map.
+    controls: joints that are known to be none of the body. up, facing,
+    left: unit directions of the world, (3,), zero where unknown. hips, chest: where legs and arms hang, −1
+    where unknown. ways: from each limb's first joint on, by its start. bones: node, confidence, evidence."""
+
+    shape: Shape
+    poses: Poses
+    reading: Reading | None
+    certain: dict[str, int]
+    controls: frozenset[int] = frozenset()
+    up: Floats = field(default_factory=lambda: np.zeros(3))
+    facing: Floats = field(default_factory=lambda: np.zeros(3))
+    left: Floats = field(default_factory=lambda: np.zeros(3))
+    hips: int = -1
+    chest: int = -1
+    four: bool = False
+    chains: list[Chain] = field(default_factory=list)
+    bones: dict[str, int] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+
+    @property
+    def tree(self) -> Tree:
+        return self.shape.tree
+
+    @property
+    def taken(self) -> frozenset[int]:
+        """The joints that a chain has."""
+        return frozenset(joint for chain in self.chains for joint in chain.joints)
+
+    @property
+    def said_bones(self) -> dict[str, int]:
+        """Nodes by bone as a humanoid map or names have them."""
+        return self.certain or (self.reading.bones if self.reading else {})
+
+    def say(
+        self,
+        kind: Kind,
+        name: str,
+        side: Side,
+        joints: Sequence[int],
+        confidence: float,
+        evidence: Sequence[str],
+        bend: Sequence[int] = (),
+    ) -> None:
+        """One more chain."""
+        sure = round(max(0.0, min(0.99, confidence)), 2)
+        self.chains.append(Chain(kind, name, side, tuple(joints), tuple(bend), sure, tuple(evidence)))
+
+    def call(self, bone: str, node: int) -> None:
+        """A joint gets a bone's name, unless either is taken."""
+        if bone not in self.bones and node not in self.bones.values():
+            self.bones[bone] = node
+
+    def side_of(self, nodes: Sequence[int]) -> Side:
+        """The side of the body that joints stand on, "" where left and right are not known."""
+        if self.shape.plane is None or not self.left.any():
+            return ""
+        places = self.tree.places[list(nodes)] - self.shape.plane.point
+        far = dot(places, self.left)
+        at = float(far[int(np.argmax(np.abs(far)))])
+        return "left" if at > 0 else "right" if at < 0 else ""
+
+    def stand(self, up: Floats, ahead: Floats) -> None:
+        """Which way is up, which is ahead, and so which is left."""
+        self.up = np.nan_to_num(normalise(up))
+        level = ahead - self.up * float(dot(ahead, self.up))
+        self.facing = np.nan_to_num(normalise(level))
+        self.left = cross(self.up, self.facing)

@@ -1,0 +1,112 @@
+"""What was recognised in a rig: characters, their chains and joints, and the words that say why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from rigtri.naming import Side
+
+Role = Literal["deform", "twist", "end", "helper", "attachment", "control"]
+Kind = Literal["spine", "neck", "head", "arm", "leg", "hand", "finger", "foot", "tail", "wing", "limb"]
+Form = Literal["biped", "quadruped", "hand", "partial", "creature"]
+Direction = tuple[float, float, float]
+
+# Below this nothing is acted upon: the limb is shown, and asked for by name.
+CONFIDENT = 0.75
+# What is less sure than this, and not named, is not even shown.
+UNLIKELY = 0.5
+# What evidence begins with that comes from a map, or from names.
+MAP, NAMES = "VRM humanoid map", "its names"
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one joint is.
+
+    joint: node index. bone: its name in the VRM 1.0 humanoid (``leftUpperArm``), "" where it has none
+    there. role: ``deform`` moves points as a bone of the body; ``twist`` stands along a bone and takes a
+    share of its turn; ``end`` only says where the last bone ends; ``helper`` corrects the shape beside a
+    bone; ``attachment`` is something worn or held: hair, skirt, weapon; ``control`` is there to be
+    animated: IK targets, poles, what hangs at the root. confidence: 0 to 1. evidence: words.
+    """
+
+    joint: int
+    bone: str
+    role: Role
+    side: Side
+    confidence: float
+    evidence: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Joints that belong together, from root to end.
+
+    name: in words, ``left arm``, ``left index finger``. joints: node indices. bend: node indices of start,
+    middle and end of a chain that bends there (shoulder, elbow, wrist; hip, knee, ankle), () for others and
+    for one of fewer joints. confidence: 0 to 1; below `CONFIDENT` nothing is acted upon. evidence: words.
+    """
+
+    kind: Kind
+    name: str
+    side: Side
+    joints: tuple[int, ...]
+    bend: tuple[int, ...]
+    confidence: float
+    evidence: tuple[str, ...]
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it may be acted upon."""
+        return self.confidence >= CONFIDENT
+
+
+@dataclass(frozen=True)
+class Character:
+    """One body: where it begins, how it stands, and what it is made of.
+
+    root: the node that all of it hangs under, −1 where several nodes without a common parent make it.
+    hips: the joint that carries legs and spine, −1 where there is none. form: ``partial`` is a part of a
+    body, an arm or a pair of legs; ``creature`` has limbs that are neither of two legs nor of four.
+    parts: by node. point, normal: the plane between left and right in the world, file units, the normal
+    towards the left. facing, up: unit directions of the world. A direction is (0, 0, 0) where nothing says
+    it. pose: the pose that places were taken in, ``rest`` or ``bind``. confidence: of the whole, 0 to 1.
+    """
+
+    root: int
+    hips: int
+    form: Form
+    parts: tuple[Part, ...]
+    chains: tuple[Chain, ...]
+    point: Direction
+    normal: Direction
+    facing: Direction
+    up: Direction
+    pose: Literal["rest", "bind"]
+    confidence: float
+    evidence: tuple[str, ...] = ()
+
+    @property
+    def limbs(self) -> Iterator[Chain]:
+        """The chains that bend, sure or not."""
+        return (chain for chain in self.chains if chain.bend)
+
+    @property
+    def bones(self) -> dict[str, int]:
+        """Node indices by VRM 1.0 bone name."""
+        return {part.bone: part.joint for part in self.parts if part.bone}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """All characters of a rig; remarks: what was found and what was not, in words."""
+
+    characters: tuple[Character, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def chains(self) -> Iterator[Chain]:
+        """The chains of all characters."""
+        return (chain for character in self.characters for chain in character.chains)

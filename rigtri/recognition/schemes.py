@@ -1,0 +1,221 @@
+"""Naming schemes as data: which words of a name mean which bone, one small TOML file a scheme.
+
+A scheme has a ``title``; ``marks``, words that occur in its names alone; and two tables, ``middle`` and
+``sides``, from bones of the VRM 1.0 humanoid (without ``left`` and ``right``) to the words that mean them:
+lower case, without spaces and marks, several apart by spaces. ``like`` takes over the tables of another.
+``chains`` are words of joints that are only numbered. A user's own files (`own_schemes`) go before ours.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal
+
+from rigtri.errors import FileError
+from rigtri.naming import Side, side, words
+
+# The environment variable that names folders with schemes of one's own, apart by os.pathsep.
+FOLDERS = "RIGTRI_SCHEMES"
+# Names that are kept, read: those of a few characters, not of all files of a batch.
+_NAMES = 4096
+# Ours that fit anything are asked last.
+_LAST = ("bones", "joints")
+_SIDES = frozenset(["l", "left", "lft", "左", "r", "right", "rgt", "右"])
+# Words that only say whose convention it is, or that a joint is one.
+_CONVENTION = """
+mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b c sk skel skeleton armature rig cc
+base character char root ctrl deform normal human bind
+"""
+_SILENT = frozenset(_CONVENTION.split())
+# Of those, the ones that have a number of their own: Bip01, Character1.
+_NUMBERED = frozenset(["mixamorig", "bip", "biped", "character", "char", "valvebiped", "rig"])
+MIDDLE = frozenset(["hips", "spine", "chest", "upperChest", "neck", "head", "jaw"])
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """title; marks; middle, sides: bone by words; chains: kind by words; source: where it was read."""
+
+    title: str
+    marks: frozenset[str]
+    middle: Mapping[str, str]
+    sides: Mapping[str, str]
+    chains: Mapping[str, str]
+    source: str
+
+    @property
+    def is_common(self) -> bool:
+        """Whether it is nobody's, but words that many use."""
+        return self.source in _LAST
+
+    def bone(self, said: Said) -> tuple[str, bool]:
+        """The bone of a name without its side, and whether its number counted; "" where it has none."""
+        for table in (self.sides, self.middle):
+            for key in (said.raw, said.key):
+                if key in table:
+                    return table[key], True
+        for table in (self.sides, self.middle):
+            if said.plain in table:
+                return table[said.plain], said.plain == said.key
+        return "", False
+
+
+@dataclass(frozen=True)
+class Said:
+    """A name's words: its side; raw, key: together, without sides, and numbers without leading zeros;
+    plain: without numbers; words: each."""
+
+    side: Side
+    raw: str
+    key: str
+    plain: str
+    words: frozenset[str]
+
+
+@lru_cache(_NAMES)
+def said(name: str) -> Said:
+    """What a name says.
+
+    >>> said("Bip01 L UpperArm").key, said("spine_01").key, said("DEF-shin.R.001").plain
+    ('upperarm', 'spine1', 'shin')
+    """
+    spread = "".join(f"{c} " if c in "左右" else c for c in unicodedata.normalize("NFKC", name))
+    found = words(_apart(spread))
+    kept = []
+    for before, word in zip(["", *found], found, strict=False):
+        if word in _SIDES or word in _SILENT or (word.isdigit() and before in _NUMBERED):
+            continue
+        kept.append(word)
+    short = [str(int(word)) if word.isdigit() else word for word in kept]
+    letters = [word for word in kept if not word.isdigit()]
+    return Said(side(_apart(spread)), "".join(kept), "".join(short), "".join(letters), frozenset(found))
+
+
+def _apart(name: str) -> str:
+    """``leftarm`` is two words, though nothing stands between them."""
+    for which in ("left", "right"):
+        at = name.lower().find(which)
+        if at == 0 and len(name) > len(which) and name[: len(which)].islower():
+            return f"{which} {name[len(which) :]}"
+    return name
+
+
+def schemes(own: Sequence[Scheme] = ()) -> tuple[Scheme, ...]:
+    """All schemes, in the order they are asked: given ones, those of `FOLDERS`, ours."""
+    return (*own, *_found(os.environ.get(FOLDERS, "")), *_ours())
+
+
+@cache
+def _ours() -> tuple[Scheme, ...]:
+    folder = files("rigtri.recognition") / "schemes"
+    texts = {entry.name.removesuffix(".toml"): entry.read_text("utf-8") for entry in folder.iterdir()}
+    tables = {name: tomllib.loads(text) for name, text in texts.items()}
+    order = sorted(tables, key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
+    return tuple(_scheme(tables[name], name, tables) for name in order)
+
+
+@cache
+def _found(folders: str) -> tuple[Scheme, ...]:
+    paths = [p for folder in folders.split(os.pathsep) if folder for p in sorted(Path(folder).glob("*.toml"))]
+    return tuple(map(own_scheme, paths))
+
+
+def own_scheme(path: Path) -> Scheme:
+    """A scheme of one's own from a file. Raises FileError where it is none."""
+    try:
+        table = tomllib.loads(path.read_text("utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise FileError(f"{path} is no naming scheme: {error}") from error
+    folder = files("rigtri.recognition") / "schemes"
+    texts = {entry.name.removesuffix(".toml"): entry.read_text("utf-8") for entry in folder.iterdir()}
+    try:
+        return _scheme(table, str(path), {name: tomllib.loads(text) for name, text in texts.items()})
+    except (KeyError, AttributeError, TypeError, ValueError) as error:
+        raise FileError(
+            f"{path} is no naming scheme: {error}. It has a title and the tables [middle] and [sides], from "
+            "bones of the VRM humanoid to words, as docs/recognise.md says."
+        ) from error
+
+
+def _scheme(table: Mapping[str, Any], source: str, others: Mapping[str, Mapping[str, Any]]) -> Scheme:
+    base = others[table["like"]] if "like" in table else {}
+    unknown = set(table) - {"title", "marks", "like", "middle", "sides", "chains"}
+    if unknown:
+        raise ValueError(f"it has '{min(unknown)}'")
+    parts = {part: {**base.get(part, {}), **table.get(part, {})} for part in ("middle", "sides", "chains")}
+    wrong = [bone for bone in parts["middle"] if bone not in MIDDLE]
+    if wrong:
+        raise ValueError(f"'{wrong[0]}' is no bone of the middle: {', '.join(sorted(MIDDLE))}")
+    middle, sides, chains = (_turned(parts[part]) for part in ("middle", "sides", "chains"))
+    marks = frozenset(str(table.get("marks", "")).split())
+    return Scheme(str(table["title"]), marks, middle, sides, chains, source)
+
+
+def _turned(table: Mapping[str, str]) -> dict[str, str]:
+    """From words to what they mean; the first that has a word keeps it."""
+    found: dict[str, str] = {}
+    for bone, names in table.items():
+        for name in names.split():
+            found.setdefault(name, bone)
+    return found
+
+
+def limb_said(name: str) -> Literal["arm", "leg", ""]:
+    """The limb that a name says to be a part of, by words in common use.
+
+    >>> limb_said("LeftForeArm"), limb_said("RKnee"), limb_said("handIK.L")
+    ('arm', 'leg', '')
+    """
+    found = (scheme.bone(said(name))[0] for scheme in _ours() if scheme.is_common)
+    bone = next((bone for bone in found if bone), "")
+    return "arm" if bone in _ARM else "leg" if bone in _LEG else ""
+
+
+_ARM, _LEG = ("UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot")
+
+
+def deforming(names: Sequence[str]) -> list[bool]:
+    """Which names are of bones that deform, where a rig calls these ``DEF-`` and keeps controls beside.
+
+    All of them for any other rig. Source: Blender manual, Rigify, "Bone naming".
+    """
+    marked = ["def" in said(name).words for name in names]
+    return marked if marked.count(True) >= _BONES else [True] * len(names)
+
+
+# So many bones at least a character has that Rigify has made.
+_BONES = 8
+
+
+@cache
+def role_words() -> Mapping[str, frozenset[str]]:
+    """The words of names that say what a joint is for, by role."""
+    table = tomllib.loads((files("rigtri.recognition") / "roles.toml").read_text("utf-8"))
+    return {role: frozenset(text.split()) for role, text in table.items()}
+
+
+def said_roles(name: str) -> list[str]:
+    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
+    return list(_roles(name))
+
+
+@lru_cache(_NAMES)
+def _roles(name: str) -> tuple[str, ...]:
+    found = said(name)
+    ends = {word[k:] for word in found.words for k in range(1, len(word) - 3)}  # handslot, lhelper
+    return tuple(
+        role
+        for role, known in role_words().items()
+        if found.words & known or found.plain in known or (ends & known and role not in CHAINS)
+    )
+
+
+# What roles.toml has for chains of joints instead of single ones.
+CHAINS = frozenset(["tail", "wing", "ear"])

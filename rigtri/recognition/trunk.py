@@ -1,0 +1,220 @@
+"""The middle of a body: hips, spine, neck, head, and a tail."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rigtri.recognition.arms_legs import Found
+from rigtri.recognition.drafts import Draft
+from rigtri.recognition.layout import MAP, NAMES
+from rigtri.recognition.schemes import said, said_roles
+from rigtri.trigonometry import Floats
+from rigtri.vectors import dot, length, normalise
+
+_SPINE = ("spine", "chest", "upperChest")
+# A tail has so many joints, and is so long a part of the legs.
+_TAIL_JOINTS, _TAIL = 3, 0.3
+# Of the trunk's bones, so many names make one; a crane may have a waist, too.
+_ENOUGH = 3
+_NOT_BODY = {"twist", "control", "attachment", "helper", "ear", "wing", "tail"}
+
+
+def lay_trunk(draft: Draft, found: Sequence[Found]) -> None:
+    """Find what stands between and beyond the limbs."""
+    if not found:
+        _named_trunk(draft)
+        _tail(draft, ())
+        return
+    legs, arms = pairs_of_limbs(draft, found)
+    draft.hips, draft.chest = _hips(draft, legs, arms), _hang(draft, arms)
+    _spine(draft, found)
+    _head(draft, arms or legs)
+    _tail(draft, legs)
+
+
+def pairs_of_limbs(draft: Draft, found: Sequence[Found]) -> tuple[list[Found], list[Found]]:
+    """The legs and the arms; of a quadruped the hind and the front legs."""
+    body = draft.shape.body
+    draft.four = body is not None and body.form == "quadruped" and all(k.kind == "leg" for k in found)
+    if not draft.four or body is None or body.legs is None or body.arms is None:
+        return [k for k in found if k.kind == "leg"], [k for k in found if k.kind == "arm"]
+    low, high = body.legs, body.arms
+    if float(dot(high.starts - low.starts, draft.facing)) < 0:
+        low, high = high, low
+    return (
+        [k for k in found if low.pair.nodes.intersection(k.joints)],
+        [k for k in found if high.pair.nodes.intersection(k.joints)],
+    )
+
+
+def _hang(draft: Draft, limbs: Sequence[Found]) -> int:
+    """The joint that limbs hang at: the lowest above all of them, −1 for none."""
+    tree = draft.tree
+    if not limbs:
+        return -1
+    over = tree.above[limbs[0].joints[0]]
+    for each in limbs[1:]:
+        other = tree.above[each.joints[0]]
+        over = tree.common(over, other) if over >= 0 and other >= 0 else -1
+    if len(limbs) == 1:
+        over = tree.above[(*limbs[0].before, *limbs[0].joints)[0]]
+    return over
+
+
+def _hips(draft: Draft, legs: Sequence[Found], arms: Sequence[Found]) -> int:
+    tree = draft.tree
+    named = draft.said_bones.get("hips", -1)
+    low, high = _hang(draft, legs), _hang(draft, arms)
+    if len(legs) < 2 or low < 0:
+        return named
+    if named >= 0 and (draft.certain or all(tree.is_below(k.joints[0], named) for k in legs)):
+        return named
+    common = tree.common(low, high) if high >= 0 else low
+    # What is a joint of the skeleton alone: a container above it is none.
+    return common if common >= 0 and bool(tree.rig.is_joint[common]) else low
+
+
+def _spine(draft: Draft, found: Sequence[Found]) -> None:
+    tree, bones = draft.tree, draft.said_bones
+    if draft.hips >= 0:
+        draft.call("hips", draft.hips)
+    if draft.chest < 0 or draft.hips < 0 or not tree.is_below(draft.chest, draft.hips):
+        _named_trunk(draft)
+        return
+    joints = tree.way(draft.hips, draft.chest)[1:]
+    neck = bones.get("neck", -1)
+    joints = joints[: joints.index(neck)] if neck in joints else joints
+    for bone in _SPINE:
+        if bones.get(bone, -1) in joints:
+            draft.call(bone, bones[bone])
+    if not any(bone in draft.bones for bone in _SPINE):
+        for bone, node in zip(_SPINE, [*joints[:2], *joints[2:][-1:]], strict=False):
+            draft.call(bone, node)
+    if joints:
+        sure = min(each.confidence for each in found)
+        draft.say("spine", "spine", "", joints, sure, ("from the hips to where the arms begin",))
+
+
+def _named_trunk(draft: Draft) -> None:
+    """Spine, neck and head of a body without limbs, or without one of both pairs, by names alone."""
+    bones = draft.said_bones
+    for bone in ("hips", *_SPINE):
+        if bone in bones:
+            draft.call(bone, bones[bone])
+    joints = [draft.bones[bone] for bone in _SPINE if bone in draft.bones]
+    if joints and len([bone for bone in ("hips", *_SPINE, "neck", "head") if bone in bones]) >= _ENOUGH:
+        sure = 0.99 if draft.certain else 0.85
+        draft.say("spine", "spine", "", joints, sure, (_whose(draft),))
+
+
+def _whose(draft: Draft) -> str:
+    if draft.certain:
+        return MAP
+    return f"{NAMES}: {draft.reading.scheme.title}" if draft.reading else "its shape"
+
+
+def _head(draft: Draft, limbs: Sequence[Found]) -> None:
+    bones = draft.said_bones
+    neck, head = bones.get("neck", -1), bones.get("head", -1)
+    sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
+    if head < 0 or (neck >= 0 and not draft.tree.is_below(head, neck)):
+        chain = _beyond(draft, limbs)
+        if not chain:
+            return
+        neck, head = (chain[0] if len(chain) > 1 else -1), chain[-1]
+        sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "stands beyond the arms"
+    between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
+    if len(between) > 1:
+        draft.say("neck", "neck", "", between[:-1], sure, (why,))
+        draft.call("neck", between[0])
+    draft.say("head", "head", "", [head], sure, (why,))
+    draft.call("head", head)
+    for bone in ("jaw", "leftEye", "rightEye"):
+        if bone in bones:
+            draft.call(bone, bones[bone])
+
+
+def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
+    """Neck and head by shape: the middle branch that goes farthest beyond the arms."""
+    tree, taken = draft.tree, {joint for each in limbs for joint in (*each.before, *each.joints)}
+    taken |= set(draft.taken)
+    over = draft.chest if draft.chest >= 0 else draft.hips
+    if over < 0 or not limbs:
+        return []
+    starts = _middle([tree.places[k.joints[0]] for k in limbs])
+    size = max(tree.reach[k.joints[0]] for k in limbs)
+    towards = draft.up + (draft.facing if draft.four else 0.0)
+    best, found = 0.02 * size, -1
+    for _ in range(3):
+        for child in tree.below[over]:
+            if child in taken or any(tree.is_below(k, child) for k in taken):
+                continue
+            if _NOT_BODY.intersection(said_roles(tree.rig.names[child])):
+                continue
+            far = float(dot(tree.places[tree.branch(child)] - starts, towards).max())
+            aside = abs(float(dot(tree.places[child] - starts, draft.left)))
+            if far - 2.0 * aside > best:
+                best, found = far - 2.0 * aside, child
+        if found >= 0 or over == draft.hips or tree.above[over] < 0:
+            break
+        over = tree.above[over]
+    return _up_to_head(draft, found) if found >= 0 else []
+
+
+def _up_to_head(draft: Draft, first: int) -> list[int]:
+    """From the neck to the head: up to where the face begins, or the last joint that moves points."""
+    tree, chain = draft.tree, [first]
+    while len(tree.below[chain[-1]]) == 1 and len(chain) < 5:
+        chain.append(tree.below[chain[-1]][0])
+    last = chain[-1]
+    if len(chain) > 1 and not tree.below[last] and _is_end(draft, last):
+        chain.pop()
+    return chain
+
+
+def _is_end(draft: Draft, node: int) -> bool:
+    if "end" in said_roles(draft.tree.rig.names[node]):
+        return True
+    return len(draft.tree.way(draft.chest, node)) > 3 and not draft.poses.moves_points(node)
+
+
+def _middle(points: Sequence[Floats]) -> Floats:
+    total = np.zeros(3)
+    for point in points:
+        total = total + point
+    return total / len(points)
+
+
+def _tail(draft: Draft, legs: Sequence[Found]) -> None:
+    """A chain at the hips that goes back and is no leg."""
+    tree = draft.tree
+    named = [k for k in tree.nodes if "tail" in said_roles(tree.rig.names[k])]
+    if named:
+        chain = [k for k in tree.paths[named[0]] if k in set(named)]
+        draft.say("tail", "tail", "", chain, 0.92, (NAMES,))
+        return
+    if draft.hips < 0 or not legs:
+        return
+    size = max(tree.reach[k.joints[0]] for k in legs)
+    taken = draft.taken | {joint for each in legs for joint in each.joints}
+    for child in tree.below[draft.hips]:
+        path = tree.paths[child]
+        if child in taken or len(path) < _TAIL_JOINTS or any(tree.is_below(k, child) for k in taken):
+            continue
+        if draft.chest >= 0 and tree.is_below(draft.chest, child):
+            continue
+        along = tree.places[path[-1]] - tree.places[draft.hips]
+        back = float(dot(np.nan_to_num(normalise(along)), -draft.facing))
+        aside = abs(float(dot(along, draft.left)))
+        long = float(length(along))
+        if (
+            back > 0.3
+            and aside < 0.2 * long
+            and tree.reach[child] > _TAIL * size
+            and said(tree.rig.names[child]).side == ""
+        ):
+            words = ("a chain from the hips backwards, in the middle",)
+            draft.say("tail", "tail", "", path, 0.6 + 0.2 * draft.four, words)
+            return

@@ -1,0 +1,139 @@
+"""auto: look at a character, form the spec that belongs to it, and build it by that."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rigtri import scratch
+from rigtri.compare import TOLERANCE
+from rigtri.errors import GeometryError
+from rigtri.formats import Options, read
+from rigtri.inputs import called, opened
+from rigtri.outputs import write_text
+from rigtri.recognition.engine import recognise
+from rigtri.recognition.layout import Chain, Layout
+from rigtri.report import Report
+from rigtri.rig import Rig
+from rigtri.spec.building import Built, build
+from rigtri.spec.faults import SpecError
+from rigtri.spec.loading import load, need_extra
+from rigtri.spec.starter import starter, unsure
+
+SUFFIX = ".rig.yaml"
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What was recognised in a file, and the spec that belongs to it, as YAML with open places."""
+
+    source: Path
+    rig: Rig
+    layout: Layout
+    text: str
+
+    @property
+    def is_character(self) -> bool:
+        """Whether anything in it is sure."""
+        return any(chain.is_sure for chain in self.layout.chains)
+
+    @property
+    def questions(self) -> tuple[str, ...]:
+        """What is asked for, in words: each limb that is not sure, and which joints it may be."""
+        return tuple(self._question(chain) for chain in unsure(self.layout))
+
+    def _question(self, chain: Chain) -> str:
+        names = ", ".join(f"'{self.rig.title(node)}'" for node in chain.bend)
+        return f"the {chain.name} is not sure ({chain.confidence:.2f}): perhaps {names}"
+
+    def missing(self) -> str:
+        """What there is instead of a character."""
+        guesses = (f"perhaps a {chain.name} ({chain.confidence:.2f})" for chain in self.layout.chains)
+        found = "; ".join([*guesses, *self.layout.remarks]) or "none of its joints make a body"
+        return (
+            f"no character was recognised in {self.source}: {found}. For steps of your own begin with: "
+            f"rigtri spec-init {self.source} -o rig.yaml"
+        )
+
+
+def propose(source: Path | str, *, preset: str = "", options: Options | None = None) -> Proposal:
+    """What `auto` would do with a file. preset: of the axes, "" for Maya's, or the world's for a VRM 0.
+
+    Raises FileError for a file that cannot be read, or is without joints.
+    """
+    need_extra()
+    source, options = Path(source), options or Options()
+    with opened(source) as at:
+        rig = read(at, options).rig
+        layout = recognise(rig)
+    text = ""
+    if any(chain.is_sure for chain in layout.chains):
+        text = starter(rig, source.name, layout, preset=preset, open_places=True, options=options)
+    return Proposal(source, rig, layout, text)
+
+
+def auto(
+    source: Path | str,
+    target: Path | str,
+    *,
+    preset: str = "",
+    spec_out: Path | str | None = None,
+    options: Options | None = None,
+    overwrite: bool = False,
+    verify: bool = True,
+    tolerance: float = TOLERANCE,
+    strict: bool = False,
+    dry_run: bool = False,
+    side_files: Sequence[Path] = (),
+    report: Report | None = None,
+    proposal: Proposal | None = None,
+) -> Built:
+    """Give a character the rig that was recognised to belong to it; ``target`` appears whole or not at all.
+
+    spec_out: where the spec goes by which it was built, None for nowhere. proposal: what `propose` has said.
+    Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
+    places in the spec then; else as `rigtri.build`. Where a step fails the spec is written all the same.
+    """
+    found = proposal or propose(source, preset=preset, options=options)
+    if not found.is_character:
+        raise GeometryError(found.missing())
+    place = None if spec_out is None or dry_run else Path(spec_out)
+    if found.questions:
+        _write(place, found.text)
+        raise GeometryError(_asked(found, place, target))
+    with scratch.folder() as folder:
+        spec = Path(folder, "rig.yaml")
+        write_text(spec, found.text)
+        try:
+            with called({str(spec): str(spec_out or "the spec")}):
+                built = build(
+                    source,
+                    target,
+                    load(spec).limited(strict=strict, tolerance=tolerance),
+                    overwrite=overwrite,
+                    verify=verify,
+                    dry_run=dry_run,
+                    side_files=side_files,
+                    report=report,
+                )
+        except SpecError:
+            _write(place, found.text)
+            raise
+    _write(place, found.text)
+    return built
+
+
+def _asked(found: Proposal, place: Path | None, target: Path | str) -> str:
+    words = "; ".join(found.questions)
+    if place is None:
+        return words
+    return (
+        f"{words}. Name their joints in {place}, where it says null, then: "
+        f"rigtri build {found.source} --spec {place} -o {target}"
+    )
+
+
+def _write(place: Path | None, text: str) -> None:
+    if place is not None:
+        write_text(place, text)

@@ -1,0 +1,161 @@
+"""The accuracy of recognition over all cases, as numbers and as a table."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+from recognition.cases import Case
+from recognition.measure import Finding, by_group, measure, roles_wrong, share, stands_right
+from recognition.naive import naive
+from recognition.truth import nameless
+from rigtri.recognition.layout import Layout
+from rigtri.rig import Rig
+
+Recognise = Callable[[Rig], Layout]
+SOURCES = {
+    "files": "Files",
+    "made": "Hard cases",
+    "schemes": "Names of one body",
+    "varied": "Bodies by the numbers of a seed",
+}
+_GROUPS = {"limbs": "limbs", "trunk": "trunk", "ends": "fingers, feet"}
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one rig: findings with its names, without them, and of a naive matcher; seconds."""
+
+    case: Case
+    named: list[Finding]
+    unnamed: list[Finding]
+    naive: list[Finding]
+    seconds: float
+    form: bool
+    stands: tuple[bool | None, ...] = ()
+    roles: list[str] = field(default_factory=list)
+
+
+def results(cases: Iterable[Case], recognise: Recognise, *, runs: int = 1) -> Iterator[Result]:
+    """What comes of cases; the time of each is the least of so many runs."""
+    for case in cases:
+        rig, truth = case.rig, case.truth
+        layout, seconds = _timed(recognise, rig, runs)
+        bare = nameless(rig)
+        yield Result(
+            case,
+            measure(rig, truth, layout),
+            measure(bare, truth, recognise(bare), named=False),
+            measure(rig, truth, naive(rig)),
+            seconds,
+            len(layout.characters) == len(truth.characters)
+            and all(
+                one.form in true.form.split("|")
+                for one, true in zip(layout.characters, truth.characters, strict=True)
+            ),
+            tuple(map(stands_right, truth.characters, layout.characters)),
+            roles_wrong(rig, truth, layout),
+        )
+
+
+def _timed(recognise: Recognise, rig: Rig, runs: int) -> tuple[Layout, float]:
+    """A layout, and the least time that it took for a rig of which nothing is known yet."""
+    times = []
+    for _ in range(runs):
+        fresh = replace(rig)
+        start = time.perf_counter()
+        layout = recognise(fresh)
+        times.append(time.perf_counter() - start)
+    return layout, min(times)
+
+
+def markdown(found: Sequence[Result]) -> str:
+    """The table of all cases, and what they come to."""
+    lines = [*_totals(found), ""]
+    for source, title in SOURCES.items():
+        own = [result for result in found if result.case.source == source]
+        if source != "varied":  # a hundred of one kind: what they come to says it
+            lines += ["", f"## {title}", "", *_rows(own)]
+    lines += ["", "## Limbs that are not right", "", *_short(found)]
+    return "\n".join(lines) + "\n"
+
+
+def _totals(found: Sequence[Result]) -> Iterator[str]:
+    yield (
+        "| | "
+        + " | ".join(f"{words} right" for words in _GROUPS.values())
+        + " | missed | wrong | surely wrong |"
+    )
+    yield "|---|" + "---|" * (len(_GROUPS) + 3)
+    ways: dict[str, Callable[[Result], list[Finding]]] = {
+        "with names": lambda one: one.named,
+        "without names": lambda one: one.unnamed,
+        "naive matcher, with names": lambda one: one.naive,
+    }
+    for words, way in ways.items():
+        for source, title in SOURCES.items():
+            every = [one for result in found if result.case.source == source for one in way(result)]
+            counts = Counter(one.outcome for one in every if one.group == "limbs")
+            # A matcher of words that looks for no fingers has not missed any.
+            looked = [group for group in _GROUPS if group != "ends" or "naive" not in words]
+            shares = (_share(by_group(every)[group] if group in looked else []) for group in _GROUPS)
+            bad = " | ".join(str(counts[outcome]) for outcome in ("missed", "wrong", "surely wrong"))
+            yield f"| {words}: {title.lower()} | {' | '.join(shares)} | {bad} |"
+    times = [result.seconds * 1e3 for result in found]
+    yield ""
+    yield (
+        f"Missed, wrong and surely wrong are of limbs. A character takes {statistics.median(times):.1f} ms "
+        f"in the median, {max(times):.0f} ms at most."
+    )
+
+
+def _rows(found: Sequence[Result]) -> Iterator[str]:
+    yield "| | joints | " + " | ".join(_GROUPS.values()) + " | without names | surely wrong | ms |"
+    yield "|---|---|" + "---|" * (len(_GROUPS) + 3)
+    for one in found:
+        groups = " | ".join(_count(by_group(one.named)[group]) for group in _GROUPS)
+        sure = sum(finding.outcome == "surely wrong" for finding in (*one.named, *one.unnamed))
+        joints = int(one.case.rig.is_joint.sum())
+        name = one.case.name.rsplit("/", 1)[-1]
+        bare = _count(by_group(one.unnamed)["limbs"])
+        yield f"| {name} | {joints} | {groups} | {bare} | {sure or ''} | {one.seconds * 1e3:.1f} |"
+
+
+def _short(found: Sequence[Result]) -> Iterator[str]:
+    """Which limbs of a rig are not right, a line for each rig."""
+    for one in found:
+        for words, findings in (("with names", one.named), ("without names", one.unnamed)):
+            lost = [f for f in findings if f.group == "limbs" and f.outcome != "right"]
+            if lost:
+                told = ", ".join(f"{finding.name} {finding.outcome}" for finding in lost)
+                yield f"* {one.case.name.rsplit('/', 1)[-1]}, {words}: {told}"
+
+
+def _count(findings: Sequence[Finding]) -> str:
+    _, counts = share(findings)
+    total = sum(counts.values())
+    return f"{counts['right']} of {total}" if total else "–"
+
+
+def _share(findings: Sequence[Finding]) -> str:
+    part, counts = share(findings)
+    return f"{part:.1%} of {sum(counts.values())}" if counts else "–"
+
+
+def failures(found: Sequence[Result]) -> Iterator[str]:
+    """A line for each part that is not right, for each pose, form and role that is not."""
+    for one in found:
+        for words, findings in (("named", one.named), ("unnamed", one.unnamed)):
+            for finding in findings:
+                if finding.outcome != "right":
+                    yield f"{one.case.name} ({words}): {finding}"
+        if not one.form:
+            yield f"{one.case.name}: form or number of characters"
+        for number, stands in enumerate(one.stands):
+            if stands is False:
+                yield f"{one.case.name}: character {number} faces or stands otherwise"
+        for role in one.roles:
+            yield f"{one.case.name}: {role}"

@@ -1,0 +1,203 @@
+"""rigtri auto: from a character to its rig without a name typed."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner, Result
+from places import SAMPLES
+from recognition.bodies import Body
+from recognition.creatures import crane, two_characters, vehicle
+from second_opinions import validator
+
+from rigtri import auto, read
+from rigtri.compare import verify
+from rigtri.formats import read as document
+from rigtri.recognition.engine import recognise
+from rigtri.recognition.layout import Character, Layout
+from rigtri.rig import Rig
+
+from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
+
+
+def run(app: click.Group, *words: str | Path, code: int = 0) -> Result:
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exit_code == code, result.output
+    return result
+
+
+def written(body: Body, folder: Path) -> Path:
+    path = folder / f"{body.figure.name}.glb"
+    path.write_bytes(glb(body.figure))
+    return path
+
+
+def kinds(rig: Rig) -> list[str]:
+    """What was built, by kind of note."""
+    return [f"{note['type']} {note.get('kind', '')}".strip() for note in rig.notes.values()]
+
+
+@pytest.fixture
+def unsure(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Recognition that doubts every right arm."""
+
+    def doubting(rig: Rig) -> Layout:
+        layout = recognise(rig)
+        return replace(layout, characters=tuple(map(_doubted, layout.characters)))
+
+    for module in ("automatic", "starter"):
+        monkeypatch.setattr(f"rigtri.spec.{module}.recognise", doubting)
+
+
+def _doubted(one: Character) -> Character:
+    chains = (replace(c, confidence=0.6) if c.name == "right arm" else c for c in one.chains)
+    return replace(one, chains=tuple(chains))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_the_spec_that_auto_writes_builds_the_same_bytes(app: click.Group, tmp_path: Path, name: str) -> None:
+    out, again = tmp_path / f"out.{name}", tmp_path / f"again.{name}"
+    run(app, "auto", SAMPLES / name, "-o", out, "--preset", "blender")
+    spec = out.with_suffix(".rig.yaml")
+    assert "preset: blender" in spec.read_text("utf-8")
+    run(app, "build", SAMPLES / name, "--spec", spec, "-o", again)
+    assert again.read_bytes() == out.read_bytes()
+    assert verify(document(SAMPLES / name), document(out)).passes(1e-5)
+    built = kinds(read(out))
+    assert [built.count(kind) for kind in ("control root", "control ik", "poleVector")] == [1, 4, 4]
+
+
+def test_auto_of_what_auto_has_built_changes_no_byte(app: click.Group, tmp_path: Path) -> None:
+    out, again = tmp_path / "out.glb", tmp_path / "again.glb"
+    run(app, "auto", SAMPLES / "tpose.glb", "-o", out)
+    run(app, "auto", out, "-o", again)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_the_spec_of_the_biped_is_as_it_was(app: click.Group, tmp_path: Path, golden: object) -> None:
+    run(app, "auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb")
+    golden.check("auto_biped.glb.yaml", (tmp_path / "out.rig.yaml").read_text("utf-8"))  # type: ignore[attr-defined]
+
+
+def test_a_spec_that_is_there_is_replaced_only_when_asked_for(app: click.Group, tmp_path: Path) -> None:
+    source, out, spec = SAMPLES / "flat_ik.glb", tmp_path / "out.glb", tmp_path / "mine.yaml"
+    spec.write_text("mine")
+    result = run(app, "auto", source, "-o", out, "--spec-out", spec, code=2)
+    assert "--overwrite" in result.stderr
+    assert spec.read_text() == "mine"
+    assert not out.exists()
+    run(app, "auto", source, "-o", out, "--no-spec")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.glb"]
+    run(app, "auto", source, "-o", out, "--spec-out", spec, "--overwrite")
+    assert "thigh" in spec.read_text("utf-8")
+
+
+def test_a_dry_run_lists_and_draws_and_writes_nothing_else(app: click.Group, tmp_path: Path) -> None:
+    picture = tmp_path / "hero.svg"
+    result = run(app, "auto", SAMPLES / "biped.glb", "-n", "--picture", picture)
+    for words in (
+        "left arm",
+        "upper_arm_L → forearm_L → hand_L",
+        "1. orient-joints",
+        "add-controls",
+        "--dry-run",
+    ):
+        assert words in result.stderr
+    assert "hand_L_ik_ctl" in picture.read_text("utf-8")
+    assert [path.name for path in tmp_path.iterdir()] == ["hero.svg"]
+
+
+@pytest.mark.usefixtures("unsure")
+def test_a_limb_that_is_not_sure_is_asked_for_and_its_place_in_the_spec_is_open(
+    app: click.Group, tmp_path: Path
+) -> None:
+    source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
+    result = run(app, "auto", source, "-o", out, code=5)
+    assert "the right arm is not sure (0.60): perhaps 'upper_arm_R', 'forearm_R', 'hand_R'" in result.stderr
+    assert not out.exists()
+    spec = out.with_suffix(".rig.yaml")
+    refused = run(app, "build", source, "--spec", spec, "-o", out, code=2)
+    assert "this place is open" in refused.stderr
+    text = spec.read_text("utf-8").replace("null, null, null", "upper_arm_R, forearm_R, hand_R")
+    spec.write_text(text, "utf-8")
+    run(app, "build", source, "--spec", spec, "-o", out)
+    assert kinds(read(out)).count("poleVector") == 4
+
+
+@pytest.mark.usefixtures("unsure")
+def test_spec_init_comments_out_what_is_not_sure(app: click.Group, tmp_path: Path) -> None:
+    text = run(app, "spec-init", SAMPLES / "biped.glb").stdout
+    assert "null" not in text
+    assert "# Not recognised, so not here: right arm." in text
+
+
+@pytest.mark.parametrize("make", [crane, vehicle])
+def test_what_is_no_character_is_left_alone(app: click.Group, tmp_path: Path, make: object) -> None:
+    source = written(make(), tmp_path)  # type: ignore[operator]
+    result = run(app, "auto", source, "-o", tmp_path / "out.glb", code=5)
+    assert "no character was recognised" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == [source.name]
+
+
+def test_two_characters_of_a_file_get_a_rig_each(app: click.Group, tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    run(app, "auto", written(two_characters(), tmp_path), "-o", out)
+    built = kinds(read(out))
+    assert [built.count(kind) for kind in ("control ik", "poleVector")] == [8, 8]
+
+
+def test_the_report_tells_what_was_recognised_and_done(app: click.Group, tmp_path: Path) -> None:
+    result = run(app, "auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--json")
+    report = json.loads(result.stdout)
+    validator("report").validate(report)
+    assert [step["do"] for step in report["steps"]] == ["orient-joints", "add-twist", "add-controls"]
+    assert [one["form"] for one in report["recognised"]] == ["biped"]
+    assert report["spec"] == (tmp_path / "out.rig.yaml").read_text("utf-8")
+
+
+@pytest.mark.parametrize(("name", "root"), [("arm.usda", "/arm"), ("arm.gltf", "shoulder")])
+def test_reading_options_stand_in_the_spec(app: click.Group, tmp_path: Path, name: str, root: str) -> None:
+    source, out, again = SAMPLES / name, tmp_path / f"out.{name}", tmp_path / f"again.{name}"
+    run(app, "auto", source, "-o", out, "--root", root)
+    run(app, "build", source, "--spec", out.with_suffix(".rig.yaml"), "-o", again)
+    assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["gltf/khronos_CesiumMan_Binary.glb", "usd/usdwg_RiggedFigure.usdz"])
+def test_real_characters_get_controls_for_all_four_limbs(
+    app: click.Group, assets: Path, tmp_path: Path, name: str
+) -> None:
+    out = tmp_path / Path(name).name
+    run(app, "auto", assets / name, "-o", out)
+    built = kinds(read(out))
+    assert [built.count(kind) for kind in ("control ik", "poleVector")] == [4, 4]
+
+
+def test_a_step_that_fails_is_told_with_its_place_in_the_spec_that_is_left(
+    app: click.Group, tmp_path: Path
+) -> None:
+    out = tmp_path / "out.glb"
+    result = run(app, "auto", SAMPLES / "biped.glb", "-o", out, "--strict", code=5)
+    spec = out.with_suffix(".rig.yaml")
+    assert re.search(rf"{re.escape(str(spec))}:\d+:\d+ step 1 \(orient-joints\): --strict", result.stderr)
+    assert [path.name for path in tmp_path.iterdir()] == [spec.name]
+
+
+def test_auto_is_a_function_too(tmp_path: Path) -> None:
+    out, spec = tmp_path / "out.glb", tmp_path / "rig.yaml"
+    built = auto(SAMPLES / "tpose.glb", out, preset="blender", spec_out=spec)
+    assert [done.step.do for done in built.done] == ["orient-joints", "add-twist", "add-controls"]
+    assert "preset: blender" in spec.read_text("utf-8")
+    assert out.exists()
+
+
+def test_words_that_contradict_each_other_are_refused(app: click.Group, tmp_path: Path) -> None:
+    source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
+    run(app, "auto", source, "-o", out, "--spec-out", tmp_path / "a.yaml", "--no-spec", code=2)
+    run(app, "auto", source, "-o", out, "--spec-out", tmp_path / "a.toml", code=2)
+    run(app, "auto", "-", "-o", out, code=2)

@@ -1,0 +1,463 @@
+"""Which joints make arms, legs, spine and fingers: by map, by names, by shape alone."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from bodies import (
+    FINGERS,
+    FLAT,
+    HAIR,
+    HORSE,
+    LEG,
+    MAN,
+    SITTING,
+    SKIRT,
+    THINGS,
+    TRUNK,
+    TWISTED,
+    Joint,
+    both,
+    rig_with,
+)
+from click.testing import CliRunner
+from places import SAMPLES, asset_files
+from second_opinions import validator
+
+from rigtri.errors import FileError
+from rigtri.formats import read
+from rigtri.limbs import recognise as limbs
+from rigtri.matrices import compose, multiply
+from rigtri.quaternions import from_axis_angle
+from rigtri.recognition.engine import recognise
+from rigtri.recognition.layout import CONFIDENT, Layout
+from rigtri.recognition.schemes import own_scheme, said, schemes
+from rigtri.records import Skin
+from rigtri.rig import Rig
+
+FOUR = {
+    "left arm": "upper_arm.L forearm.L hand.L",
+    "right arm": "upper_arm.R forearm.R hand.R",
+    "left leg": "thigh.L shin.L foot.L",
+    "right leg": "thigh.R shin.R foot.R",
+}
+
+
+def bends(joints: list[Joint], layout: Layout, *, least: float = CONFIDENT) -> dict[str, str]:
+    """The limbs that are sure, with the names that joints had."""
+    names = [name for name, _, _ in joints]
+    return {
+        chain.name: " ".join(names[joint] for joint in chain.bend)
+        for chain in layout.chains
+        if chain.bend and chain.confidence >= least
+    }
+
+
+BODIES = {
+    "t-pose": MAN,
+    "sitting": SITTING,
+    "twist joints within limbs": TWISTED,
+    "long hair": [*MAN, *HAIR],
+    "a skirt": [*MAN, *SKIRT],
+    "all joints at one": FLAT,
+}
+
+
+@pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
+@pytest.mark.parametrize("which", BODIES)
+def test_arms_and_legs_are_found(which: str, named: bool) -> None:
+    joints = BODIES[which]
+    layout = recognise(rig_with(joints, named=named))
+    assert bends(joints, layout) == FOUR
+    (character,) = layout.characters
+    assert character.form == "biped"
+    assert np.allclose(character.facing, (0, 0, 1))
+    assert np.allclose(character.up, (0, 1, 0))
+    assert np.allclose(character.normal, (1, 0, 0))
+    assert joints[character.hips][0] == "hips"
+
+
+@pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
+def test_where_a_body_stands_and_how_it_is_turned_changes_nothing(named: bool) -> None:
+    rig = rig_with(MAN, named=named)
+    turned = compose(np.array([3.0, 1, 2]), from_axis_angle(np.array([0.6, 0, 0.8]), 1.1), np.full(3, 40.0))
+    root = multiply(rig.local[:1], turned)
+    has_matrix = np.arange(len(rig)) == 0
+    moved = replace(
+        rig, matrix=np.where(has_matrix[:, np.newaxis, np.newaxis], root, rig.matrix), has_matrix=has_matrix
+    )
+    assert bends(MAN, recognise(moved)) == FOUR
+
+
+def test_spine_neck_and_head_stand_between_and_beyond_the_limbs() -> None:
+    (character,) = recognise(rig_with(MAN, named=False)).characters
+    chains = {chain.name: [MAN[joint][0] for joint in chain.joints] for chain in character.chains}
+    assert chains["spine"] == ["spine", "chest"]
+    assert chains["neck"] == ["neck"]
+    assert chains["head"] == ["head"]
+    assert chains["left foot"] == ["foot.L", "toe.L"]
+    bones = {bone: MAN[node][0] for bone, node in character.bones.items()}
+    assert bones["leftShoulder"] == "clavicle.L"
+    assert bones["rightToes"] == "toe.R"
+    assert bones["hips"] == "hips"
+
+
+def test_a_twist_joint_within_a_limb_is_said_to_be_one() -> None:
+    (character,) = recognise(rig_with(TWISTED, named=False)).characters
+    roles = {TWISTED[part.joint][0]: part.role for part in character.parts}
+    assert [roles[name] for name in ("a.L", "b.R", "c.L", "forearm.L")] == [
+        "twist",
+        "twist",
+        "twist",
+        "deform",
+    ]
+
+
+def test_fingers_are_told_by_their_place_from_the_thumb_on() -> None:
+    joints = [*MAN, *FINGERS]
+    (character,) = recognise(rig_with(joints, named=False)).characters
+    fingers = {
+        c.name: joints[c.joints[0]][0] for c in character.chains if c.kind == "finger" and c.side == "left"
+    }
+    assert fingers == {
+        "left thumb": "t1.L",
+        "left index finger": "f01.L",
+        "left middle finger": "f11.L",
+        "left ring finger": "f21.L",
+        "left little finger": "f31.L",
+    }
+    assert joints[character.bones["leftThumbDistal"]][0] == "t3.L"
+
+
+def test_what_is_no_bone_of_the_body_is_told_by_name_and_by_place() -> None:
+    more: list[Joint] = [
+        ("root", "", (0, 0, 0)),
+        *((name, above or "root", place) for name, above, place in MAN),
+        ("elbow_pole.L", "root", (0.44, 1.45, -0.6)),
+        ("x", "root", (0.1, 0.5, 0.6)),
+        ("y", "upper_arm.L", (0.3, 1.45, 0)),
+        ("sword_slot", "hand.R", (-0.8, 1.45, 0)),
+        ("toe_end.L", "toe.L", (0.1, 0.03, 0.2)),
+    ]
+    rig = rig_with(more)
+    moved = np.array([name not in ("x", "elbow_pole.L", "toe_end.L") for name, _, _ in more])
+    rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moved),))
+    (character,) = recognise(rig).characters
+    roles = {more[part.joint][0]: part.role for part in character.parts}
+    wanted = {"root": "control", "elbow_pole.L": "control", "x": "control", "y": "twist"}
+    wanted |= {"sword_slot": "attachment", "toe_end.L": "end", "shin.L": "deform"}
+    assert {name: roles[name] for name in wanted} == wanted
+
+
+def test_controls_beside_bones_called_def_are_no_body() -> None:
+    """As Rigify has them: ORG- and plain names of the same words, and DEF- bones that hang at ORG- ones."""
+    joints: list[Joint] = [("root", "", (0, 0, 0))]
+    joints += [(f"ORG-{name}", f"ORG-{above}" if above else "root", place) for name, above, place in MAN]
+    joints += [(name, f"ORG-{name}", place) for name, _, place in MAN]
+    first = {"clavicle.L", "clavicle.R", "thigh.L", "thigh.R", "hips"}
+    joints += [
+        (f"DEF-{name}", f"ORG-{name}" if name in first else f"DEF-{above}", place)
+        for name, above, place in MAN
+    ]
+    layout = recognise(rig_with(joints))
+    assert bends(joints, layout) == {
+        name: " ".join(f"DEF-{joint}" for joint in bend.split()) for name, bend in FOUR.items()
+    }
+    roles = {joints[part.joint][0]: part.role for part in layout.characters[0].parts}
+    assert [roles[name] for name in ("ORG-hand.L", "hand.L", "DEF-hand.L")] == [
+        "control",
+        "control",
+        "deform",
+    ]
+
+
+def test_a_foot_that_hangs_at_the_root_ends_its_leg_if_it_moves_points() -> None:
+    joints: list[Joint] = [("root", "", (0, 0, 0))]
+    loose = {"foot.L": "root", "foot.R": "root"}
+    joints += [(name, loose.get(name, above or "root"), place) for name, above, place in MAN]
+    rig = rig_with(joints, named=False)
+    assert bends(joints, recognise(rig)) == FOUR
+    moved = np.array([name[:3] not in ("foo", "toe") for name, _, _ in joints])
+    controls = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: moved),))
+    found = bends(joints, recognise(controls))
+    assert "left leg" not in found
+    assert found["left arm"] == FOUR["left arm"]
+
+
+def test_a_horse_has_four_legs_and_a_tail() -> None:
+    (character,) = recognise(rig_with(HORSE)).characters
+    assert character.form == "quadruped"
+    assert bends(HORSE, recognise(rig_with(HORSE))) == {
+        "left hind leg": "thigh.L shin.L foot.L",
+        "right hind leg": "thigh.R shin.R foot.R",
+        "left front leg": "upper_arm.L forearm.L hand.L",
+        "right front leg": "upper_arm.R forearm.R hand.R",
+    }
+    assert [chain.name for chain in character.chains if chain.kind == "tail"] == ["tail"]
+    assert np.allclose(character.facing, (0, 0, 1))
+
+
+@pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
+@pytest.mark.parametrize("thing", THINGS)
+def test_what_is_no_character_has_no_limb_and_is_said_to_be_none(thing: str, named: bool) -> None:
+    layout = recognise(rig_with(THINGS[thing], named=named))
+    assert bends(THINGS[thing], layout) == {}
+    assert not layout.characters
+    assert layout.remarks[0].startswith("not a character: ")
+
+
+def test_a_part_of_a_body_is_one_and_the_rest_is_missed() -> None:
+    half = [*TRUNK, *LEG]
+    layout = recognise(rig_with(half))
+    assert bends(half, layout) == {"left leg": FOUR["left leg"]}
+    assert layout.characters[0].form == "partial"
+    assert "no right leg was found, though there is a left one" in layout.remarks
+    # Of a pair alone nobody can tell by its shape what it is: it is shown, and left alone.
+    legs = [*TRUNK[:1], *both(LEG)]
+    nameless = recognise(rig_with(legs, named=False))
+    assert bends(legs, nameless) == {}
+    assert set(bends(legs, nameless, least=0.0)) == {"left leg", "right leg"}
+
+
+def two_bodies(skins: int) -> Rig:
+    """A man, and another beside him."""
+
+    def second(name: str) -> str:
+        return f"second_{name}" if name else ""
+
+    other = [(second(name), second(above), (x + 2, y, z)) for name, above, (x, y, z) in MAN]
+    rig = rig_with([*MAN, *other])
+    if skins == 1:
+        return rig
+    halves = np.split(np.arange(len(rig)), 2)
+    bind = rig.skins[0].inverse_bind
+    return replace(rig, skins=tuple(Skin(f"s{rows[0]}", rows, bind[rows]) for rows in halves))
+
+
+@pytest.mark.parametrize("skins", [1, 2])
+def test_two_characters_of_a_file_are_told_apart(skins: int) -> None:
+    rig = two_bodies(skins)
+    layout = recognise(rig)
+    assert len(layout.characters) == 2
+    assert layout.remarks[0].startswith("2 characters")
+    assert len(limbs(rig)) == 8
+
+
+def test_names_that_contradict_the_shape_are_not_trusted() -> None:
+    swapped = {
+        "upper_arm": "thigh",
+        "forearm": "shin",
+        "hand": "foot",
+        "thigh": "upper_arm",
+        "shin": "forearm",
+        "foot": "hand",
+    }
+
+    def called(name: str) -> str:
+        word, dot, which = name.partition(".")
+        return swapped.get(word, word) + dot + which
+
+    joints = [(called(name), called(above), place) for name, above, place in MAN]
+    layout = recognise(rig_with(joints))
+    assert bends(joints, layout) == {}
+    assert any("but its shape is that of a" in words for chain in layout.chains for words in chain.evidence)
+
+
+def test_names_of_one_side_are_enough() -> None:
+    """The twin of a limb whose shape agrees with its names is one, too, whatever it is called."""
+    other = {name: f"bone{k}" for k, (name, _, _) in enumerate(MAN) if name.endswith(".R")}
+    joints = [(other.get(name, name), other.get(above, above), place) for name, above, place in MAN]
+    found = bends(joints, recognise(rig_with(joints)))
+    assert found["right leg"] == " ".join(other[name] for name in FOUR["right leg"].split())
+    assert found["left arm"] == FOUR["left arm"]
+    assert len(found) == 4
+
+
+def test_what_names_call_left_stays_left_and_the_contradiction_is_said() -> None:
+    joints = [(name, above, (-x, y, z)) for name, above, (x, y, z) in MAN]
+    layout = recognise(rig_with(joints))
+    assert bends(joints, layout) == FOUR
+    assert any("call left is on the right" in remark for remark in layout.remarks)
+
+
+def test_only_what_is_sure_is_a_limb_to_work_on() -> None:
+    rig = rig_with([*TRUNK[:1], *both(LEG)], named=False)
+    assert limbs(rig) == []
+    found = limbs(rig_with(MAN, named=False))
+    assert [(limb.kind, limb.side, limb.evidence) for limb in found] == [
+        ("arm", "left", "shape"),
+        ("arm", "right", "shape"),
+        ("leg", "left", "shape"),
+        ("leg", "right", "shape"),
+    ]
+    # Of joints that all hang at one, start and end make no chain that an operation could turn.
+    assert limbs(rig_with(FLAT)) == []
+
+
+def test_a_hand_alone_has_its_fingers() -> None:
+    layout = recognise(read(SAMPLES / "hand.glb").rig)
+    assert layout.characters[0].form == "hand"
+    names = [chain.name for chain in layout.chains]
+    assert names == ["hand", "thumb", "index finger", "middle finger", "ring finger", "little finger"]
+
+
+# Names of one arm, one leg and the middle, as each scheme has them, by the joints of MAN.
+_JOINTS = "hips spine chest neck head clavicle.L upper_arm.L forearm.L hand.L thigh.L shin.L foot.L toe.L"
+NAMED = {
+    "Mixamo": """
+        mixamorig:Hips mixamorig:Spine mixamorig:Spine1 mixamorig:Neck mixamorig:Head
+        mixamorig:LeftShoulder mixamorig:LeftArm mixamorig:LeftForeArm mixamorig:LeftHand
+        mixamorig:LeftUpLeg mixamorig:LeftLeg mixamorig:LeftFoot mixamorig:LeftToeBase
+    """,
+    "Unreal mannequin": """
+        pelvis spine_01 spine_02 neck_01 head clavicle_l upperarm_l lowerarm_l hand_l thigh_l
+        calf_l foot_l ball_l
+    """,
+    "Unity humanoid": """
+        Hips Spine UpperChest Neck Head LeftShoulder LeftUpperArm LeftLowerArm LeftHand
+        LeftUpperLeg LeftLowerLeg LeftFoot LeftToes
+    """,
+    "Rigify": """
+        DEF-spine DEF-spine.001 DEF-spine.002 DEF-spine.004 DEF-spine.006 DEF-shoulder.L
+        DEF-upper_arm.L DEF-forearm.L DEF-hand.L DEF-thigh.L DEF-shin.L DEF-foot.L DEF-toe.L
+    """,
+    "3ds Max Biped": """
+        Bip01_Pelvis Bip01_Spine Bip01_Spine1 Bip01_Neck Bip01_Head Bip01_L_Clavicle
+        Bip01_L_UpperArm Bip01_L_Forearm Bip01_L_Hand Bip01_L_Thigh Bip01_L_Calf Bip01_L_Foot
+        Bip01_L_Toe0
+    """,
+    "MMD": """
+        センター 上半身 上半身2 首 頭 左肩 左腕 左ひじ 左手首 左足 左ひざ 左足首 左つま先
+    """,
+    "MMD (English)": """
+        groove upper_body upper_body2 neck head shoulder_L arm_L elbow_L wrist_L leg_L knee_L
+        ankle_L toe_L
+    """,
+    "Daz": """
+        hip abdomenLower chestLower neckLower head lCollar lShldrBend lForearmBend lHand
+        lThighBend lShin lFoot lToe
+    """,
+    "Character Creator": """
+        CC_Base_Hip CC_Base_Waist CC_Base_Spine01 CC_Base_NeckTwist01 CC_Base_Head
+        CC_Base_L_Clavicle CC_Base_L_Upperarm CC_Base_L_Forearm CC_Base_L_Hand CC_Base_L_Thigh
+        CC_Base_L_Calf CC_Base_L_Foot CC_Base_L_ToeBase
+    """,
+    "BVH joints": """
+        Hips Abdomen Chest Neck Head LeftCollar LeftShoulder LeftElbow LeftWrist LeftHip LeftKnee
+        LeftAnkle LeftToe
+    """,
+    "HumanIK": """
+        Character1_Hips Character1_Spine Character1_Spine1 Character1_Neck Character1_Head
+        Character1_LeftShoulder Character1_LeftArm Character1_LeftForeArm Character1_LeftHand
+        Character1_LeftUpLeg Character1_LeftLeg Character1_LeftFoot Character1_LeftToeBase
+    """,
+    "Rokoko": """
+        Hips Spine1 Spine4 Neck Head LeftShoulder LeftArm LeftForeArm LeftHand LeftThigh LeftShin
+        LeftFoot LeftToe
+    """,
+}
+
+
+@pytest.mark.parametrize("scheme", NAMED)
+def test_the_names_of_a_scheme_are_read_as_it_means_them(scheme: str) -> None:
+    """By names alone: the joints stand in a line, where no shape helps."""
+    names = dict(zip(_JOINTS.split(), NAMED[scheme].split(), strict=True))
+    above = {name: over for name, over, _ in MAN}
+    joints = [(names[name], names.get(above[name], ""), (float(k), 0.0, 0.0)) for k, name in enumerate(names)]
+    layout = recognise(rig_with(joints))
+    (character,) = layout.characters
+    found = {chain.kind: [joints[joint][0] for joint in chain.bend] for chain in layout.chains if chain.bend}
+    assert found["arm"] == [names[k] for k in ("upper_arm.L", "forearm.L", "hand.L")]
+    assert found["leg"] == [names[k] for k in ("thigh.L", "shin.L", "foot.L")]
+    assert character.bones["leftShoulder"] == list(names).index("clavicle.L")
+    assert any(scheme in words for chain in layout.chains for words in chain.evidence)
+
+
+def test_every_scheme_is_asked_and_those_of_nobody_last() -> None:
+    titles = [scheme.title for scheme in schemes()]
+    assert len(titles) == len(set(titles)) >= 16
+    assert titles[-2:] == ["common words for bones", "common words for joints"]
+
+
+def test_a_scheme_of_ones_own_is_asked_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "studio.toml"
+    path.write_text(
+        'title = "Studio"\n[sides]\nUpperArm = "alpha"\nLowerArm = "beta"\nHand = "gamma"\n', "utf-8"
+    )
+    joints: list[Joint] = [
+        ("alpha_L", "", (0, 0, 0)),
+        ("beta_L", "alpha_L", (1, 0, 0)),
+        ("gamma_L", "beta_L", (2, 0, 0)),
+    ]
+    assert bends(joints, recognise(rig_with(joints))) == {}
+    assert bends(joints, recognise(rig_with(joints), own=[own_scheme(path)])) == {
+        "left arm": "alpha_L beta_L gamma_L"
+    }
+    monkeypatch.setenv("RIGTRI_SCHEMES", str(tmp_path))
+    assert bends(joints, recognise(rig_with(joints))) == {"left arm": "alpha_L beta_L gamma_L"}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("title = 3 3", "no naming scheme"),
+        ('[sides]\nHand = "h"', "title"),
+        ('title = "A"\nbones = 1', "bones"),
+        ('title = "A"\n[middle]\nHand = "h"', "'Hand' is no bone of the middle"),
+        ('title = "A"\nlike = "nobody"', "nobody"),
+    ],
+)
+def test_what_is_no_scheme_is_refused(text: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text(text, "utf-8")
+    with pytest.raises(FileError, match=words):
+        own_scheme(path)
+
+
+def test_a_name_is_read_whatever_stands_between_its_words() -> None:
+    for name in ("LeftUpperArm", "left_upper_arm", "upper arm.L", "L_UpperArm", "upperArm.l", "leftupperarm"):
+        assert (said(name).side, said(name).key) == ("left", "upperarm"), name
+
+
+def test_the_command_tells_chains_roles_and_words(app: click.Group) -> None:
+    told = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb")]).output
+    assert "biped, 0.99 sure" in told
+    assert "faces +z, up +y, left +x" in told
+    assert "upper_arm_L → forearm_L → hand_L" in told
+    assert "end: head_end" in told
+    told = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb"), "--joints"]).output
+    assert "leftUpperArm" in told
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "hand.glb", "flat_ik.glb", "biped.usda"])
+def test_json_is_as_its_schema_says(name: str, app: click.Group) -> None:
+    run = CliRunner().invoke(app, ["recognise", str(SAMPLES / name), "--json"])
+    assert run.exit_code == 0, run.output
+    validator("recognise").validate(json.loads(run.stdout))
+
+
+def test_a_scheme_that_cannot_be_read_is_told_in_one_line(app: click.Group, tmp_path: Path) -> None:
+    run = CliRunner().invoke(
+        app, ["recognise", str(SAMPLES / "biped.glb"), "--scheme", str(tmp_path / "no.toml")]
+    )
+    assert run.exit_code == 3
+    assert "is no naming scheme" in run.output
+
+
+# By hand: arms and legs that the shape alone shows in real files whose names are taken away.
+NAMELESS = {"gdquest_mannequiny-0.3.0.glb": 4, "raylib_robot.glb": 4, "mayausd_HIK_Export.usda": 4}
+
+
+@pytest.mark.parametrize("name", NAMELESS)
+def test_real_characters_without_names_are_recognised_as_with_them(name: str, assets: Path) -> None:
+    (path,) = (path for path in asset_files() if path.name == name)
+    rig = read(path).rig
+    with_names = {(limb.kind, limb.side, limb.triple) for limb in limbs(rig)}
+    without = limbs(replace(rig, names=("",) * len(rig), humanoid={}))
+    assert {(limb.kind, limb.side, limb.triple) for limb in without} == with_names
+    assert len(without) == NAMELESS[name]
