@@ -161,7 +161,7 @@ BROKEN: dict[str, tuple[Spoil, str]] = {
     "no mode": (lambda g: keys(g).pop("mode"), "'mode' is missing"),
     "mode": (lambda g: keys(g).update(mode="BEST"), "mode 'BEST' is none"),
     "mode is a number": (lambda g: keys(g).update(mode=0), "a text should stand here"),
-    "triangles": (lambda g: keys(g).update(mode="TRIANGLES"), "holds triangles"),
+    "triangles": (lambda g: keys(g).update(mode="TRIANGLES"), "byteStride 16 is none that TRIANGLES"),
     "indices": (lambda g: keys(g).update(mode="INDICES"), "byteStride 16 is none that INDICES"),
     "filter": (lambda g: keys(g).update(filter="SEPIA"), "filter 'SEPIA' is none"),
     "filter is a list": (lambda g: keys(g).update(filter=[]), r"filter \[\] is none"),
