@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click import Group
+from click.testing import CliRunner
 from gltf_files import Builder, character, glb_bytes, glb_json, small
 from packed_files import EXT, KHR, Fallback, pack
 from places import ASSETS, NO_ASSETS
@@ -492,6 +494,13 @@ def test_draco_meshes_pass_through_and_their_joints_are_verified(tmp_path: Path)
     old, new = glb_json(tmp_path / "a.glb"), glb_json(tmp_path / "b.glb")
     assert new["meshes"] == old["meshes"]
     assert b"DRACO, or so it says" in (tmp_path / "b.glb").read_bytes()
+
+
+def test_a_picture_says_which_meshes_it_lacks(tmp_path: Path, app: Group) -> None:
+    path = with_draco().glb(tmp_path / "draco.glb")
+    result = CliRunner().invoke(app, ["draw", str(path), "-o", str(tmp_path / "a.svg")])
+    assert result.exit_code == 0, result.output
+    assert "is compressed with KHR_draco_mesh_compression" in result.stderr
 
 
 def test_verify_sees_a_wrong_inverse_bind_that_only_a_draco_mesh_shows(tmp_path: Path) -> None:
