@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from bodies import MAN, Joint, both, rig_with
+from bodies import MAN, Joint, both, line, rig_with
 
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import Layout
+from rigtri.spec.starter import left_out, starter, unsure
 
 
 def renamed(joints: list[Joint], names: dict[str, str]) -> Layout:
@@ -99,3 +100,16 @@ WINGS = both(
 def test_arms_beside_wings_are_not_sure_without_names() -> None:
     joints = [*MAN, *WINGS]
     assert wrong(joints, recognise(rig_with(joints, named=False))) == []
+
+
+def test_further_limbs_that_are_not_sure_are_told_and_not_asked_for() -> None:
+    more = line("x.L y.L z.L", "hips", (0.13, 0.95, 0), (0.13, 0.5, 0.01), (0.13, 0.1, -0.02))
+    joints = [*MAN, *both(more)]
+    layout = recognise(rig_with(joints))
+    assert [chain.name for chain in layout.chains if chain.bend and not chain.is_sure] != []
+    assert unsure(layout) == []
+    assert len(left_out(layout)) == 2
+    text = starter(rig_with(joints), "man.glb", layout, open_places=True)
+    assert "null" not in text
+    assert text.count(": left out") == 2
+    assert "not sure, and left out" in text
