@@ -20,8 +20,8 @@ _TWINS = 0.15
 _BALANCE = 0.4
 # Of a body without legs and without a second arm, so many bones beside the arm's own are named.
 _ENOUGH = 3
-# A second pair at the chest that is so long a part of the arms may be the arms as well.
-_RIVAL = 0.3
+# A further chain at the chest that is so long a part of the arms may be an arm as well.
+_RIVAL = 0.2
 # A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
 _NEXT = 0.6
 
@@ -181,21 +181,29 @@ def _rival(draft: Draft, each: Found) -> str:
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
     if start == 0 and end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]:
         return "its first bone may be a clavicle, as a long bone follows"
-    legs = draft.shape.body.legs if draft.shape.body is not None else None
-    for other in draft.shape.limbs:
-        if other is legs or len(other.at) < 3 or other.pair.nodes & mine.pair.nodes:
-            continue
-        long = other.fingers >= 2 or other.size > _RIVAL * mine.size
-        if mine.fingers < 2 and long and _beside(draft, mine, other, legs):
-            return f"the pair from {_title(draft, other.pair.paths[0][0])} may be the arms as well"
+    if mine.fingers >= 2 or draft.shape.plane is None:
+        return ""
+    for node in _beside(draft, mine):
+        part = tree.paths[node][:2]
+        aside = [abs(float(far)) for far in draft.shape.plane.side_of(tree.places[list(part)])]
+        long = len(tree.paths[node]) > 2 and tree.reach[node] > _RIVAL * mine.size
+        if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
+            return f"the chain from {_title(draft, node)} may be an arm as well"
     return ""
 
 
-def _beside(draft: Draft, mine: Limbs, other: Limbs, legs: Limbs | None) -> bool:
-    """Whether a pair hangs where the arms do, or a joint from there, and no name tells what it is."""
-    tree, a, b = draft.tree, mine.pair.above, other.pair.above
-    if legs is not None and b == legs.pair.above and a != b:
-        return False
-    if a != b and tree.above[a] != b and tree.above[b] != a:
-        return False
-    return not any(said_roles(tree.rig.names[k]) for k in other.pair.paths[0])
+def _beside(draft: Draft, mine: Limbs) -> list[int]:
+    """What hangs where the arms do, or a joint from there, and has no name that tells what it is."""
+    tree, chest = draft.tree, mine.pair.above
+    body = draft.shape.body
+    legs = body.legs.pair.above if body is not None and body.legs is not None else -1
+    over = tree.above[chest] if chest >= 0 else -1
+    near = [k for k in (chest, over, *tree.below[chest]) if k >= 0 and k not in mine.pair.nodes]
+    hanging = [k for at in near if at == chest or at != legs for k in tree.below[at]]
+    return [
+        k
+        for k in hanging
+        if k not in mine.pair.nodes
+        and chest not in tree.paths[k]
+        and not any(said_roles(tree.rig.names[n]) for n in tree.paths[k])
+    ]
