@@ -25,7 +25,6 @@ from .options import (
 
 if TYPE_CHECKING:
     from rigtri.drawing.picture import Options
-    from rigtri.rig import Rig
 
 
 @click.command("draw")
@@ -106,12 +105,9 @@ def command(source: str, target: str, **values: Any) -> None:
         check_streams(*sources)
     pictures.check_target(target, sources, overwrite=values["overwrite"])
     with ExitStack() as stack:
-        rigs: list[Rig] = []
-        for name in sources:
-            document = read(stack.enter_context(opened(name)), read_options({**values, "empty": True}))
-            rigs.append(document.rig)
-            for notice in document.warnings:
-                report.warn(notice.code, notice.text)
+        reading = read_options({**values, "empty": True})
+        documents = [read(stack.enter_context(opened(name)), reading) for name in sources]
+        rigs = [document.rig for document in documents]
         titles = ["standard input" if name == "-" else Path(name).name for name in sources]
         marked = [f"{when}: {title}" for when, title in zip(("after", "before"), titles, strict=False)]
         svg = draw(
@@ -122,6 +118,8 @@ def command(source: str, target: str, **values: Any) -> None:
             title_against=marked[-1],
             report=report,
         )
+        for document in documents:  # meshes are read, and found unreadable, while they are drawn
+            report.hear(document.warnings)
         lines = [as_json(seen(rig, options)) for rig in rigs] if values["as_json"] else []
     pictures.deliver(svg, target, report)
     if values["as_json"]:

@@ -54,7 +54,8 @@ class NameNotFoundError(RigtriError):
         """pattern: the name may be a glob."""
         every = list(dict.fromkeys(word for word in known if word))
         said = "matches" if pattern and re.search(r"[*?\[]", name) else "is named"
-        hint = _range(name, every) or _meant(name, every)
+        # Clips are few, and have names beside their numbers: all are told.
+        hint = ("" if kind.startswith("clip") else _range(name, every)) or _meant(name, every)
         super().__init__(f"No {kind} {said} '{name}'.{hint} List what is there with: rigtri inspect FILE")
 
 

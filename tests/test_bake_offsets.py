@@ -19,9 +19,11 @@ from rigtri.ops.constrain import constrain
 from rigtri.ops.controls import add_controls
 from rigtri.ops.strip import strip
 from rigtri.quaternions import from_axis_angle
+from rigtri.records import Track
 from rigtri.rig import Rig
 from rigtri.solve.evaluate import Solver
 from rigtri.solve.posed import Posed
+from rigtri.trigonometry import Floats
 
 # The issue's bound, as a share of the size.
 NEAR = 1e-6
@@ -91,6 +93,39 @@ def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
     with_them, without = bake(up, options=Options()), bake(replace(up, clips=clips), options=Options())
     times = pose.key_times(rig.clip("walk"))
     assert apart(with_them, without, "walk", times) == 0.0
+
+
+def test_a_move_of_a_control_below_ik_goes_along_the_axes_that_ik_has_turned() -> None:
+    """As in the tree of nodes: the offset stands where IK has the joint, the control moves in its axes."""
+    rig = rigged()
+    rig = replace(rig, clips=(rig.clip("walk"),))
+    up = bake(rig, options=Options(to="controls"))
+    control, joint = up.find("upper_arm_L_ctl", "node"), up.find("upper_arm_L")
+    times, move = pose.key_times(up.clip("walk")), np.array([0.0, 0.02, 0.05])
+    held = Track(control, "translation", "STEP", times[:1], move[np.newaxis])
+
+    def places(moved: bool) -> Floats:
+        clips = [
+            replace(
+                clip,
+                tracks=(
+                    *(t for t in clip.tracks if (t.node, t.path) != (control, "translation")),
+                    *((held,) if moved else ()),
+                ),
+            )
+            for clip in up.clips
+        ]
+        home = bake(replace(up, clips=tuple(clips)), options=Options())
+        return pose.worlds(home, pose.locals_at(home, home.clip("walk"), times))
+
+    still, now = places(False), places(True)
+    above = int(up.parents[joint])
+    np.testing.assert_allclose(now[:, above], still[:, above], atol=1e-5)
+    # The offset's axes, as its keys have them: on the joint that IK has turned.
+    world = pose.worlds(up, pose.locals_at(up, up.clip("walk"), times))
+    turned = nearest_rotation(world[:, up.parents[control]])
+    assert np.abs(turned - nearest_rotation(up.world[up.parents[control]])).max() > 0.1
+    np.testing.assert_allclose(now[:, joint, 3, :3] - still[:, joint, 3, :3], move @ turned, atol=1e-5)
 
 
 def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -> None:

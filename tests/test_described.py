@@ -19,6 +19,7 @@ from rigtri import pose
 from rigtri.formats import read
 from rigtri.ops.bake import Options as BakeOptions
 from rigtri.ops.described import as_described
+from rigtri.ops.take_clips import _tell_unkeyed
 from rigtri.quaternions import conjugate, multiply, turn_angle
 from rigtri.records import Clip, Track
 from rigtri.report import Report
@@ -161,7 +162,7 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
     assert (found.rotation[control] == rig.rotation[control]).all()
     (notice,) = report.warnings
     assert (notice.code, notice.geometry) == ("held-without-keys", False)
-    assert rig.names[control] in notice.text
+    assert "No clip has keys of 'head_ctl (rotation)', posed" in notice.text
     head = rig.find("head")
     baked = rigtri.bake(found, options=BakeOptions())
     for clip in baked.clips:
@@ -181,6 +182,21 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
     # Without clips there are no frames: it has been moved at rest.
     still = as_described(replace(rig, notes={}, rotation=rotation, clips=()), rig)
     assert (still.rotation[control] == turn).all()
+
+
+def test_take_clips_tells_of_channels_that_were_posed_without_keys() -> None:
+    rig, report = biped(), Report()
+    control = rig.find("head_ctl", "node")
+    translation = rig.translation.copy()
+    translation[control] += 0.1
+    every = {node: node for node in range(len(rig))}
+    _tell_unkeyed(rig, rig, every, report)
+    assert not report.warnings
+    _tell_unkeyed(rig, replace(rig, translation=translation), every, report)
+    (notice,) = report.warnings
+    assert notice.code == "held-without-keys"
+    assert "'head_ctl (translation)'" in notice.text
+    assert "not taken" in notice.text
 
 
 def test_joints_bound_otherwise_are_told_and_their_controls_keep_their_rest() -> None:

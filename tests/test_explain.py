@@ -180,7 +180,7 @@ def test_a_limb_of_a_file_is_found_by_any_of_its_joints_or_by_all(run: Any) -> N
         (["missing.glb", "--limb", "a"], 3, "no file"),
         ([SAMPLES / "biped.glb"], 2, "--limb JOINT"),
         ([SAMPLES / "biped.glb", "--limb", "elbo"], 4, "elbo"),
-        ([SAMPLES / "biped.glb", "--limb", "fingers_L"], 2, "middle of no limb"),
+        ([SAMPLES / "biped.glb", "--limb", "fingers_L"], 2, "belongs to no limb"),
         (["0,0,0", "1,0,0", "2,1,0", "-o", "-", "--json"], 2, "standard output"),
     ],
 )

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click import Group
+from click.testing import CliRunner
 from gltf_files import Builder, character, glb_bytes, glb_json, small
 from packed_files import EXT, KHR, Fallback, pack
 from places import ASSETS, NO_ASSETS
@@ -161,7 +163,7 @@ BROKEN: dict[str, tuple[Spoil, str]] = {
     "no mode": (lambda g: keys(g).pop("mode"), "'mode' is missing"),
     "mode": (lambda g: keys(g).update(mode="BEST"), "mode 'BEST' is none"),
     "mode is a number": (lambda g: keys(g).update(mode=0), "a text should stand here"),
-    "triangles": (lambda g: keys(g).update(mode="TRIANGLES"), "holds triangles"),
+    "triangles": (lambda g: keys(g).update(mode="TRIANGLES"), "byteStride 16 is none that TRIANGLES"),
     "indices": (lambda g: keys(g).update(mode="INDICES"), "byteStride 16 is none that INDICES"),
     "filter": (lambda g: keys(g).update(filter="SEPIA"), "filter 'SEPIA' is none"),
     "filter is a list": (lambda g: keys(g).update(filter=[]), r"filter \[\] is none"),
@@ -492,6 +494,13 @@ def test_draco_meshes_pass_through_and_their_joints_are_verified(tmp_path: Path)
     old, new = glb_json(tmp_path / "a.glb"), glb_json(tmp_path / "b.glb")
     assert new["meshes"] == old["meshes"]
     assert b"DRACO, or so it says" in (tmp_path / "b.glb").read_bytes()
+
+
+def test_a_picture_says_which_meshes_it_lacks(tmp_path: Path, app: Group) -> None:
+    path = with_draco().glb(tmp_path / "draco.glb")
+    result = CliRunner().invoke(app, ["draw", str(path), "-o", str(tmp_path / "a.svg")])
+    assert result.exit_code == 0, result.output
+    assert "is compressed with KHR_draco_mesh_compression" in result.stderr
 
 
 def test_verify_sees_a_wrong_inverse_bind_that_only_a_draco_mesh_shows(tmp_path: Path) -> None:

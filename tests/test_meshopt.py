@@ -14,6 +14,7 @@ from meshopt_streams import Job, by_the_c_library, encode_attributes, encode_ind
 
 from rigtri.formats.gltf.meshopt import decode_attributes, decode_indices
 from rigtri.formats.gltf.meshopt_filters import FILTERS, color, exponential, octahedral, quaternion
+from rigtri.formats.gltf.meshopt_triangles import decode_triangles
 
 # Around every border: a group, a block, and more than one portion.
 COUNTS = (1, 15, 16, 17, 64, 255, 256, 257, 1000)
@@ -83,6 +84,26 @@ def test_indices_come_out(stride: int) -> None:
     stream = encode_indices(indices, chance)
     decoded = decode_indices(memoryview(stream), 500, stride)
     assert decoded.tobytes() == np.array(indices, dtype=f"<u{stride}").tobytes()
+
+
+def test_triangles_by_hand() -> None:
+    """A new triangle; one at its last edge with a new corner; one that is spelled out: 2, 0, 3."""
+    table = bytes([0x00]) + bytes(15)
+    codes = bytes([0xF0, 0x00, 0xFF])
+    spelled = bytes([0xFF]) + bytes([4, 3, 6])  # +2, −2, +3 in zigzag
+    stream = b"\xe1" + codes + spelled + table
+    decoded = decode_triangles(memoryview(stream), 9, 4).copy().view("<u4")[:, 0]
+    assert decoded.tolist() == [0, 1, 2, 0, 2, 3, 2, 0, 3]
+
+
+@given(st.data())
+def test_no_triangles_do_anything_but_decode_or_raise_value_error(data: Any) -> None:
+    count = 3 * data.draw(st.integers(0, 20))
+    stream = b"\xe1" + data.draw(st.binary(max_size=120))
+    with suppress(ValueError):
+        assert decode_triangles(memoryview(stream), count, 2).shape == (count, 2)
+    with pytest.raises(ValueError, match=r"cannot hold|whole number"):
+        decode_triangles(memoryview(stream), 3 << 60, 2)
 
 
 # --- filters, numbers that can be checked by hand
@@ -194,6 +215,22 @@ def test_all_bytes_are_those_of_the_c_library() -> None:
     for job, (stream, decoded) in zip(jobs, by_the_c_library(jobs), strict=True):
         decode = decode_indices if job.mode == "INDICES" else decode_attributes
         assert decode(memoryview(stream), job.count, job.stride).tobytes() == decoded == job.raw
+
+
+def grid(side: int) -> list[tuple[int, int, int]]:
+    """The triangles of a grid of points, row by row."""
+    corners = [(y * side + x, y * side + x + 1, (y + 1) * side + x) for y in range(side) for x in range(side)]
+    return [*corners, *((b, c + 1, c) for _, b, c in corners)]
+
+
+def test_all_triangles_are_those_of_the_c_library() -> None:
+    make = np.random.default_rng(3)
+    found = [np.array(grid(side)) for side in (1, 2, 9, 40)]
+    found += [make.integers(0, 3 * count, (count, 3)) for count in (1, 20, 900)]
+    found += [np.cumsum(make.integers(-2, 3, 900)).clip(0), np.arange(90)]
+    jobs = [Job(x.astype(f"<u{size}").tobytes(), size, "TRIANGLES") for x in found for size in (2, 4)]
+    for job, (stream, decoded) in zip(jobs, by_the_c_library(jobs), strict=True):
+        assert decode_triangles(memoryview(stream), job.count, job.stride).tobytes() == decoded
 
 
 def filtered(bits: int) -> list[Job]:

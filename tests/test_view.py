@@ -25,6 +25,7 @@ from rigtri.drawing.picture import seen
 from rigtri.formats import Options, read
 from rigtri.report import Report
 from rigtri.viewer.facts import facts
+from rigtri.viewer.shown import Begin, shown_page
 
 NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -241,6 +242,15 @@ def test_a_page_begins_as_it_is_asked_to(
     options: tuple[str, ...], start: dict[str, Any], view: Any, samples: Path, tmp_path: Path
 ) -> None:
     assert written(view, tmp_path, samples / "biped.glb", *options).facts["start"] == start
+
+
+def test_a_time_outside_the_clip_is_told_and_the_nearest_pose_shown() -> None:
+    report = Report()
+    begin = Begin(pose="wave@-5")
+    text, _ = shown_page([SAMPLES / "biped.glb"], begin=begin, limit=100.0, options=Options(), report=report)
+    assert [notice.code for notice in report.warnings] == ["pose-outside"]
+    page = Page(text)
+    assert page.facts["start"]["time"] == 0.0
 
 
 def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(

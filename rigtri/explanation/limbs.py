@@ -31,7 +31,8 @@ def limb_with(rig: Rig, name: str) -> tuple[int, int, int]:
             far = np.round(np.abs(places[1:] - places[0]).max(axis=1), 9)
             return above, node, below[int(np.argmax(far))]
     raise UsageError(
-        f"'{rig.title(node)}' is the middle of no limb: name three joints instead, ROOT MIDDLE END"
+        f"'{rig.title(node)}' belongs to no limb, nor has it joints above and below: "
+        "name three joints instead, ROOT MIDDLE END"
     )
 
 

@@ -6,7 +6,7 @@ has keys of stands as it stood all the time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -36,19 +36,8 @@ def held(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: R
     nodes of ``rig`` by its. What one of its clips moves past where a node stands is
     left over from a frame of that.
     """
-    keyed = {(track.node, track.path) for clip in rig.clips for track in clip.tracks}
-    moving = [replace(t, node=of[t.node]) for clip in described.clips for t in clip.tracks if t.node in of]
-    fresh: list[tuple[int, Path, Floats]] = []
-    for node, note in rested.notes.items():
-        if note.get("type") == "control":
-            now = Posed(rig).part(node)
-            moved = _otherwise(now, Posed(rested).part(node), rested)
-            fresh += [
-                (node, path, value)
-                for path, value in moved.items()
-                if (node, path) not in keyed
-                and not any((t.node, t.path) == (node, path) and _passes(t, value) for t in moving)
-            ]
+    controls = [node for node, note in rested.notes.items() if note.get("type") == "control"]
+    fresh = unkeyed(rig, {node: node for node in controls}, rested, described, of)
     done = rested
     for timeline in timelines(rested):
         times = [track.times[:1] for track in timeline.clip.tracks if len(track.times)]
@@ -57,10 +46,38 @@ def held(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: R
             tracks = [Track(node, path, "STEP", start, single(value)) for node, path, value in fresh]
             done = placed(done, timeline, tracks)
     if done is not rested:
-        names = some(dict.fromkeys(rested.title(node) for node, _, _ in fresh))
-        text = f"No clip moves {names}, posed otherwise than in the file of --rig: held so in all clips"
-        report.warn("held-without-keys", text)
+        text = f"No clip has keys of {told(rested, fresh)}, posed otherwise than in the file of --rig"
+        report.warn("held-without-keys", f"{text}: held so in all clips")
     return done
+
+
+def unkeyed(
+    edited: Rig, of: Mapping[int, int], rested: Rig, described: Rig, others: Mapping[int, int]
+) -> list[tuple[int, Path, Floats]]:
+    """The nodes and channels, with (1, c) values, that stand in ``edited`` otherwise than in ``rested``,
+    and that no clip of it has keys of.
+
+    of: the nodes to look at of ``rested``, with those of ``edited``. described, others: as of `held`.
+    """
+    keyed = {(track.node, track.path) for clip in edited.clips for track in clip.tracks}
+    tracks = [track for clip in described.clips for track in clip.tracks if track.node in others]
+    moving = [replace(track, node=others[track.node]) for track in tracks]
+    now, rest = Posed(edited), Posed(rested)
+    return [
+        (node, path, value)
+        for node, there in of.items()
+        for path, value in _otherwise(now.part(there), rest.part(node), rested).items()
+        if (there, path) not in keyed
+        and not any((t.node, t.path) == (there, path) and _passes(t, value) for t in moving)
+    ]
+
+
+def told(rig: Rig, channels: Iterable[tuple[int, Path, Floats]]) -> str:
+    """Nodes by name, each with its channels."""
+    paths = dict[int, list[str]]()
+    for node, path, _ in channels:
+        paths.setdefault(node, []).append(path)
+    return some(f"{rig.title(node)} ({', '.join(each)})" for node, each in paths.items())
 
 
 def _passes(track: Track, value: Floats) -> bool:

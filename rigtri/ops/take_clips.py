@@ -16,6 +16,8 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.following import factored
 from rigtri.ops.armature import put_back
 from rigtri.ops.held_limbs import holding, ik_ends, let_go, switches
+from rigtri.ops.held_poses import told as told_of
+from rigtri.ops.held_poses import unkeyed
 from rigtri.ops.operation import operation
 from rigtri.ops.taking.clip_names import ClipNames, Taken
 from rigtri.ops.taking.comparison import Comparison
@@ -77,6 +79,7 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Ri
     told = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
     if told.on | told.off:
         edited = put_back(edited, rig, of, report, binds=True)
+        _tell_unkeyed(rig, edited, of, report)
     both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(strangers(rig, edited))
@@ -102,6 +105,14 @@ def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Ri
             changed.add(taken.name)
     rig = let_go(rig, told, [each for each in timelines(rig) if each.name in taken_all], report)
     return holding(rig, told, [each for each in timelines(rig) if each.name in changed])
+
+
+def _tell_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
+    """Warn of controls that were posed without keys, which the script of export-blender lets move joints."""
+    controls = {n: of[n] for n, note in rig.notes.items() if note.get("type") == "control" and n in of}
+    if left := unkeyed(edited, controls, rig, rig, of):
+        text = f"No clip of EDITED has keys of {told_of(rig, left)}, posed otherwise than in RIG"
+        report.warn("held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig")
 
 
 class _Taking:

@@ -114,12 +114,28 @@ class Fk:
         rest, moves = self._carried(posed)
         posed.set(self.joint, self.moved(rest, posed.part(self.own.control), moves))
 
-    def moved(self, rest: Parts, channels: Parts, moves: Floats | None = None) -> Parts:
-        """Local parts of the joint, of those at ``rest`` and the channels of its control."""
+    @cached_property
+    def _moves_of_parent(self) -> Floats:
+        """What takes a move along the control's axes into the space of the joint's parent, (4, 4)."""
+        above = int(self.rig.parents[self.joint])
+        back = inverse(self.reference.world[above]) if above >= 0 else np.eye(4)
+        return multiply(self.reference.world[self.own.offset], back)
+
+    def turned(self, found: Parts) -> Floats:
+        """What takes a move along the control's axes into the parent's space, (1 or f, 4, 4), where
+        something has turned the joint to ``found`` below the control: the axes turn along."""
+        turn = product(found.rotation, conjugate(self.rest.rotation))
+        return multiply(self._moves_of_parent, from_frame(to_axes(turn), np.zeros(3)))
+
+    def moved(self, rest: Parts, channels: Parts, moves: Floats) -> Parts:
+        """Local parts of the joint, of those at ``rest`` and the channels of its control.
+
+        moves: what takes a move along the control's axes into the space of the joint's parent.
+        """
         turn = channels.rotation
         if self._axes is not None:
             turn = product(product(self._axes, turn), conjugate(self._axes))
-        move = transform_directions(channels.translation, self._moves if moves is None else moves)
+        move = transform_directions(channels.translation, moves)
         return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * channels.scale)
 
     def riding(self, posed: Posed) -> Parts:
@@ -154,13 +170,12 @@ class Fk:
         rest, moves = self._carried(posed)
         return self.needed(rest, wanted, moves)
 
-    def needed(self, rest: Parts, wanted: Parts, moves: Floats | None = None) -> Parts:
+    def needed(self, rest: Parts, wanted: Parts, moves: Floats) -> Parts:
         """The channels that take the joint from ``rest`` to its local parts ``wanted``; see `moved`."""
         turn = product(conjugate(rest.rotation), wanted.rotation)
         if self._axes is not None:
             turn = product(product(conjugate(self._axes), turn), self._axes)
-        back = inverse(self._moves if moves is None else moves)
-        move = transform_directions(wanted.translation - rest.translation, back)
+        move = transform_directions(wanted.translation - rest.translation, inverse(moves))
         with np.errstate(divide="ignore", invalid="ignore"):
             size = np.where(rest.scale == 0, 1.0, wanted.scale / rest.scale)
         return Parts(move, turn, size)

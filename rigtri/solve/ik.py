@@ -3,7 +3,8 @@
 The solver turns the rest pose of the limb, carried by what the limb hangs on, from the triangle
 that its joints make there to the one that reaches the target. A control that rounding has put
 beside its joint is taken to be on it, so that a hard limb's rest pose stays as it is. FK controls
-of the limb's joints work below the solver: their channels come on top of what it has found.
+of the limb's joints work below the solver: their channels come on top of what it has found, moves along
+the axes that it has turned.
 """
 
 from __future__ import annotations
@@ -250,7 +251,8 @@ class Ik:
         found = self.solved(posed, self.target(posed), self.place(posed), hand)
         for node, parts in found.items():
             if node in self.fk:
-                parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
+                fk = self.fk[node]
+                parts = fk.moved(parts, posed.part(fk.own.control), fk.turned(parts))
             posed.set(node, parts)
         for fk in self.below(self.carries):
             posed.set(fk.own.offset, fk.beneath(posed))

@@ -175,12 +175,13 @@ def _bend(found: Matched, ik: Ik, source: Posed, still: Collection[int]) -> Aski
     for node, parts in solved.items():
         if node in ik.fk:
             fk = ik.fk[node]
+            moves = fk.turned(parts)
             if fk.own.control not in still:
-                channels = fk.needed(parts, source.part(node))
+                channels = fk.needed(parts, source.part(node), moves)
                 turn = max(turn, float(turn_angle(channels.rotation).max()))
                 move = max(move, float(length(channels.translation).max()))
                 yield from _store(found, fk.own.control, channels)
-            parts = fk.moved(parts, built.part(fk.own.control))
+            parts = fk.moved(parts, built.part(fk.own.control), moves)
         built.set(node, parts)
     for fk in ik.below(ik.carries):
         yield from _carry(found, fk)

@@ -10,6 +10,7 @@ from typing import Any
 from rigtri.errors import UsageError
 from rigtri.formats import Options, read
 from rigtri.inputs import opened
+from rigtri.ops.posing import tell_outside
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.timelines import moment
@@ -75,7 +76,7 @@ def shown_page(
         with opened(name) as path:
             document = read(path, options)
             rig, embedded = document.rig, document.embedded()
-            start = start or _start(rig, begin)
+            start = start or _start(rig, begin, report)
             title = "standard input" if str(name) == "-" else path.name
             for notice in document.warnings:
                 report.warn(notice.code, f"{title}: {notice.text}")
@@ -91,11 +92,12 @@ def shown_page(
     return text, shown
 
 
-def _start(rig: Rig, begin: Begin) -> dict[str, Any]:
+def _start(rig: Rig, begin: Begin, report: Report) -> dict[str, Any]:
     """The number of a clip, and the time to stand still at, in seconds."""
     if begin.clip is not None:
         return {"clip": clip_place(rig, rig.clip(begin.clip)), "time": None}
     timeline, time = moment(rig, begin.pose or "rest")
     if timeline is None:
         return {"clip": -1, "time": None}
+    time = tell_outside(timeline, time, report)
     return {"clip": clip_place(rig, timeline.clip), "time": time / rig.per_second}

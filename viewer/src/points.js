@@ -16,7 +16,8 @@ export class Points {
   /** Why these and others are no two states of the same points; '' where they are. */
   unlike(other) {
     if (this.parts.length !== other.parts.length) {
-      return `${other.parts.length} meshes before, ${this.parts.length} after`;
+      const before = other.parts.length;
+      return `${before} ${before === 1 ? 'mesh' : 'meshes'} before, ${this.parts.length} after`;
     }
     const k = this.parts.findIndex((part, place) => part.count !== other.parts[place].count);
     return k < 0 ? '' : `a mesh with ${other.parts[k].count} points before has ${this.parts[k].count} after`;

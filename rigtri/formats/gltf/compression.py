@@ -5,11 +5,15 @@ Source: EXT_meshopt_compression and KHR_meshopt_compression, "JSON schema update
 
 from __future__ import annotations
 
+import numpy as np
+
 from rigtri.formats.gltf.buffers import MESHOPT, Buffers
 from rigtri.formats.gltf.meshopt import decode_attributes, decode_indices
 from rigtri.formats.gltf.meshopt_filters import FILTERS
+from rigtri.formats.gltf.meshopt_triangles import decode_triangles
 from rigtri.formats.gltf.values import Value
 
+_DECODERS = {"ATTRIBUTES": decode_attributes, "INDICES": decode_indices, "TRIANGLES": decode_triangles}
 # No character has this much in one view.
 MOST_BYTES = 1 << 28
 # Zeros can be packed a thousand to one, numbers that mean something a tenth of that; a small view may.
@@ -45,26 +49,26 @@ def decode_view(view: Value, buffers: Buffers) -> memoryview:
     if length > max(SMALL, RATIO * len(stream)):
         how.fail(f"{len(stream)} bytes claim to be {length}; nothing but a trap is packed like that")
     try:
-        elements = (decode_indices if mode == "INDICES" else decode_attributes)(stream, count, stride)
+        elements = _DECODERS[mode](stream, count, stride)
     except ValueError as error:
         view.fail(f"{error}; pack the file anew")
     undo = FILTERS[kind][0]
-    return (elements if undo is None else undo(elements)).data.cast("B")
+    # Of numbers of two bytes the decoders leave every second pair out.
+    return np.ascontiguousarray(elements if undo is None else undo(elements)).data.cast("B")
 
 
 def _check(how: Value, mode: str, kind: object, stride: int) -> None:
-    """Refuse what no stream can be, or what rigtri has no use for."""
-    if mode == "TRIANGLES":
-        how.fail("holds triangles, where numbers of a skeleton, a mesh or an animation should be")
-    if mode not in ("ATTRIBUTES", "INDICES"):
+    """Refuse what no stream can be."""
+    if mode not in _DECODERS:
         how.fail(f"mode '{mode}' is none that rigtri knows")
     if not isinstance(kind, str) or kind not in FILTERS:
         how.fail(f"filter {kind!r} is none that rigtri knows")
-    fit = stride in (2, 4) if mode == "INDICES" else 4 <= stride <= 256 and stride % 4 == 0
+    indices = mode != "ATTRIBUTES"
+    fit = stride in (2, 4) if indices else 4 <= stride <= 256 and stride % 4 == 0
     if not fit:
         how.fail(f"byteStride {stride} is none that {mode} can have")
     strides = FILTERS[kind][1]
-    if (strides and stride not in strides) or (mode == "INDICES" and kind != "NONE"):
+    if (strides and stride not in strides) or (indices and kind != "NONE"):
         how.fail(f"filter {kind} does not go with {mode} of byteStride {stride}")
 
 
