@@ -20,7 +20,7 @@ from rigtri.vectors import cross, dot, length
 LimbKind = Literal["arm", "leg"]
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
 _MAPPED, _AGREES, _CONTRADICTED = 0.99, 0.7, 0.7
-_AGREED = "its shape agrees"
+AGREED = "its shape agrees"
 # A bone shorter than this part of the other is none: two joints stand in one place.
 _STUNTED = 0.12
 # Below this, what says where a body faces contradicts itself, so that sides are in doubt.
@@ -233,8 +233,11 @@ def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
     same = next((s for s in shaped if middle in s.joints[1:2] or middle in s.joints), None)
     if same is not None and same.joints == each.joints and same.kind == each.kind:
         sure = 1.0 - (1.0 - sure) * (1.0 - _AGREES * same.confidence)
-        words.append(_AGREED)
+        words.append(AGREED)
     elif same is not None and same.kind != each.kind and same.confidence >= CONFIDENT:
+        if _says_a_man(draft):
+            words.append(f"though its shape could be that of a {same.kind}")
+            return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words))
         if draft.shape.body is not None and draft.shape.body.form == "quadruped":
             words.append("its shape: one of four that carry the body")
             return Found("leg", each.side, each.joints, each.before, sure, tuple(words), same.pair)
@@ -242,6 +245,15 @@ def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
         words.append(f"but its shape is that of a {same.kind}")
     pair = same.pair if same else None
     return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words), pair)
+
+
+def _says_a_man(draft: Draft) -> bool:
+    """Whether the names of a scheme are complete: two arms, two legs, and fingers, which no paw has."""
+    reading = draft.reading
+    if reading is None or len([side for _, side in reading.limbs if side]) < 4:
+        return False
+    fingers = [bone for bone in reading.bones if bone.endswith(("IndexProximal", "MiddleProximal"))]
+    return len(fingers) >= 2
 
 
 def _may_be(draft: Draft, each: Found) -> bool:
@@ -255,7 +267,7 @@ def _left_over(draft: Draft, each: Found, named: list[Found]) -> Found:
 
     Unless its twin is one of those: names of one side are enough.
     """
-    twins = (k for k in named if k.pair is each.pair and k.joints != each.joints and _AGREED in k.evidence)
+    twins = (k for k in named if k.pair is each.pair and k.joints != each.joints and AGREED in k.evidence)
     twin = next(twins, None)
     if twin is not None and twin.side:
         side: Side = "right" if twin.side == "left" else "left"

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rigtri.recognition.arms_legs import Found, find_limbs
+from rigtri.recognition.doubts import doubted
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.ends import lay_ends
 from rigtri.recognition.groups import groups_of
@@ -61,7 +62,7 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     shape = shape_of(body, poses)
     reading = None if certain else read_names(shape.tree, body, schemes(own))
     draft = Draft(shape, poses, reading, certain, frozenset(nodes).difference(body))
-    found = find_limbs(draft)
+    found = doubted(draft, find_limbs(draft))
     if not any(each.confidence >= CONFIDENT for each in found) and lay_hand(draft):
         return draft
     if not draft.said_bones and not any(each.confidence >= UNLIKELY for each in found):

@@ -184,10 +184,13 @@ _ARM, _LEG = ("UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot")
 def deforming(names: Sequence[str]) -> list[bool]:
     """Which names are of bones that deform, where a rig calls these ``DEF-`` and keeps controls beside.
 
-    All of them for any other rig. Source: Blender manual, Rigify, "Bone naming".
+    All of them for any other rig; one without a name may be of both. Source: Blender manual, Rigify, "Bone
+    naming".
     """
     marked = ["def" in said(name).words for name in names]
-    return marked if marked.count(True) >= _BONES else [True] * len(names)
+    if marked.count(True) < _BONES:
+        return [True] * len(names)
+    return [marks or not name for marks, name in zip(marked, names, strict=True)]
 
 
 # So many bones at least a character has that Rigify has made.

@@ -14,12 +14,14 @@ from rigtri.changes.turns import axis_words
 from rigtri.formats import Options, read
 from rigtri.inputs import opened
 from rigtri.recognition.engine import recognise
-from rigtri.recognition.layout import CONFIDENT, Chain, Layout, Part
+from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.rig import Rig
 from rigtri.skeleton import Skeleton, skeleton
 
 # So many joints are shown as a comment; inspect shows all.
 MOST_SHOWN = 200
+# The kinds of chains that are moved by their ends.
+REACHING = ("arm", "leg", "limb")
 
 
 def spec_init(path: Path | str, *, options: Options | None = None) -> str:
@@ -94,17 +96,40 @@ def told(layout: Layout) -> Iterator[str]:
         looks = axis_words(np.array(one.facing)) if any(one.facing) else ""
         limbs = ", ".join(chain.name for chain in one.limbs if chain.is_sure)
         yield f"{one.form}{f' that looks to {looks}' if looks else ''}: {limbs or 'no limb that bends'}"
+    if further := [f"{chain.name} ({chain.confidence:.2f})" for chain in left_out(layout)]:
+        yield f"not sure, and left out: {', '.join(further)}"
     yield from layout.remarks
 
 
 def unsure(layout: Layout) -> list[Chain]:
-    """The limbs that may be such, but that nobody should act upon before they are named."""
-    return [chain for chain in _reaching(layout) if not chain.is_sure]
+    """The limbs that may be such, but that nobody should act upon before they are named.
+
+    Further ones of a character whose arms and legs are sure are `left_out`: skirts, wings, doubled bones.
+    """
+    return [chain for one in layout.characters for chain in _doubtful(one) if not _is_whole(one)]
+
+
+def left_out(layout: Layout) -> list[Chain]:
+    """The limbs that are not sure beside arms and legs that are: nobody is asked for them."""
+    return [chain for one in layout.characters for chain in _doubtful(one) if _is_whole(one)]
+
+
+def _doubtful(character: Character) -> list[Chain]:
+    return [chain for chain in character.limbs if chain.kind in REACHING and not chain.is_sure]
+
+
+def _is_whole(character: Character) -> bool:
+    """Whether each arm and leg of two sides is sure, or there is a sure one of its kind and side."""
+    limbs = [chain for chain in character.limbs if chain.kind in ("arm", "leg")]
+    sure = [chain for chain in limbs if chain.is_sure]
+    places = {(chain.kind, chain.side) for chain in sure}
+    pairs = {("arm", "left"), ("arm", "right"), ("leg", "left"), ("leg", "right")}
+    return bool(sure) and (pairs <= places or len(sure) == len(limbs))
 
 
 def _reaching(layout: Layout) -> list[Chain]:
     """The chains that bend and are moved by their ends; wings and tails are moved joint by joint."""
-    return [chain for chain in layout.chains if chain.bend and chain.kind in ("arm", "leg", "limb")]
+    return [chain for chain in layout.chains if chain.bend and chain.kind in REACHING]
 
 
 @dataclass(frozen=True)
@@ -126,6 +151,7 @@ class _Limbs:
             yield "    limb: &limbs"
             yield from (self._row(self._names(chain), chain) for chain in sure)
             yield from (self._row("null, null, null", chain) for chain in asked)
+            yield from self._left_out()
         yield ""
         if not self.layout.characters:
             yield "  # No arms or legs were recognised. Name three joints of a limb:"
@@ -142,8 +168,14 @@ class _Limbs:
         """A limb as an item of a list, with what it is."""
         words = f"{chain.name}, {chain.confidence:.2f}"
         if not chain.is_sure:
-            words += f"; name its three joints, perhaps {self._names(chain)}"
+            words += f"; name its three joints, perhaps {self._names(chain)}, or remove this line"
         return f"      - [{names}]  # {words}"
+
+    def _left_out(self) -> Iterator[str]:
+        """What is neither sure nor asked for, as comments."""
+        for chain in [*left_out(self.layout), *([] if self.open_places else unsure(self.layout))]:
+            words = f"perhaps a {chain.name}, {chain.confidence:.2f}: left out"
+            yield f"      # - [{self._names(chain)}]  # {words}"
 
     def _names(self, chain: Chain) -> str:
         return _names(self.rig, chain.bend)

@@ -1,0 +1,115 @@
+"""Arms and legs that evidence contradicts are shown, and never sure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from bodies import MAN, Joint, both, line, rig_with
+
+from rigtri.recognition.engine import recognise
+from rigtri.recognition.layout import Layout
+from rigtri.spec.starter import left_out, starter, unsure
+
+
+def renamed(joints: list[Joint], names: dict[str, str]) -> Layout:
+    """What is recognised where joints have other names than they should."""
+    rig = rig_with(joints)
+    return recognise(replace(rig, names=tuple(names.get(name, name) for name in rig.names)))
+
+
+def wrong(joints: list[Joint], layout: Layout) -> list[str]:
+    """The limbs that are sure, and not the three joints that they should be."""
+    right = {
+        (f"{part[0]}.{side}", f"{part[1]}.{side}", f"{part[2]}.{side}")
+        for part in (("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot"))
+        for side in "LR"
+    }
+    names = [name for name, _, _ in joints]
+    found = {chain.name: tuple(names[k] for k in chain.bend) for chain in layout.chains if chain.is_sure}
+    return [f"{name}: {bend}" for name, bend in found.items() if bend and bend not in right]
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("hand.L", "foot.L"),
+        ("hand.L", "thigh.L"),
+        ("foot.R", "spine"),
+        ("forearm.L", "clavicle.L"),
+        ("upper_arm.L", "clavicle.L"),
+        ("shin.L", "shin.R"),
+        ("foot.L", "toe.L"),
+        ("hand.R", "head"),
+    ],
+)
+def test_two_names_that_are_swapped_make_no_limb_sure_that_is_wrong(one: str, other: str) -> None:
+    assert wrong(MAN, renamed(MAN, {one: other, other: one})) == []
+
+
+def test_hands_that_hang_at_feet_are_not_sure_and_a_remark_says_why() -> None:
+    hands = [(name, f"shin{name[4:]}", place) for name, _, place in MAN if name.startswith("hand")]
+    layout = recognise(rig_with([*(one for one in MAN if not one[0].startswith("hand")), *hands]))
+    arms = [chain for chain in layout.chains if chain.kind == "arm"]
+    assert arms
+    assert not any(chain.is_sure for chain in arms)
+    assert any("does not hang below 'forearm.L'" in remark for remark in layout.remarks)
+
+
+@pytest.mark.parametrize("part", ["upper_arm.L", "foot.L", "shin.R", "forearm.R"])
+def test_a_joint_that_has_lost_its_name_makes_no_limb_sure_that_is_wrong(part: str) -> None:
+    assert wrong(MAN, renamed(MAN, {part: ""})) == []
+
+
+def test_a_crane_is_no_arm_that_is_sure() -> None:
+    crane: list[Joint] = [
+        ("base", "", (0, 0, 0)),
+        ("arm", "base", (0, 2, 0)),
+        ("forearm", "arm", (0, 3, 1)),
+        ("hook", "forearm", (0, 2, 2)),
+        ("counter", "base", (0, 2, -1)),
+    ]
+    layout = recognise(rig_with(crane))
+    assert not any(chain.is_sure for chain in layout.chains if chain.bend)
+
+
+def test_a_table_is_no_body_that_is_sure() -> None:
+    table: list[Joint] = [("top", "", (0, 1, 0))]
+    for side, x in (("L", 0.5), ("R", -0.5)):
+        for end, z in (("F", 1), ("B", -1)):
+            name = f"leg_{end}_{side}"
+            table += [
+                (name, "top", (x, 0.95, z)),
+                (f"{name}2", name, (x, 0.5, z)),
+                (f"{name}3", f"{name}2", (x, 0, z)),
+            ]
+    layout = recognise(rig_with(table))
+    assert not any(chain.is_sure for chain in layout.chains if chain.bend)
+
+
+WINGS = both(
+    [
+        ("w0.L", "chest", (0.1, 1.4, -0.15)),
+        ("w1.L", "w0.L", (0.5, 1.7, -0.2)),
+        ("w2.L", "w1.L", (1.2, 1.6, -0.25)),
+        ("w3.L", "w2.L", (1.8, 1.3, -0.3)),
+    ]
+)
+
+
+def test_arms_beside_wings_are_not_sure_without_names() -> None:
+    joints = [*MAN, *WINGS]
+    assert wrong(joints, recognise(rig_with(joints, named=False))) == []
+
+
+def test_further_limbs_that_are_not_sure_are_told_and_not_asked_for() -> None:
+    more = line("x.L y.L z.L", "hips", (0.13, 0.95, 0), (0.13, 0.5, 0.01), (0.13, 0.1, -0.02))
+    joints = [*MAN, *both(more)]
+    layout = recognise(rig_with(joints))
+    assert [chain.name for chain in layout.chains if chain.bend and not chain.is_sure] != []
+    assert unsure(layout) == []
+    assert len(left_out(layout)) == 2
+    text = starter(rig_with(joints), "man.glb", layout, open_places=True)
+    assert "null" not in text
+    assert text.count(": left out") == 2
+    assert "not sure, and left out" in text
