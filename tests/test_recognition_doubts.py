@@ -113,3 +113,11 @@ def test_further_limbs_that_are_not_sure_are_told_and_not_asked_for() -> None:
     assert "null" not in text
     assert text.count(": left out") == 2
     assert "not sure, and left out" in text
+
+
+def test_joints_at_one_place_but_for_one_beside_them_come_to_an_end() -> None:
+    """Of joints that all hang at one, the one beside is nobody's to follow."""
+    joints: list[Joint] = [("a", "", (0.0, 0.0, 0.0))]
+    joints += [(f"a{k}", "a", (0.0, 0.0, 0.0)) for k in range(8)]
+    joints.insert(8, ("beside", "a", (1e-6, 0.3, 1e-6)))
+    assert not recognise(rig_with(joints)).characters

@@ -88,8 +88,9 @@ def _neighbours(tree: Tree) -> Tree:
     left[first] = False
     above = [-1] * len(tree.rig)
     while left.any():
-        nearest = int(np.argmin(np.where(left, near, np.inf)))
-        if not np.isfinite(near[nearest]):
+        reached = np.where(left, near, np.inf)
+        nearest = int(np.argmin(reached))
+        if not np.isfinite(reached[nearest]):
             break  # what is left has nothing to follow
         left[nearest] = False
         order.append(nearest)
