@@ -341,9 +341,12 @@ def _as_shown(rotation: Floats, normalised: bool) -> Floats:
 def _together(tracks: list[Track]) -> list[list[Track]]:
     """Tracks in groups that share path, interpolation, times and width."""
     groups: dict[object, list[Track]] = {}
+    content: dict[int, bytes] = {}
     for track in tracks:
         # What has one key is the same at all times, whatever its time is.
-        times = track.times.tobytes() if len(track.times) > 1 else b""
+        times = content.get(id(track.times))
+        if times is None:
+            times = content[id(track.times)] = track.times.tobytes() if len(track.times) > 1 else b""
         alike = (track.path, track.interpolation, times, track.values.shape)
         groups.setdefault(alike, []).append(track)
     return list(groups.values())
