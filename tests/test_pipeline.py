@@ -20,6 +20,7 @@ from rigtri.formats import Options, read
 from rigtri.ops.orient import orient_joints
 from rigtri.outputs import Written
 from rigtri.pipeline import Outcome, edit
+from rigtri.recognition.engine import recognise
 from rigtri.report import Report
 from rigtri.rig import Rig
 
@@ -275,12 +276,13 @@ def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -
     gc.disable()
     try:
         document = read(samples / name)
-        gone = weakref.ref(document)
         rig = document.rig
+        gone = weakref.ref(document), weakref.ref(rig)
         assert len(rig.drawn())
         assert all(skin.weighted.any() for skin in rig.skins)
+        assert recognise(rig).characters
         del document, rig
-        assert gone() is None
+        assert [each() for each in gone] == [None, None]
     finally:
         gc.enable()
 

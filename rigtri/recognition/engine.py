@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from weakref import proxy
 
 import numpy as np
 
@@ -47,8 +48,10 @@ def drafts_of(rig: Rig, *, own: Sequence[Scheme] = ()) -> list[Draft]:
     # Kept with the rig, as its cached properties are: several operations ask in one run.
     if not own and _KEPT in vars(rig):
         return vars(rig)[_KEPT]  # type: ignore[no-any-return]
-    nodes, poses = joints_of(rig), Poses(rig)
-    groups = groups_of(Tree(rig, nodes, poses.rest)) if nodes else []
+    # What it keeps must not keep it: rings wait for the garbage collector, and files with them.
+    seen: Rig = proxy(rig)
+    nodes, poses = joints_of(rig), Poses(seen)
+    groups = groups_of(Tree(seen, nodes, poses.rest)) if nodes else []
     drafts = [_draft(rig, group, poses, own) for group in groups]
     if not own:
         vars(rig)[_KEPT] = drafts
