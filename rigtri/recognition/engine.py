@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.doubts import doubted
 from rigtri.recognition.drafts import Draft
@@ -20,8 +18,8 @@ from rigtri.recognition.schemes import Scheme, deforming, schemes
 from rigtri.recognition.shape import shape_of
 from rigtri.recognition.tree import Tree, joints_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
+from rigtri.recognition.vector import Vector
 from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
 _KEPT = "_recognised"
 
@@ -108,7 +106,7 @@ def _character(draft: Draft) -> Character:
         form=_form(draft),
         parts=parts_of(draft),
         chains=tuple(draft.chains),
-        point=_numbers(plane.point if plane else np.zeros(3)),
+        point=_numbers(plane.point if plane else Vector()),
         normal=_numbers(draft.left),
         facing=_numbers(draft.facing),
         up=_numbers(draft.up),
@@ -128,8 +126,8 @@ def _form(draft: Draft) -> Form:
     return "hand" if "hand" in kinds and "arm" not in kinds else "partial"
 
 
-def _numbers(v: Floats) -> Direction:
-    x, y, z = (round(float(each), 6) + 0.0 for each in v)
+def _numbers(v: Vector) -> Direction:
+    x, y, z = (round(each, 6) + 0.0 for each in v)
     return x, y, z
 
 

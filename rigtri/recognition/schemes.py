@@ -167,6 +167,7 @@ def _turned(table: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
+@lru_cache(_NAMES)
 def limb_said(name: str) -> Literal["arm", "leg", ""]:
     """The limb that a name says to be a part of, by words in common use.
 
