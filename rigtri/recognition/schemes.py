@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.errors import FileError
-from rigtri.naming import Side, side, words
+from rigtri.naming import SIDES, Side, side, spread, words
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
@@ -27,7 +27,6 @@ FOLDERS = "RIGTRI_SCHEMES"
 _NAMES = 4096
 # Ours that fit anything are asked last.
 _LAST = ("bones", "joints")
-_SIDES = frozenset(["l", "left", "lft", "左", "r", "right", "rgt", "右"])
 # Words that only say whose convention it is, or that a joint is one.
 _CONVENTION = """
 mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b c sk skel skeleton armature rig cc
@@ -86,16 +85,16 @@ def said(name: str) -> Said:
     >>> said("Bip01 L UpperArm").key, said("spine_01").key, said("DEF-shin.R.001").plain
     ('upperarm', 'spine1', 'shin')
     """
-    spread = "".join(f"{c} " if c in "左右" else c for c in unicodedata.normalize("NFKC", name))
-    found = words(_apart(spread))
+    apart = _apart(spread(unicodedata.normalize("NFKC", name)))
+    found = words(apart)
     kept = []
     for before, word in zip(["", *found], found, strict=False):
-        if word in _SIDES or word in _SILENT or (word.isdigit() and before in _NUMBERED):
+        if word in SIDES or word in _SILENT or (word.isdigit() and before in _NUMBERED):
             continue
         kept.append(word)
     short = [str(int(word)) if word.isdigit() else word for word in kept]
     letters = [word for word in kept if not word.isdigit()]
-    return Said(side(_apart(spread)), "".join(kept), "".join(short), "".join(letters), frozenset(found))
+    return Said(side(apart), "".join(kept), "".join(short), "".join(letters), frozenset(found))
 
 
 def _apart(name: str) -> str:
