@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 from rigtri.naming import Side
 from rigtri.recognition.body import Body, Limbs, within
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.facing import facing_of
-from rigtri.recognition.layout import CONFIDENT, MAP, NAMES
-from rigtri.recognition.readings import TRIPLES
+from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
 from rigtri.recognition.schemes import said, said_roles
 from rigtri.recognition.vector import Vector
 
-LimbKind = Literal["arm", "leg"]
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
 _MAPPED, _AGREES, _CONTRADICTED = 0.99, 0.7, 0.7
 AGREED = "its shape agrees"
@@ -75,18 +72,18 @@ def _is_clear(body: Body) -> bool:
 
 def _by_name(draft: Draft) -> Iterator[Found]:
     if draft.certain:
-        for kind, parts in TRIPLES.items():
-            for which in ("left", "right"):
+        sides: tuple[Side, Side] = ("left", "right")
+        for kind, parts in BENDS.items():
+            for which in sides:
                 nodes = [draft.certain.get(which + part) for part in parts]
                 joints = tuple(node for node in nodes if node is not None)
                 if len(joints) == 3:
-                    before = _before(draft, joints[0])
-                    yield Found(kind, which, joints, before, _MAPPED, (MAP,))  # type: ignore[arg-type]
+                    yield Found(kind, which, joints, _before(draft, joints[0]), _MAPPED, (MAP,))
     elif draft.reading is not None:
         words = f"{NAMES}: {draft.reading.scheme.title}"
         for (kind, side), triple in draft.reading.limbs.items():
             sure = draft.reading.sure - (0.0 if side else 0.04)
-            yield Found(kind, side, triple, _before(draft, triple[0]), sure, (words,))  # type: ignore[arg-type]
+            yield Found(kind, side, triple, _before(draft, triple[0]), sure, (words,))
 
 
 def _before(draft: Draft, start: int) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ from rigtri.recognition.doubts import doubted
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.ends import lay_ends
 from rigtri.recognition.groups import groups_of
-from rigtri.recognition.layout import CONFIDENT, UNLIKELY, Chain, Character, Direction, Form, Layout
+from rigtri.recognition.layout import BENDS, CONFIDENT, UNLIKELY, Chain, Character, Direction, Form, Layout
 from rigtri.recognition.others import lay_hand, lay_others, why_none
 from rigtri.recognition.poses import Poses
 from rigtri.recognition.readings import read_names
@@ -83,14 +83,11 @@ def _say_limbs(draft: Draft, found: Sequence[Found]) -> None:
         place = ("front " if each in front else "hind " if each in hind else "") if draft.four else ""
         place = f"{each.side} {place}" if each.side else place
         draft.say(each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend)
-        if each.side and each.kind == "arm":
-            for bone, node in zip(("UpperArm", "LowerArm", "Hand"), each.joints, strict=False):
+        if each.side and (each.kind == "arm" or not draft.four or draft.certain):
+            for bone, node in zip(BENDS[each.kind], each.joints, strict=False):
                 draft.call(each.side + bone, node)
-            for node in each.before[-1:]:
-                draft.call(f"{each.side}Shoulder", node)
-        elif each.side and (not draft.four or draft.certain):
-            for bone, node in zip(("UpperLeg", "LowerLeg", "Foot"), each.joints, strict=False):
-                draft.call(each.side + bone, node)
+        if each.side and each.kind == "arm" and each.before:
+            draft.call(f"{each.side}Shoulder", each.before[-1])
 
 
 def _character(draft: Draft) -> Character:

@@ -20,6 +20,7 @@ from typing import Any, Literal
 
 from rigtri.errors import FileError
 from rigtri.naming import SIDES, Side, side, spread, words
+from rigtri.recognition.layout import BENDS, LimbKind
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
@@ -167,7 +168,7 @@ def _turned(table: Mapping[str, str]) -> dict[str, str]:
 
 
 @lru_cache(_NAMES)
-def limb_said(name: str) -> Literal["arm", "leg", ""]:
+def limb_said(name: str) -> LimbKind | Literal[""]:
     """The limb that a name says to be a part of, by words in common use.
 
     >>> limb_said("LeftForeArm"), limb_said("RKnee"), limb_said("handIK.L")
@@ -175,10 +176,7 @@ def limb_said(name: str) -> Literal["arm", "leg", ""]:
     """
     found = (scheme.bone(said(name))[0] for scheme in _ours() if scheme.is_common)
     bone = next((bone for bone in found if bone), "")
-    return "arm" if bone in _ARM else "leg" if bone in _LEG else ""
-
-
-_ARM, _LEG = ("UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot")
+    return next((kind for kind, bones in BENDS.items() if bone in bones), "")
 
 
 def deforming(names: Sequence[str]) -> list[bool]:
