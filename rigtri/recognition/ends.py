@@ -8,7 +8,7 @@ from rigtri.naming import Side
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.layout import NAMES
-from rigtri.recognition.schemes import said, said_roles
+from rigtri.recognition.schemes import BESIDE, said, said_roles
 from rigtri.recognition.vector import Vector
 
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
@@ -18,7 +18,6 @@ _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: ("Proximal", "Intermediate", "Distal")}
 # Of what hangs at a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
-_NO_FINGER = {"twist", "control", "attachment", "helper", "end"}
 
 
 def lay_ends(draft: Draft, found: Sequence[Found]) -> None:
@@ -50,7 +49,7 @@ def _foot(draft: Draft, leg: Found) -> None:
 
 def _is_other(draft: Draft, node: int) -> bool:
     """Whether a name says that a joint is neither finger nor toe."""
-    return bool(_NO_FINGER.intersection(said_roles(draft.tree.rig.names[node])))
+    return bool(BESIDE.intersection(said_roles(draft.tree.rig.names[node])))
 
 
 def _hand(draft: Draft, arm: Found) -> None:

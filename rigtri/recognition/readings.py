@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 
 from rigtri.naming import Side, number, without_prefix
 from rigtri.recognition.layout import BENDS, LimbKind
-from rigtri.recognition.schemes import MIDDLE, Said, Scheme, said, said_roles
+from rigtri.recognition.schemes import BESIDE, MIDDLE, Said, Scheme, said, said_roles
 from rigtri.recognition.tree import Tree
 
 _SIDES: tuple[Side, ...] = ("left", "right", "")
-_APART = ("twist", "end", "control", "attachment", "helper")
 # What a whole limb, a bone beside it, and a word that one scheme alone has count for.
 _LIMB, _BONE, _MARK = 3.0, 0.25, 0.6
 # What each name that is known counts for, and that a scheme belongs to nobody.
@@ -126,7 +125,7 @@ def _triple(
 
 def _only_below(tree: Tree, node: int) -> list[int]:
     found = [
-        child for child in tree.below[node] if not set(said_roles(tree.rig.names[child])).intersection(_APART)
+        child for child in tree.below[node] if not BESIDE.intersection(said_roles(tree.rig.names[child]))
     ]
     return found if len(found) == 1 else []
 

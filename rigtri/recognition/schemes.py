@@ -36,6 +36,12 @@ base character char root ctrl deform normal human bind
 _SILENT = frozenset(_CONVENTION.split())
 # Of those, the ones that have a number of their own: Bip01, Character1.
 _NUMBERED = frozenset(["mixamorig", "bip", "biped", "character", "char", "valvebiped", "rig"])
+# What roles.toml has for joints beside the bones of a body.
+BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
+# What it has for chains of joints instead of single ones.
+_CHAINS = frozenset(["tail", "wing", "ear"])
+# So many bones at least a character has that Rigify has made.
+_BONES = 8
 MIDDLE = frozenset(["hips", "spine", "chest", "upperChest", "neck", "head", "jaw"])
 
 
@@ -114,11 +120,15 @@ def schemes(own: Sequence[Scheme] = ()) -> tuple[Scheme, ...]:
 
 @cache
 def _ours() -> tuple[Scheme, ...]:
-    folder = files("rigtri.recognition") / "schemes"
-    texts = {entry.name.removesuffix(".toml"): entry.read_text("utf-8") for entry in folder.iterdir()}
-    tables = {name: tomllib.loads(text) for name, text in texts.items()}
-    order = sorted(tables, key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
-    return tuple(_scheme(tables[name], name, tables) for name in order)
+    order = sorted(_tables(), key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
+    return tuple(_scheme(_tables()[name], name) for name in order)
+
+
+@cache
+def _tables() -> Mapping[str, Mapping[str, Any]]:
+    """Our schemes as their files have them, by name."""
+    found = (files("rigtri.recognition") / "schemes").iterdir()
+    return {file.name.removesuffix(".toml"): tomllib.loads(file.read_text("utf-8")) for file in found}
 
 
 @cache
@@ -133,10 +143,8 @@ def own_scheme(path: Path) -> Scheme:
         table = tomllib.loads(path.read_text("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise FileError(f"{path} is no naming scheme: {error}") from error
-    folder = files("rigtri.recognition") / "schemes"
-    texts = {entry.name.removesuffix(".toml"): entry.read_text("utf-8") for entry in folder.iterdir()}
     try:
-        return _scheme(table, str(path), {name: tomllib.loads(text) for name, text in texts.items()})
+        return _scheme(table, str(path))
     except (KeyError, AttributeError, TypeError, ValueError) as error:
         raise FileError(
             f"{path} is no naming scheme: {error}. It has a title and the tables [middle] and [sides], from "
@@ -144,8 +152,8 @@ def own_scheme(path: Path) -> Scheme:
         ) from error
 
 
-def _scheme(table: Mapping[str, Any], source: str, others: Mapping[str, Mapping[str, Any]]) -> Scheme:
-    base = others[table["like"]] if "like" in table else {}
+def _scheme(table: Mapping[str, Any], source: str) -> Scheme:
+    base = _tables()[table["like"]] if "like" in table else {}
     unknown = set(table) - {"title", "marks", "like", "middle", "sides", "chains"}
     if unknown:
         raise ValueError(f"it has '{min(unknown)}'")
@@ -191,10 +199,6 @@ def deforming(names: Sequence[str]) -> list[bool]:
     return [marks or not name for marks, name in zip(marked, names, strict=True)]
 
 
-# So many bones at least a character has that Rigify has made.
-_BONES = 8
-
-
 @cache
 def role_words() -> Mapping[str, frozenset[str]]:
     """The words of names that say what a joint is for, by role."""
@@ -202,21 +206,13 @@ def role_words() -> Mapping[str, frozenset[str]]:
     return {role: frozenset(text.split()) for role, text in table.items()}
 
 
-def said_roles(name: str) -> list[str]:
-    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
-    return list(_roles(name))
-
-
 @lru_cache(_NAMES)
-def _roles(name: str) -> tuple[str, ...]:
+def said_roles(name: str) -> tuple[str, ...]:
+    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
     found = said(name)
     ends = {word[k:] for word in found.words for k in range(1, len(word) - 3)}  # handslot, lhelper
     return tuple(
         role
         for role, known in role_words().items()
-        if found.words & known or found.plain in known or (ends & known and role not in CHAINS)
+        if found.words & known or found.plain in known or (ends & known and role not in _CHAINS)
     )
-
-
-# What roles.toml has for chains of joints instead of single ones.
-CHAINS = frozenset(["tail", "wing", "ear"])

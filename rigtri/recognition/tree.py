@@ -12,6 +12,9 @@ from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
 
+# A path longer than this is no limb: what comes after is of no interest, and paths stay short.
+_LONGEST = 15
+
 
 class Tree:
     """Some joints of a rig, with what is above them, and where they stand in one pose.
@@ -127,10 +130,6 @@ def _nearest(rig: Rig, nodes: frozenset[int]) -> list[int]:
         if node in nodes:
             above[node], nearest[node] = over, node
     return above
-
-
-# A path longer than this is no limb: what comes after is of no interest, and paths stay short.
-_LONGEST = 15
 
 
 def joints_of(rig: Rig) -> list[int]:
