@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from weakref import WeakKeyDictionary
 
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.doubts import doubted
@@ -21,7 +22,8 @@ from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 from rigtri.recognition.vector import Vector
 from rigtri.rig import Rig
 
-_KEPT = "_recognised"
+# The chains of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
+_chains: WeakKeyDictionary[Rig, tuple[Chain, ...]] = WeakKeyDictionary()
 
 
 def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
@@ -30,27 +32,23 @@ def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
     own: naming schemes to be asked before rigtri's own. Evidence in order of trust: a VRM humanoid map;
     names; shape: hierarchy, symmetry, lengths, places; weights; motion. Never raises for a strange rig.
     """
-    drafts = drafts_of(rig, own=own)
+    drafts = _drafts(rig, own)
     characters = tuple(_character(draft) for draft in drafts if draft.chains)
     return Layout(characters, tuple(_remarks(rig, drafts)))
 
 
-def chains_of(rig: Rig) -> list[Chain]:
+def chains_of(rig: Rig) -> tuple[Chain, ...]:
     """The chains of all characters of a rig, as `recognise` has them, without a look at each joint."""
-    return [chain for draft in drafts_of(rig) for chain in draft.chains]
+    if rig not in _chains:
+        _chains[rig] = tuple(chain for draft in _drafts(rig) for chain in draft.chains)
+    return _chains[rig]
 
 
-def drafts_of(rig: Rig, *, own: Sequence[Scheme] = ()) -> list[Draft]:
-    """What `recognise` knows before it looks at each joint: the chains alone."""
-    # Kept with the rig, as its cached properties are: several operations ask in one run.
-    if not own and _KEPT in vars(rig):
-        return vars(rig)[_KEPT]  # type: ignore[no-any-return]
+def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
+    """What is known of each character before a look at each joint: the chains alone."""
     nodes, poses = joints_of(rig), Poses(rig)
     groups = groups_of(Tree(rig, nodes, poses.rest)) if nodes else []
-    drafts = [_draft(rig, group, poses, own) for group in groups]
-    if not own:
-        vars(rig)[_KEPT] = drafts
-    return drafts
+    return [_draft(rig, group, poses, own) for group in groups]
 
 
 def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) -> Draft:
