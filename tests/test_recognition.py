@@ -10,7 +10,9 @@ from weakref import ref
 import click
 import numpy as np
 import pytest
-from bodies import (
+from click.testing import CliRunner
+from places import SAMPLES, asset_files
+from recognition.skeletons import (
     FINGERS,
     FLAT,
     HAIR,
@@ -26,8 +28,6 @@ from bodies import (
     both,
     rig_with,
 )
-from click.testing import CliRunner
-from places import SAMPLES, asset_files
 from second_opinions import validator
 
 from rigtri.errors import FileError
