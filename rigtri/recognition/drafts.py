@@ -53,14 +53,15 @@ class Draft:
     def say(
         self,
         kind: Kind,
-        name: str,
+        words: str,
         side: Side,
         joints: Sequence[int],
         confidence: float,
         evidence: Sequence[str],
         bend: Sequence[int] = (),
     ) -> None:
-        """One more chain."""
+        """One more chain; words: its name without its side."""
+        name = f"{side} {words}" if side else words
         sure = round(max(0.0, min(0.99, confidence)), 2)
         self.chains.append(Chain(kind, name, side, tuple(joints), tuple(bend), sure, tuple(evidence)))
 

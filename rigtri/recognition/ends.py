@@ -44,7 +44,7 @@ def _foot(draft: Draft, leg: Found) -> None:
     if not draft.four and leg.side and len(joints) > 1:
         draft.call(f"{leg.side}Toes", toes if toes in joints else joints[1])
     words = ("follows the leg",)
-    draft.say("foot", f"{_place(leg.side)}foot", leg.side, joints, leg.confidence, words)
+    draft.say("foot", "foot", leg.side, joints, leg.confidence, words)
 
 
 def _is_other(draft: Draft, node: int) -> bool:
@@ -59,7 +59,7 @@ def _hand(draft: Draft, arm: Found) -> None:
     way = [arm.joints[2]]
     if len(chains) == 1 and not _says_finger(draft.tree.rig.names[chains[0][0]]):
         way, chains = way + [k for k in chains[0] if not _is_other(draft, k)], []
-    draft.say("hand", f"{_place(arm.side)}hand", arm.side, way, arm.confidence, ("follows the arm",))
+    draft.say("hand", "hand", arm.side, way, arm.confidence, ("follows the arm",))
     lay_fingers(draft, arm.joints[2], chains, arm.side, arm.confidence)
 
 
@@ -144,7 +144,7 @@ def _finger(
     draft: Draft, chain: list[int], which: str, side: Side, sure: float, why: str, alone: bool = False
 ) -> None:
     words = _WORDS.get(which, f"{which.lower()} finger") if which else "fingers" if alone else "finger"
-    draft.say("finger", f"{_place(side)}{words}", side, chain, sure, (why,))
+    draft.say("finger", words, side, chain, sure, (why,))
     if which and side:
         for part, node in zip(_PARTS[which == "Thumb"], chain, strict=False):
             draft.call(f"{side}{which}{part}", node)
@@ -165,7 +165,3 @@ def _in_order(draft: Draft, hand: int, chains: list[list[int]]) -> list[tuple[st
     thumb = chains[thumb_like.index(max(thumb_like))]
     order = sorted(chains, key=lambda chain: (chain is not thumb, (at[chain[0]] - at[thumb[0]]).length))
     return list(zip(FINGERS, order, strict=False))
-
-
-def _place(side: Side) -> str:
-    return f"{side} " if side else ""

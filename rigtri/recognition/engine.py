@@ -52,12 +52,13 @@ def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
 
 
 def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) -> Draft:
-    certain = {bone: node for bone, node in rig.humanoid.items() if node in set(nodes)}
+    inside = frozenset(nodes)
+    certain = {bone: node for bone, node in rig.humanoid.items() if node in inside}
     deform = [True] * len(nodes) if certain else deforming([rig.names[node] for node in nodes])
     body = [node for node, deforms in zip(nodes, deform, strict=True) if deforms]
     shape = shape_of(body, poses)
     reading = None if certain else read_names(shape.tree, body, schemes(own))
-    draft = Draft(shape, poses, reading, certain, frozenset(nodes).difference(body))
+    draft = Draft(shape, poses, reading, certain, inside.difference(body))
     found = doubted(draft, find_limbs(draft))
     if not any(each.confidence >= CONFIDENT for each in found) and lay_hand(draft):
         return draft
@@ -79,7 +80,6 @@ def _say_limbs(draft: Draft, found: Sequence[Found]) -> None:
             below = draft.tree.is_below(bend[2], bend[1])
             joints += draft.tree.way(bend[1], bend[2])[1:] if below else [bend[2]]
         place = ("front " if each in front else "hind " if each in hind else "") if draft.four else ""
-        place = f"{each.side} {place}" if each.side else place
         draft.say(each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend)
         if each.side and (each.kind == "arm" or not draft.four or draft.certain):
             for bone, node in zip(BENDS[each.kind], each.joints, strict=False):

@@ -22,10 +22,8 @@ def facing_of(tree: Tree, body: Body, plane: Plane, poses: Poses) -> tuple[Vecto
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
     votes = [vote for vote in _votes(tree, body, plane, ahead, poses) if vote[0]]
-    total = all_of_it = 0.0
-    for weight, _ in votes:
-        total, all_of_it = total + weight, all_of_it + abs(weight)
-    sure = abs(total) / max(all_of_it, 0.5) if votes else 0.0
+    total = fsum(weight for weight, _ in votes)
+    sure = abs(total) / max(fsum(abs(weight) for weight, _ in votes), 0.5)
     why = tuple(words for weight, words in votes if weight * total > 0)
     return (ahead if total >= 0 else -ahead), sure, why
 

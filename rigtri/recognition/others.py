@@ -45,8 +45,7 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
             kind: Kind = "wing" if wing else "leg" if leg else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing or leg else ("one more pair that bends in the middle",)
             sure = 0.9 if wing or leg else 0.6
-            place = f"{side} " if side else ""
-            draft.say(kind, f"{place}{kind}", side, limbs.pair.paths[which], sure, words, bend)
+            draft.say(kind, kind, side, limbs.pair.paths[which], sure, words, bend)
 
 
 def _is_worn(names: Sequence[str]) -> bool:
@@ -83,7 +82,7 @@ def lay_hand(draft: Draft) -> bool:
         side = said(tree.rig.names[node]).side
         why = (NAMES,) if named else (f"{len(chains)} short chains begin at it",)
         draft.hips, draft.facing, draft.left = -1, Vector(), Vector()
-        draft.say("hand", f"{side} hand".strip(), side, [node], sure, why)
+        draft.say("hand", "hand", side, [node], sure, why)
         lay_fingers(draft, node, chains, side, sure)
         return True
     return False

@@ -76,7 +76,8 @@ def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]
         if not tree.below.get(node):
             yield "end", 0.7, ["nothing below it, and it moves no point: where the bone above ends"]
         yield "helper", 0.5, ["moves no point, nor does anything below it"]
-    over = next((k for k in reversed(tree.way(-1, node)) if k in draft.taken), -1)
+    taken = draft.taken
+    over = next((k for k in reversed(tree.way(-1, node)) if k in taken), -1)
     if over >= 0 and draft.chains:
         holder = next(chain.name for chain in draft.chains if over in chain.joints)
         if len(tree.branch(node)) > 1:

@@ -184,7 +184,7 @@ def _tail(draft: Draft, legs: Sequence[Found]) -> None:
     tree = draft.tree
     named = [k for k in tree.nodes if "tail" in said_roles(tree.rig.names[k])]
     if named:
-        chain = [k for k in tree.paths[named[0]] if k in set(named)]
+        chain = [k for k in tree.paths[named[0]] if k in named]
         draft.say("tail", "tail", "", chain, 0.92, (NAMES,))
         return
     if draft.hips < 0 or not legs:
