@@ -8,23 +8,24 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.ops.presets import PRESETS
 
 from . import pictures
 from .build import steps_of, told_of
 from .options import (
-    TOLERANCE,
-    Tolerance,
     dry_run_option,
     given_options,
     output_options,
     overwrite_option,
+    preset_option,
     read_options,
     reading_options,
+    report_option,
     run,
     side_files,
     source_argument,
+    strict_option,
     target_option,
+    tolerance_option,
     verify_option,
     with_target,
 )
@@ -42,11 +43,7 @@ SUFFIX = ".rig.yaml"
 @click.command("auto")
 @source_argument
 @target_option
-@click.option(
-    "--preset",
-    type=click.Choice(list(PRESETS)),
-    help="Whose axes the joints get. [maya; vrm where a file allows no others]",
-)
+@preset_option("Whose axes the joints get. [maya; vrm where a file allows no others]")
 @click.option(
     "--spec-out",
     metavar="FILE.yaml",
@@ -61,24 +58,12 @@ SUFFIX = ".rig.yaml"
     help="Draw the skeleton before and after, as .svg or .png; also with --dry-run.",
 )
 @reading_options
-@click.option(
-    "--tolerance",
-    type=Tolerance(),
-    default=TOLERANCE,
-    show_default=True,
-    help="Refuse a result farther off than this share of the bounding-box diagonal.",
-)
-@verify_option
-@click.option("--strict", is_flag=True, help="Make any warning an error (5).")
-@click.option(
-    "--report",
-    "report_path",
-    metavar="FILE.json",
-    type=click.Path(dir_okay=False),
-    help="Write what was recognised and done, with the measured deviation.",
-)
+@tolerance_option()
+@verify_option()
+@strict_option()
+@report_option("Write what was recognised and done")
 @dry_run_option
-@overwrite_option
+@overwrite_option()
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:

@@ -18,8 +18,8 @@ import click
 from rigtri.errors import FileError, UsageError
 
 from . import INTERRUPTED, batch_engine, batch_job, failures
-from .build import assigned, set_option, spec_option
-from .options import Tolerance, dry_run_option, json_option, quiet_option
+from .build import assigned, set_option, spec_option, spec_tolerance_option
+from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
 from .words import counted, plain
 
@@ -101,14 +101,9 @@ class Bytes(click.ParamType[int]):
 @click.option(
     "--max-errors", type=click.IntRange(0), metavar="N", help="Begin no other file when more than N failed."
 )
-@click.option(
-    "--verify/--no-verify",
-    default=True,
-    show_default=True,
-    help="Compare source and result in every pose before an output appears.",
-)
-@click.option("--strict", is_flag=True, help="Make any warning an error, also where the spec does not.")
-@click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
+@verify_option("Compare source and result in every pose before an output appears.")
+@strict_option("Make any warning an error, also where the spec does not.")
+@spec_tolerance_option
 @click.option(
     "--resources",
     type=click.Choice(["copy", "relink"]),

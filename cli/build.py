@@ -15,8 +15,10 @@ from .options import (
     optional_target_option,
     output_options,
     overwrite_option,
+    report_option,
     run,
     side_files,
+    strict_option,
     verify_option,
     with_target,
 )
@@ -38,6 +40,7 @@ spec_option = click.option(
 set_option = click.option(
     "--set", "variables", multiple=True, metavar="NAME=VALUE", help="Give a variable of the spec a value."
 )
+spec_tolerance_option = click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
 
 
 @click.command("build")
@@ -48,18 +51,12 @@ set_option = click.option(
 @click.option(
     "--explain", is_flag=True, help="Say what would be done, step by step; with IN, what comes of it."
 )
-@click.option("--strict", is_flag=True, help="Make any warning an error (5), also where the spec does not.")
-@click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
-@verify_option
-@click.option(
-    "--report",
-    "report_path",
-    metavar="FILE.json",
-    type=click.Path(dir_okay=False),
-    help="Write what was done, per step, joint and limb, with the measured deviation.",
-)
+@strict_option("Make any warning an error (5), also where the spec does not.")
+@spec_tolerance_option
+@verify_option()
+@report_option("Write what was done, per step, joint and limb")
 @dry_run_option
-@overwrite_option
+@overwrite_option()
 @output_options
 def command(**values: Any) -> None:
     """Build a rig by a spec: the steps that a file lists, in one go.

@@ -17,6 +17,7 @@ from .options import (
     check_streams,
     json_option,
     output_option,
+    overwrite_option,
     quiet_option,
     read_options,
     reading_options,
@@ -74,7 +75,7 @@ if TYPE_CHECKING:
     "--size", metavar="WIDTHxHEIGHT", callback=pictures.size, help="In pixels. [1000x900; two: 1500x900]"
 )
 @reading_options
-@pictures.overwrite_picture_option
+@overwrite_option("the picture")
 @quiet_option
 @json_option
 def command(source: str, target: str, **values: Any) -> None:
@@ -124,7 +125,7 @@ def command(source: str, target: str, **values: Any) -> None:
     pictures.deliver(svg, target, report)
     if values["as_json"]:
         sides = [{"file": name, "marks": found} for name, found in zip(sources, lines, strict=True)]
-        warnings = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+        warnings = [notice.as_json() for notice in report.warnings]
         found = {"picture": target, "sides": sides, "warnings": warnings}
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
     pictures.tell(report, target, values)

@@ -9,7 +9,6 @@ import click
 
 from rigtri import scratch
 from rigtri.errors import UsageError
-from rigtri.ops.presets import PRESETS
 
 from .options import (
     Number,
@@ -20,6 +19,7 @@ from .options import (
     output_options,
     points,
     pole_options,
+    preset_option,
     reading_options,
     refuse_given,
     request,
@@ -75,7 +75,7 @@ def spread(args: list[str]) -> list[str]:
     help="The places themselves, in the world; without IN they make a new file.",
 )
 @click.option("--planar", is_flag=True, help="More than three: lay the inner joints into the limb's plane.")
-@click.option("--preset", type=click.Choice(list(PRESETS)), help="The axes of another program.")
+@preset_option("The axes of another program.")
 @click.option("--aim", metavar="AXIS", help="Axis that aims at the next joint. [x]")
 @click.option("--up", metavar="AXIS", help="Axis that goes up. [y]")
 @click.option(

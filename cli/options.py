@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from rigtri.formats import Options
     from rigtri.pipeline import Outcome
-    from rigtri.report import Report
+    from rigtri.report import Notice, Report
     from rigtri.steps.request import Request
 
 
@@ -99,16 +99,53 @@ def needed_output(ctx: click.Context, param: click.Parameter, value: Any) -> Any
 _IN_FORMAT = "The file to write, in the format of IN; - for standard output."
 target_option = output_option(f"{_IN_FORMAT} Needed but for --dry-run.", callback=needed_output)
 optional_target_option = output_option(_IN_FORMAT)
-verify_option = click.option(
-    "--verify/--no-verify",
-    default=True,
-    show_default=True,
-    help="Compare source and result in every pose before OUT appears.",
-)
+
+
+def verify_option(
+    words: str = "Compare source and result in every pose before OUT appears.",
+) -> Callable[[F], F]:
+    """Whether a result is measured."""
+    return click.option("--verify/--no-verify", default=True, show_default=True, help=words)
+
+
+def tolerance_option(
+    words: str = "Refuse a result farther off than this share of the bounding-box diagonal.",
+) -> Callable[[F], F]:
+    """How far a result may be off."""
+    return click.option("--tolerance", type=Tolerance(), default=TOLERANCE, show_default=True, help=words)
+
+
+def strict_option(words: str = "Make any warning an error (5).") -> Callable[[F], F]:
+    """Whether warnings are errors."""
+    return click.option("--strict", is_flag=True, help=words)
+
+
+def report_option(words: str) -> Callable[[F], F]:
+    """The file with what was done, for machines."""
+    return click.option(
+        "--report",
+        "report_path",
+        metavar="FILE.json",
+        type=click.Path(dir_okay=False),
+        help=f"{words}, with the measured deviation.",
+    )
+
+
+def overwrite_option(what: str = "OUT") -> Callable[[F], F]:
+    """Whether a file that is there may be lost."""
+    return click.option("--overwrite", is_flag=True, help=f"Replace {what} where it exists.")
+
+
+def preset_option(words: str) -> Callable[[F], F]:
+    """The axes of another program."""
+    from rigtri.ops.presets import PRESETS
+
+    return click.option("--preset", type=click.Choice(list(PRESETS)), help=words)
+
+
 dry_run_option = click.option(
     "-n", "--dry-run", is_flag=True, is_eager=True, help="Do all but write: report and measure."
 )
-overwrite_option = click.option("--overwrite", is_flag=True, help="Replace OUT where it exists.")
 facing_option = click.option(
     "--facing",
     callback=direction,
@@ -240,6 +277,7 @@ json_option = click.option(
     help="Print the result as JSON.",
 )
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+no_warnings_option = click.option("-q", "--quiet", is_flag=True, help="Leave out the warnings.")
 
 
 def output_options(command: F) -> F:
@@ -277,22 +315,10 @@ def edit_options(command: F) -> F:
             is_flag=True,
             help="USD: write such a layer with IN as its sublayer and IN's metadata.",
         ),
-        click.option(
-            "--tolerance",
-            type=Tolerance(),
-            default=TOLERANCE,
-            show_default=True,
-            help="Refuse a result farther off than this share of the bounding-box diagonal.",
-        ),
-        verify_option,
-        click.option("--strict", is_flag=True, help="Make any warning an error (5)."),
-        click.option(
-            "--report",
-            "report_path",
-            metavar="FILE.json",
-            type=click.Path(dir_okay=False),
-            help="Write what was done, per joint and limb, with the measured deviation.",
-        ),
+        tolerance_option(),
+        verify_option(),
+        strict_option(),
+        report_option("Write what was done, per joint and limb"),
         click.option(
             "--sidecar",
             is_flag=True,
@@ -300,7 +326,7 @@ def edit_options(command: F) -> F:
             "for engines and exporters that drop extras.",
         ),
         dry_run_option,
-        overwrite_option,
+        overwrite_option(),
     ):
         command = option(command)
     return command
@@ -406,7 +432,7 @@ def run(
         outcome = done(report)
     except RigtriError:
         if not quiet:
-            tell_warnings(report, values["verbose"])
+            tell_warnings(report.warnings, values["verbose"])
         raise
     document = report_json(
         name,
@@ -423,7 +449,7 @@ def run(
     if values["as_json"]:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     if not quiet:
-        tell_warnings(report, values["verbose"])
+        tell_warnings(report.warnings, values["verbose"])
         if values["verbose"]:
             tell_joints(report)
         click.echo(plain(summary(report)), err=True)
@@ -521,10 +547,10 @@ def check_side_files(values: dict[str, Any]) -> None:
             raise FileError(f"{flag} {path}: no file can be written there")
 
 
-def tell_warnings(report: Report, verbose: bool = False) -> None:
+def tell_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
     """The warnings; of many alike, unless ``verbose``, only the first few."""
     said: dict[str, int] = {}
-    for notice in report.warnings:
+    for notice in warnings:
         said[notice.code] = said.get(notice.code, 0) + 1
         if verbose or said[notice.code] <= MOST_ALIKE:
             click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)

@@ -92,11 +92,11 @@ def _print(values: dict[str, Any], options: Any) -> None:
         report = Report()
         found = {"file": values["source"]} | table(document.rig, options, report)
     if not values["quiet"]:
-        tell_warnings(report, values["verbose"])
+        tell_warnings(report.warnings, values["verbose"])
     if values["strict"]:
         report.refuse_warnings()
     if values["as_json"]:
-        found["warnings"] = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+        found["warnings"] = [notice.as_json() for notice in report.warnings]
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
         return
     rows: list[tuple[str, ...]] = [("joint", "translation", "rotation x y z w", "scale", "in the world")]

@@ -12,13 +12,12 @@ from rigtri.errors import DeviationError
 
 from . import failures
 from .options import (
-    TOLERANCE,
-    Tolerance,
     check_streams,
     output_options,
     read_options,
     reading_options,
     tell_root,
+    tolerance_option,
 )
 from .words import plain
 
@@ -26,13 +25,7 @@ from .words import plain
 @click.command("verify")
 @click.argument("before", metavar="BEFORE", type=click.Path(allow_dash=True))
 @click.argument("after", metavar="AFTER", type=click.Path(allow_dash=True))
-@click.option(
-    "--tolerance",
-    type=Tolerance(),
-    default=TOLERANCE,
-    show_default=True,
-    help="Pass up to this share of the bounding-box diagonal.",
-)
+@tolerance_option("Pass up to this share of the bounding-box diagonal.")
 @reading_options
 @output_options
 def command(before: str, after: str, tolerance: float, **values: Any) -> None:
