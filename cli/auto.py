@@ -10,24 +10,21 @@ import click
 from rigtri.errors import GeometryError, UsageError
 
 from . import pictures
+from .asked import given_options, read_options, with_target
 from .build import steps_of, told_of
+from .editing import run, side_files
 from .options import (
     dry_run_option,
-    given_options,
     output_options,
     overwrite_option,
     preset_option,
-    read_options,
     reading_options,
     report_option,
-    run,
-    side_files,
     source_argument,
     strict_option,
     target_option,
     tolerance_option,
     verify_option,
-    with_target,
 )
 
 if TYPE_CHECKING:

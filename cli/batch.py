@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -21,6 +20,7 @@ from . import INTERRUPTED, batch_engine, batch_job, failures
 from .build import assigned, set_option, spec_option, spec_tolerance_option
 from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
+from .values import Bytes
 from .words import counted, plain
 
 if TYPE_CHECKING:
@@ -36,19 +36,6 @@ SOME_FAILED = 7
 MOST_TOLD = 20
 # Names that files have not which are told at the end.
 MOST_MISSING = 10
-
-
-class Bytes(click.ParamType[int]):
-    """A size: 2G, 500M, 1.5GiB."""
-
-    name = "size"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
-        size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
-        if not 1 << 20 <= size < 1 << 50:
-            self.fail(f"{value} is no amount of memory, such as 500M or 2G; the least is 1M", param, ctx)
-        return int(size)
 
 
 @click.command("batch")

@@ -9,19 +9,18 @@ import click
 
 from rigtri.errors import UsageError
 
+from .asked import with_target
+from .editing import run, side_files
 from .options import (
-    Tolerance,
     dry_run_option,
     optional_target_option,
     output_options,
     overwrite_option,
     report_option,
-    run,
-    side_files,
     strict_option,
     verify_option,
-    with_target,
 )
+from .values import Tolerance
 from .words import plain
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
-from .options import json_option, output_option, overwrite_option, quiet_option, read_options, reading_options
+from .asked import read_options
+from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .words import plain
 
 if TYPE_CHECKING:

@@ -10,16 +10,16 @@ import click
 
 from rigtri.errors import UsageError
 
+from .asked import read_options
 from .options import (
     json_option,
     output_option,
     overwrite_option,
     quiet_option,
-    read_options,
     reading_options,
     source_argument,
-    tell_warnings,
 )
+from .telling import tell_warnings
 
 
 @click.command("export-blender")

@@ -10,15 +10,9 @@ from typing import Any
 
 import click
 
-from .options import (
-    json_option,
-    no_warnings_option,
-    read_options,
-    reading_options,
-    source_argument,
-    tell_root,
-    tell_warnings,
-)
+from .asked import read_options
+from .options import json_option, no_warnings_option, reading_options, source_argument
+from .telling import tell_root, tell_warnings
 from .words import colored, plain
 
 _COLORS = {"x": "red", "y": "green", "z": "blue"}

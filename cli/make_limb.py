@@ -10,21 +10,18 @@ import click
 from rigtri import scratch
 from rigtri.errors import UsageError
 
+from .asked import given_options, refuse_given, request
+from .editing import run_edit
 from .options import (
-    Number,
     edit_options,
-    given_options,
     needed_output,
     output_option,
     output_options,
-    points,
     pole_options,
     preset_option,
     reading_options,
-    refuse_given,
-    request,
-    run_edit,
 )
+from .values import Number, points
 
 if TYPE_CHECKING:
     from rigtri.report import Report

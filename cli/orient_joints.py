@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .asked import given_options, request
+from .editing import copy_ahead, run_edit
 from .options import (
-    copy_ahead,
     edit_options,
     facing_option,
-    given_options,
     output_options,
     preset_option,
     reading_options,
-    request,
-    run_edit,
     source_argument,
     target_option,
     turn_options,

@@ -10,7 +10,7 @@ import click
 
 from rigtri.errors import UsageError
 
-from .options import tell_warnings
+from .telling import tell_warnings
 from .words import plain
 
 if TYPE_CHECKING:

@@ -9,19 +9,10 @@ import click
 
 from rigtri.errors import UsageError
 
-from .options import (
-    copy_ahead,
-    edit_options,
-    given_options,
-    output_option,
-    output_options,
-    read_options,
-    reading_options,
-    request,
-    run_edit,
-    source_argument,
-    tell_warnings,
-)
+from .asked import given_options, read_options, request
+from .editing import copy_ahead, run_edit
+from .options import edit_options, output_option, output_options, reading_options, source_argument
+from .telling import tell_warnings
 from .words import plain
 
 if TYPE_CHECKING:

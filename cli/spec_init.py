@@ -10,14 +10,8 @@ import click
 
 from rigtri.errors import UsageError
 
-from .options import (
-    json_option,
-    output_option,
-    overwrite_option,
-    read_options,
-    reading_options,
-    source_argument,
-)
+from .asked import read_options
+from .options import json_option, output_option, overwrite_option, reading_options, source_argument
 from .words import plain
 
 

@@ -11,14 +11,9 @@ import click
 from rigtri.errors import DeviationError
 
 from . import failures
-from .options import (
-    check_streams,
-    output_options,
-    read_options,
-    reading_options,
-    tell_root,
-    tolerance_option,
-)
+from .asked import check_streams, read_options
+from .options import output_options, reading_options, tolerance_option
+from .telling import tell_root
 from .words import plain
 
 

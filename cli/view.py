@@ -12,17 +12,16 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
+from .asked import check_streams, read_options
 from .options import (
-    Number,
-    check_streams,
     json_option,
     output_option,
     overwrite_option,
     quiet_option,
-    read_options,
     reading_options,
     source_argument,
 )
+from .values import Number
 from .words import plain
 
 if TYPE_CHECKING:
