@@ -20,6 +20,7 @@ from .options import (
     preset_option,
     reading_options,
     report_option,
+    scheme_option,
     source_argument,
     strict_option,
     target_option,
@@ -48,6 +49,7 @@ SUFFIX = ".rig.yaml"
     help=f"Where the spec goes by which OUT was built. [OUT's name with {SUFFIX}]",
 )
 @click.option("--no-spec", is_flag=True, help="Write no spec.")
+@scheme_option
 @click.option(
     "--picture",
     metavar="FILE.svg",
@@ -76,8 +78,6 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri auto hero.glb --preset unreal-editor --dry-run --picture hero.svg
         rigtri build other.glb --spec out.rig.yaml -o other-out.glb
     """
-    if values["source"] == "-":
-        raise UsageError("auto reads its file more than once; give it by its name")
     values["spec_out"] = _spec_place(values)
     values = with_target(values) | {"sidecar": False}
     if values["picture"] is not None:
@@ -107,25 +107,31 @@ class _Job:
         self.built: Built
 
     def done(self, report: Report) -> Outcome:
-        from rigtri.spec.automatic import auto, propose
+        from rigtri.recognition.schemes import own_scheme
+        from rigtri.spec.automatic import auto
 
         values = self.values
-        self.proposal = propose(values["source"], preset=values["preset"] or "", options=read_options(values))
         words = ("spec_out", "verify", "tolerance", "strict", "dry_run")
         try:
             self.built = auto(
                 values["source"],
                 values["target"],
                 **{word: values[word] for word in words},
+                preset=values["preset"] or "",
+                own=tuple(map(own_scheme, values["own"])),
+                options=read_options(values),
                 overwrite=values["overwrite"] or values["unnamed"],
                 side_files=side_files(values),
                 report=report,
-                proposal=self.proposal,
+                seen=self._seen,
             )
         except GeometryError:
             self._draw(self.proposal.rig, None)
             raise
         return self.built.outcome
+
+    def _seen(self, proposal: Proposal) -> None:
+        self.proposal = proposal
 
     def drawn(self, report: Report) -> None:
         """The picture, before and after."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -94,7 +93,7 @@ def command(source: str, target: str, **values: Any) -> None:
     from rigtri.drawing.marks import as_json
     from rigtri.drawing.picture import draw, seen
     from rigtri.formats import read
-    from rigtri.inputs import opened
+    from rigtri.inputs import opened, title
     from rigtri.report import Report
 
     if values["as_json"] and target == "-":
@@ -108,7 +107,7 @@ def command(source: str, target: str, **values: Any) -> None:
         reading = read_options({**values, "empty": True})
         documents = [read(stack.enter_context(opened(name)), reading) for name in sources]
         rigs = [document.rig for document in documents]
-        titles = ["standard input" if name == "-" else Path(name).name for name in sources]
+        titles = [title(name) for name in sources]
         marked = [f"{when}: {title}" for when, title in zip(("after", "before"), titles, strict=False)]
         svg = draw(
             rigs[0],

@@ -11,6 +11,7 @@ output_options      every command: --json, -q, -v
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -196,6 +197,14 @@ def turn_options(command: F) -> F:
     return command
 
 
+scheme_option = click.option(
+    "--scheme",
+    "own",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="Ask this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES names folders.",
+)
 json_option = click.option(
     "--json",
     "as_json",

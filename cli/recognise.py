@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from .asked import read_options
-from .options import json_option, no_warnings_option, reading_options, source_argument
+from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
 from .telling import tell_root, tell_warnings
 from .words import plain
 
@@ -19,14 +19,7 @@ from .words import plain
 @click.command("recognise")
 @source_argument
 @click.option("--joints", is_flag=True, help="List every joint by itself: its bone, what it is for, and why.")
-@click.option(
-    "--scheme",
-    "own",
-    metavar="FILE",
-    type=click.Path(path_type=Path),
-    multiple=True,
-    help="Ask this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES names folders.",
-)
+@scheme_option
 @reading_options
 @no_warnings_option
 @json_option

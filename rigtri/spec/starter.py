@@ -12,7 +12,7 @@ import numpy as np
 
 from rigtri.changes.turns import axis_words
 from rigtri.formats import Options, read
-from rigtri.inputs import opened
+from rigtri.inputs import opened, title
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.rig import Rig
@@ -31,7 +31,7 @@ def spec_init(path: Path | str, *, options: Options | None = None) -> str:
     """
     options = options or Options()
     with opened(path) as file:
-        return starter(read(file, options).rig, Path(path).name, options=options)
+        return starter(read(file, options).rig, title(path), options=options)
 
 
 def starter(
