@@ -68,6 +68,9 @@ def read_options(values: dict[str, Any]) -> Options:
 
 
 def with_target(values: dict[str, Any]) -> dict[str, Any]:
-    """A command's values; of a run that writes nothing, and needs no OUT for that, with IN in its place."""
-    unnamed = values["target"] is None
-    return values | {"unnamed": unnamed, "target": values["source"] if unnamed else values["target"]}
+    """A command's values; of a run that writes nothing, and needs no OUT for that, with IN in its place.
+
+    out: OUT as it was given, None where it was not.
+    """
+    out = values["target"]
+    return values | {"out": out, "unnamed": out is None, "target": values["source"] if out is None else out}

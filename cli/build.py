@@ -148,12 +148,12 @@ def summary(do: str, report: Report) -> str:
 
 def _explain(values: dict[str, Any], spec: Spec) -> None:
     """The steps as text; with IN, what each does there, measured but not written."""
-    for one in spec.steps:
-        click.echo(plain(_line(one), one_line=True))
-    report_path = values["report_path"]
-    if values["source"] is None:
-        if report_path or values["target"]:
-            raise UsageError("--explain without IN builds nothing: give IN, or leave out --report and -o")
+    alone = values["source"] is None
+    if alone and (values["report_path"] or values["target"] or values["as_json"]):
+        raise UsageError("--explain without IN builds nothing: give IN, or leave out --report, --json and -o")
+    for one in spec.steps:  # beside a report on standard output they would be no JSON
+        click.echo(plain(_line(one), one_line=True), err=values["as_json"])
+    if alone:
         return
     _run(with_target(values) | {"dry_run": True, "unnamed": True}, spec)
 

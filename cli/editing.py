@@ -92,7 +92,7 @@ def run(
     document = report_json(
         name,
         str(source),
-        str(target),
+        values["out"],
         options,
         outcome,
         tolerance=values["tolerance"],
