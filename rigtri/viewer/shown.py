@@ -18,6 +18,9 @@ from rigtri.viewer.facts import clip_names, clip_place, facts
 from rigtri.viewer.page import Shown, page
 
 # Warnings that the page shows, too: they are of what is seen there.
+# three.js walks a tree of nodes by calls within calls, of which browsers allow some 2,400.
+DEEPEST = 2000
+_TOO_DEEP = "the page cannot show more than some 2,400, for three.js ends there"
 _ON_PAGE = ("no-joints", "not-shown")
 
 
@@ -83,6 +86,8 @@ def shown_page(
             if not rig.is_joint.any():
                 rest = "its nodes are shown" if len(rig) else "nor any node"
                 report.warn("no-joints", f"{called} has no joints; {rest}")
+            if (deep := max(rig.depth, default=0)) >= DEEPEST:
+                report.warn("deep", f"{called}: {deep + 1} nodes hang one below the other; {_TOO_DEEP}")
             for text in embedded.lacking:
                 report.warn("not-shown", f"{called}: {text}")
             content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()
