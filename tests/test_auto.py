@@ -148,9 +148,12 @@ def test_what_is_no_character_is_left_alone(app: click.Group, tmp_path: Path, ma
 
 def test_two_characters_of_a_file_get_a_rig_each(app: click.Group, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
-    run(app, "auto", written(two_characters(), tmp_path), "-o", out)
+    result = run(app, "auto", written(two_characters(), tmp_path), "-o", out)
     built = kinds(read(out))
-    assert [built.count(kind) for kind in ("control ik", "poleVector")] == [8, 8]
+    assert [built.count(kind) for kind in ("control ik", "poleVector", "control root")] == [8, 8, 1]
+    remark = "left out: a root control for each of the 2 characters; add-controls puts one over all of them"
+    assert remark in result.stderr
+    assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
 def test_the_report_tells_what_was_recognised_and_done(app: click.Group, tmp_path: Path) -> None:

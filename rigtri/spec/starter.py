@@ -98,6 +98,9 @@ def told(layout: Layout) -> Iterator[str]:
         yield f"{one.form}{f' that looks to {looks}' if looks else ''}: {limbs or 'no limb that bends'}"
     if further := [f"{chain.name} ({chain.confidence:.2f})" for chain in left_out(layout)]:
         yield f"not sure, and left out: {', '.join(further)}"
+    if (count := len(layout.characters)) > 1:
+        each = f"a root control for each of the {count} characters"
+        yield f"left out: {each}; add-controls puts one over all of them"
     yield from layout.remarks
 
 
