@@ -90,12 +90,19 @@ def bend(
     return None
 
 
+def in_pose(limbs: Sequence[Limb], world: Floats) -> list[Bend]:
+    """What a pose, (n, 4, 4), says of each limb, however little: a `sine` near 0 says nothing."""
+    points = world[[limb.triple for limb in limbs], 3, :3].reshape(-1, 3, 3)
+    start, middle, end = points[:, 0], points[:, 1], points[:, 2]
+    sides, normals = bend_direction(start, middle, end), hinge(start, middle, end)
+    sines = bend_sine(start, middle, end).tolist()
+    told = zip(sides, normals, sines, strict=True)
+    return [Bend(side, normal, "pose", sine) for side, normal, sine in told]
+
+
 def _own(rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None) -> Bend | None:
-    points = world[list(limb.triple), 3, :3]
-    sine = float(bend_sine(*points))
-    if sine >= least_sine:
-        return Bend(bend_direction(*points), hinge(*points), "pose", sine)
-    return _from_motion(rig, limb, world, other_pose)
+    (posed,) = in_pose([limb], world)
+    return posed if posed.sine >= least_sine else _from_motion(rig, limb, world, other_pose)
 
 
 def _towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine: float) -> Bend | None:

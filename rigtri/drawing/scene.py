@@ -6,7 +6,7 @@ limb a triangle (slides "Transformation Matrix" and "Pole Vector").
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -16,7 +16,7 @@ import numpy as np
 from rigtri import pose
 from rigtri.drawing.bones import Bones
 from rigtri.drawing.marks import Mark
-from rigtri.limbs import recognise
+from rigtri.drawing.relations import follows, limbs
 from rigtri.matrices import transform_points
 from rigtri.naming import without_prefix
 from rigtri.ops.select import Selection, chosen
@@ -149,19 +149,10 @@ def _bones(scene: Scene) -> Iterator[Mark]:
 def _limbs(scene: Scene) -> Iterator[Mark]:
     """The triangles of the limbs that names or pole vectors tell of."""
     rig, seen = scene.rig, set(scene.joints)
-    poles = {}
-    for node, note in sorted(rig.notes.items()):
-        if note.get("type") == "poleVector":
-            chain = [rig.known(name) for name in note.get("chain", ())]
-            if len(chain) >= 3 and None not in chain:
-                poles[chain[0], chain[1], chain[-1]] = node
-    triples = dict.fromkeys([*poles, *(limb.triple for limb in recognise(rig))])
-    for triple in triples:
-        if triple[1] in seen and None not in triple:
-            root, middle, end = (k for k in triple if k is not None)
+    for (root, middle, end), pole in limbs(rig).items():
+        if middle in seen:
             yield from triangle(*scene.places[[root, middle, end]], node=rig.address(middle))
-            pole = poles.get(triple)
-            if pole is None:
+            if pole < 0:
                 yield from pole_arrow(*scene.places[[root, middle, end]], node=rig.address(middle))
             else:
                 yield from _located(scene, middle, pole)
@@ -231,14 +222,6 @@ def strips(segments: Floats) -> Iterator[Floats]:
 def _follows(scene: Scene) -> Iterator[Mark]:
     """A line from what a node follows to the node, of the file's constraints and of ours."""
     rig = scene.rig
-    pairs: list[tuple[str, int, int]] = [(c.kind, c.source, c.node) for c in rig.constraints]
-    for note in rig.notes.values():
-        if note.get("type") == "constraint":
-            child = rig.known(note.get("child"))
-            drivers: Sequence[object] = note.get("drivers", ())
-            known = [rig.known(name) for name in drivers]
-            pairs += [(str(note["kind"]), k, child) for k in known if k is not None and child is not None]
-    for kind, source, node in pairs if scene.all else ():
-        if kind != "length" and source != node:
-            told = f"{rig.title(node)} follows {rig.title(source)} ({kind})"
-            yield Mark("line", "follows", scene.places[[source, node]], rig.address(node), told=told)
+    for kind, source, node in follows(rig) if scene.all else ():
+        told = f"{rig.title(node)} follows {rig.title(source)} ({kind})"
+        yield Mark("line", "follows", scene.places[[source, node]], rig.address(node), told=told)

@@ -19,7 +19,7 @@ from math import sqrt
 
 import numpy as np
 
-from rigtri.bend import Bend, bend
+from rigtri.bend import Bend, bend, in_pose
 from rigtri.errors import UsageError
 from rigtri.limbs import Limb
 from rigtri.naming import twin
@@ -61,10 +61,10 @@ class Hinges:
     def collect(self) -> None:
         """Fill `found` from limbs, then from chains without a limb."""
         taken: set[int] = set()
-        for limb in self.limbs:
+        for limb, posed in zip(self.limbs, in_pose(self.limbs, self.ref.world), strict=True):
             members = self._members(limb)
             taken.update(members)
-            self._of_limb(limb, members)
+            self._of_limb(limb, members, posed)
         chains = self._chains(taken)
         for chain in chains:
             self._of_chain(chain)
@@ -92,10 +92,18 @@ class Hinges:
             members.append(node)
         return [joint for joint in members if joint in self.aims]
 
-    def _of_limb(self, limb: Limb, members: list[int]) -> None:
-        rig, points = self.tree.rig, self.ref.world[list(limb.triple), 3, :3]
-        found = bend(
-            rig,
+    def _of_limb(self, limb: Limb, members: list[int], posed: Bend) -> None:
+        rig, found = self.tree.rig, posed if posed.sine >= STRAIGHT_SINE else self._of_straight(limb)
+        name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
+        for joint in members:
+            if found is not None:
+                self.found[joint] = _up(found)
+            if posed.sine < STRAIGHT_SINE:
+                self.straight[joint] = (name, posed.sine)
+
+    def _of_straight(self, limb: Limb) -> Bend | None:
+        return bend(
+            self.tree.rig,
             limb,
             self.ref.world,
             least_sine=STRAIGHT_SINE,
@@ -103,13 +111,6 @@ class Hinges:
             facing=self.facing,
             other_pose=self.ref.other,
         )
-        sine = float(bend_sine(*points))
-        name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
-        for joint in members:
-            if found is not None:
-                self.found[joint] = _up(found)
-            if sine < STRAIGHT_SINE:
-                self.straight[joint] = (name, sine)
 
     def _chains(self, taken: set[int]) -> list[list[int]]:
         chains, done = [], set(taken)

@@ -5,7 +5,7 @@ Source: docs/evaluation.md.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -149,18 +149,8 @@ class Turned:
         return ()
 
     def run(self, posed: Posed) -> None:
-        place = {node: k for k, node in enumerate(self.twist.path)}
         local = [posed.local(node) for node in self.twist.path]
         count = max(map(len, local))
         matrices = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in local], axis=1)
-        moved = Twist(
-            self.twist.node,
-            tuple(place.values()),
-            self.twist.rest,
-            self.twist.axis,
-            self.twist.own_axis,
-            self.twist.weight,
-            self.twist.standing,
-        )
-        turn = moved.rotations(matrices)
+        turn = replace(self.twist, path=tuple(range(len(local)))).rotations(matrices)
         posed.set(self.twist.node, posed.part(self.twist.node)._replace(rotation=turn))

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.drawing.bones import Bones
+from rigtri.drawing.relations import follows, limbs
 from rigtri.drawing.scene import Scene, joints_of
 from rigtri.limbs import recognise
 from rigtri.plain import plain, shown_name
@@ -43,13 +44,13 @@ def facts(rig: Rig) -> dict[str, Any]:
         ],
         "limbs": [
             {"joints": [place[joint] for joint in joints], "pole": place.get(pole, -1)}
-            for joints, pole in _limbs(rig).items()
+            for joints, pole in limbs(rig).items()
         ],
         "marks": [place[node] for node in nodes if _kind(rig, node) and not rig.is_joint[node]],
         "controls": sum(rig.notes[node].get("type") == "control" for node in rig.notes),
         "shapes": list(_shapes(rig, place)),
         "tracks": [_track(rig, track, place) for track in _prim_tracks(rig)],
-        "follows": [[place[source], place[node]] for source, node in _follows(rig)],
+        "follows": [[place[source], place[node]] for source, node in _followed(rig)],
         "facing": forward(rig, recognise(rig), rig.world).tolist(),
     }
 
@@ -70,8 +71,8 @@ def _nodes(rig: Rig) -> list[int]:
     if not rig.is_joint.any():
         return list(range(len(rig)))
     wanted = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.notes)
-    wanted |= {track.node for track in _prim_tracks(rig)} | {node for pair in _follows(rig) for node in pair}
-    wanted |= {node for joints, pole in _limbs(rig).items() for node in (*joints, pole)} - {-1}
+    wanted |= {track.node for track in _prim_tracks(rig)} | {node for pair in _followed(rig) for node in pair}
+    wanted |= {node for joints, pole in limbs(rig).items() for node in (*joints, pole)} - {-1}
     for node in sorted(wanted, reverse=True):
         above = int(rig.parents[node])
         while above >= 0 and above not in wanted:
@@ -143,19 +144,6 @@ def _kind(rig: Rig, node: int) -> str:
     return f"{note['kind']} control" if kind == "control" else str(kind)
 
 
-def _limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
-    """Root, middle and end of limbs, those known by name and those with a pole vector; and that, or −1."""
-    found = {limb.triple: -1 for limb in recognise(rig)}
-    for node, note in rig.notes.items():
-        chain = (
-            [rig.known(name) for name in note.get("chain", ())] if note.get("type") == "poleVector" else []
-        )
-        known = [joint for joint in chain if joint is not None]
-        if len(known) >= 3 and len(known) == len(chain):
-            found[known[0], known[1], known[-1]] = node
-    return found
-
-
 def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
     """The lines that USD files draw at nodes of ours; those of glTF any loader reads."""
     for node in rig.notes:
@@ -200,14 +188,6 @@ def _numbers(values: Floats) -> list[float]:
     return found
 
 
-def _follows(rig: Rig) -> dict[tuple[int, int], None]:
-    """What a node follows, and the node, of constraints of the file and of ours."""
-    found = {(c.source, c.node): None for c in rig.constraints if c.kind != "length" and c.source != c.node}
-    for note in rig.notes.values():
-        said = note.get("drivers") if note.get("type") == "constraint" else None
-        child = rig.known(note.get("child"))
-        for name in said if isinstance(said, list) and child is not None else ():
-            driver = rig.known(name)
-            if driver is not None and child is not None and driver != child:
-                found[driver, child] = None
-    return found
+def _followed(rig: Rig) -> dict[tuple[int, int], None]:
+    """What a node follows, and the node, each pair once."""
+    return {(source, node): None for _, source, node in follows(rig)}
