@@ -14,6 +14,28 @@ Side = Literal["left", "right", ""]
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 _LEFT = frozenset({"l", "left", "lft", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "右"})
+SIDES = _LEFT | _RIGHT
+# A side stands alone between separators, or is Left/Right within a capitalised name.
+_SIDE = re.compile(
+    r"(?<![A-Za-z])(?:[lLrR]|left|right|LEFT|RIGHT|lft|rgt|Lft|Rgt)(?![A-Za-z])"
+    r"|Left(?![a-z])|Right(?![a-z])|^(?:left|right)(?=[A-Z])"
+)
+_SWAP = {
+    "l": "r",
+    "L": "R",
+    "left": "right",
+    "Left": "Right",
+    "LEFT": "RIGHT",
+    "r": "l",
+    "R": "L",
+    "right": "left",
+    "Right": "Left",
+    "RIGHT": "LEFT",
+    "lft": "rgt",
+    "rgt": "lft",
+    "Lft": "Rgt",
+    "Rgt": "Lft",
+}
 
 
 def words(name: str) -> list[str]:
@@ -27,7 +49,7 @@ def words(name: str) -> list[str]:
 
 def side(name: str) -> Side:
     """Which side a name says: ``left``, ``right`` or "" for neither or both."""
-    found = set(words(_spread(name)))
+    found = set(words(spread(name)))
     left, right = bool(found & _LEFT), bool(found & _RIGHT)
     return "left" if left and not right else "right" if right and not left else ""
 
@@ -65,29 +87,6 @@ def twin(name: str) -> str:
     return swapped.translate({0x5DE6: "右", 0x53F3: "左"})
 
 
-# A side stands alone between separators, or is Left/Right within a capitalised name.
-_SIDE = re.compile(
-    r"(?<![A-Za-z])(?:[lLrR]|left|right|LEFT|RIGHT|lft|rgt|Lft|Rgt)(?![A-Za-z])"
-    r"|Left(?![a-z])|Right(?![a-z])|^(?:left|right)(?=[A-Z])"
-)
-_SWAP = {
-    "l": "r",
-    "L": "R",
-    "left": "right",
-    "Left": "Right",
-    "LEFT": "RIGHT",
-    "r": "l",
-    "R": "L",
-    "right": "left",
-    "Right": "Left",
-    "RIGHT": "LEFT",
-    "lft": "rgt",
-    "rgt": "lft",
-    "Lft": "Rgt",
-    "Rgt": "Lft",
-}
-
-
-def _spread(name: str) -> str:
-    """CJK side characters are glued to the word: put a space behind them."""
+def spread(name: str) -> str:
+    """The name with a space behind CJK side characters, which are glued to the word."""
     return re.sub(r"([左右])", r"\1 ", name)

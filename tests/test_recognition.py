@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from weakref import ref
 
 import click
 import numpy as np
 import pytest
-from bodies import (
+from click.testing import CliRunner
+from places import SAMPLES, asset_files
+from recognition.skeletons import (
     FINGERS,
     FLAT,
     HAIR,
@@ -25,8 +28,6 @@ from bodies import (
     both,
     rig_with,
 )
-from click.testing import CliRunner
-from places import SAMPLES, asset_files
 from second_opinions import validator
 
 from rigtri.errors import FileError
@@ -34,7 +35,7 @@ from rigtri.formats import read
 from rigtri.limbs import recognise as limbs
 from rigtri.matrices import compose, multiply
 from rigtri.quaternions import from_axis_angle
-from rigtri.recognition.engine import recognise
+from rigtri.recognition.engine import chains_of, recognise
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.schemes import own_scheme, said, schemes
 from rigtri.records import Skin
@@ -422,6 +423,15 @@ def test_what_is_no_scheme_is_refused(text: str, words: str, tmp_path: Path) -> 
 def test_a_name_is_read_whatever_stands_between_its_words() -> None:
     for name in ("LeftUpperArm", "left_upper_arm", "upper arm.L", "L_UpperArm", "upperArm.l", "leftupperarm"):
         assert (said(name).side, said(name).key) == ("left", "upperarm"), name
+
+
+def test_a_rig_is_looked_at_once_and_what_is_known_goes_with_it() -> None:
+    rig = rig_with(MAN)
+    assert chains_of(rig) is chains_of(rig)
+    assert chains_of(rig) == tuple(recognise(rig).chains)
+    gone = ref(rig)
+    del rig
+    assert gone() is None
 
 
 def test_the_command_tells_chains_roles_and_words(app: click.Group) -> None:

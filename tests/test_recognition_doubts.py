@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from bodies import MAN, Joint, both, line, rig_with
+from recognition.skeletons import MAN, Joint, both, line, rig_with
 
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import Layout

@@ -13,6 +13,7 @@ from strategies import directions, quaternions, vectors
 
 from rigtri import vectors as v
 from rigtri.quaternions import rotate
+from rigtri.recognition.vector import Vector
 from rigtri.trigonometry import Floats
 
 # GDC 2018, appendices "The Dot Product" and "The Cross Product".
@@ -152,6 +153,17 @@ def test_components_of_many_vectors_lie_in_one_row_of_memory() -> None:
 def test_one_vector_in_plain_numbers_is_normalised_to_the_same_bits(a: Floats) -> None:
     plain = v.unit_of(a.tolist())
     assert_array_equal(v.normalise(a), [np.nan] * 3 if plain is None else plain)
+
+
+@given(vectors, vectors)
+def test_one_place_in_plain_numbers_is_as_one_in_an_array_to_the_same_bits(a: Floats, b: Floats) -> None:
+    one, other = Vector(*a.tolist()), Vector(*b.tolist())
+    assert_array_equal([*(one - other)], a - b)
+    assert_array_equal([*(one + other * 0.5)], a + b * 0.5)
+    assert_array_equal([*one.cross(other)], v.cross(a, b))
+    assert one.dot(-other) == -v.dot(a, b)
+    assert one.length == v.length(a)
+    assert_array_equal([*one.unit], np.nan_to_num(v.normalise(a)))
 
 
 def test_what_has_no_direction_is_none_in_plain_numbers() -> None:

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
-
-import numpy as np
 
 from rigtri.naming import Side
-from rigtri.recognition.body import Body, Limbs
+from rigtri.recognition.body import Body, Limbs, within
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.facing import facing_of
-from rigtri.recognition.layout import CONFIDENT, MAP, NAMES
-from rigtri.recognition.readings import TRIPLES
+from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
 from rigtri.recognition.schemes import said, said_roles
-from rigtri.vectors import cross, dot, length
+from rigtri.recognition.vector import Vector
 
-LimbKind = Literal["arm", "leg"]
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
 _MAPPED, _AGREES, _CONTRADICTED = 0.99, 0.7, 0.7
 AGREED = "its shape agrees"
@@ -63,7 +58,7 @@ def find_limbs(draft: Draft) -> list[Found]:
     else:
         shaped = []
         if not named:
-            draft.stand(np.asarray(draft.tree.rig.up), np.zeros(3))
+            draft.stand(Vector(*draft.tree.rig.up), Vector())
     found = [_agreed(draft, each, shaped) for each in named]
     taken = {joint for each in found for joint in each.joints}
     rest = [each for each in shaped if not taken.intersection(each.joints)]
@@ -77,18 +72,18 @@ def _is_clear(body: Body) -> bool:
 
 def _by_name(draft: Draft) -> Iterator[Found]:
     if draft.certain:
-        for kind, parts in TRIPLES.items():
-            for which in ("left", "right"):
+        sides: tuple[Side, Side] = ("left", "right")
+        for kind, parts in BENDS.items():
+            for which in sides:
                 nodes = [draft.certain.get(which + part) for part in parts]
                 joints = tuple(node for node in nodes if node is not None)
                 if len(joints) == 3:
-                    before = _before(draft, joints[0])
-                    yield Found(kind, which, joints, before, _MAPPED, (MAP,))  # type: ignore[arg-type]
+                    yield Found(kind, which, joints, _before(draft, joints[0]), _MAPPED, (MAP,))
     elif draft.reading is not None:
         words = f"{NAMES}: {draft.reading.scheme.title}"
         for (kind, side), triple in draft.reading.limbs.items():
             sure = draft.reading.sure - (0.0 if side else 0.04)
-            yield Found(kind, side, triple, _before(draft, triple[0]), sure, (words,))  # type: ignore[arg-type]
+            yield Found(kind, side, triple, _before(draft, triple[0]), sure, (words,))
 
 
 def _before(draft: Draft, start: int) -> tuple[int, ...]:
@@ -107,7 +102,7 @@ def _by_shape(draft: Draft, body: Body) -> Iterator[Found]:
         if limbs is None:
             continue
         as_leg = kind == "leg" or body.form == "quadruped"
-        confidence = sure * (0.85 + 0.15 * _between(limbs.quality, 0.25, 0.55))
+        confidence = sure * (0.85 + 0.15 * within(limbs.quality, 0.25, 0.55))
         if limbs.lead < _TIE and len(limbs.at) == 3 and len(limbs.pair.paths[0]) > 3:
             confidence -= 0.2
         if kind == "arm" and _lacks_hand(draft, limbs):
@@ -140,7 +135,7 @@ def _words(draft: Draft, body: Body, limbs: Limbs, as_leg: bool) -> tuple[str, .
 
 def _body_confidence(draft: Draft, body: Body) -> float:
     """How sure a shape alone can be of its arms and legs, 0 to `_SUREST`."""
-    sure = _LEAST + (_SUREST - _LEAST) * _between(body.score, _GUESS, _CLEAR)
+    sure = _LEAST + (_SUREST - _LEAST) * within(body.score, _GUESS, _CLEAR)
     if body.arms is None or body.legs is None:
         return min(sure, _HALF)
     if body.form == "biped" and body.lead < 0.1:
@@ -156,23 +151,17 @@ def _same(one: Body, other: Body) -> bool:
     return {one.legs, one.arms} == {other.legs, other.arms}
 
 
-def _between(value: float, low: float, high: float) -> float:
-    return min(1.0, max(0.0, (value - low) / (high - low)))
-
-
 def _stand_by_names(draft: Draft, named: list[Found]) -> None:
     """Left and ahead as the names have them, up as the body or the file has it."""
     body = draft.shape.body
-    up = body.up if body is not None and _is_clear(body) else np.asarray(draft.tree.rig.up, dtype=np.float64)
-    places = draft.tree.places
-    across = np.zeros(3)
+    up = body.up if body is not None and _is_clear(body) else Vector(*draft.tree.rig.up)
+    at, across = draft.tree.at, Vector()
     for one in named:
         for other in named:
             if one.kind == other.kind and one.side == "left" and other.side == "right":
-                apart = places[one.joints[0]] - places[other.joints[0]]
-                far = float(length(apart))
-                across = across + (apart if far > 0 else places[one.joints[2]] - places[other.joints[2]])
-    draft.stand(up, cross(across, up))
+                apart = at[one.joints[0]] - at[other.joints[0]]
+                across = across + (apart if any(apart) else at[one.joints[2]] - at[other.joints[2]])
+    draft.stand(up, across.cross(up))
 
 
 def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[Found]:
@@ -180,15 +169,15 @@ def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[F
     plane = draft.shape.plane
     assert plane is not None
     ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses)
-    if not named or not draft.facing.any() or not draft.left.any():
+    if not named or not any(draft.facing) or not any(draft.left):
         draft.stand(body.up, ahead)
-    elif sure > 0.6 and float(dot(draft.facing, ahead)) < -0.5:
+    elif sure > 0.6 and draft.facing.dot(ahead) < -0.5:
         draft.remarks.append(
             "what its names call left is on the right of where it faces "
             f"({', '.join(why)}); the names are taken"
         )
         draft.facing = -draft.facing
-    told = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * _between(sure, _DOUBT, 0.5)
+    told = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
     return [
         Found(
             each.kind,
@@ -211,8 +200,8 @@ def _side(draft: Draft, each: Found) -> Side:
     assert each.pair is not None
     one, two = each.pair.pair.paths
     mine, other = (one, two) if set(each.joints).intersection(one) else (two, one)
-    places = draft.tree.places
-    apart = dot(places[list(mine)] - places[list(other)], draft.left).tolist()
+    at = draft.tree.at
+    apart = [(at[a] - at[b]).dot(draft.left) for a, b in zip(mine, other, strict=True)]
     # Feet may cross; hips and shoulders do not. Where limbs begin in the middle the next joints tell.
     widest = max(map(abs, apart), default=0.0)
     told = next((far for far in apart if abs(far) > 0.1 * widest), 0.0)
@@ -224,13 +213,12 @@ def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
     if draft.certain:
         return each
     sure, words = each.confidence, list(each.evidence)
-    places = draft.tree.places
-    start, middle, end = each.joints
-    upper, lower = (float(length(places[b] - places[a])) for a, b in ((start, middle), (middle, end)))
+    start, middle, end = (draft.tree.at[joint] for joint in each.joints)
+    upper, lower = (middle - start).length, (end - middle).length
     if min(upper, lower) < _STUNTED * max(upper, lower):
         sure *= _CONTRADICTED
         words.append("but one of its bones has hardly any length")
-    same = next((s for s in shaped if middle in s.joints[1:2] or middle in s.joints), None)
+    same = next((s for s in shaped if each.joints[1] in s.joints), None)
     if same is not None and same.joints == each.joints and same.kind == each.kind:
         sure = 1.0 - (1.0 - sure) * (1.0 - _AGREES * same.confidence)
         words.append(AGREED)

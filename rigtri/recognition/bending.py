@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from math import fsum, sqrt
 
 import numpy as np
 
-from rigtri.recognition.poses import Poses
+from rigtri.recognition.poses import Poses, finite
 from rigtri.recognition.tree import Tree
 from rigtri.trigonometry import Floats
-from rigtri.vectors import dot, length, normalise
+from rigtri.vectors import dot, normalise
 
 # The cosine above which a joint does not bend: a twist joint within a bone, 6°.
 STRAIGHT = 0.9945
@@ -57,14 +58,13 @@ def _ways_on(tree: Tree, node: int) -> list[int]:
     below = tree.below[node]
     if len(below) < 2:
         return list(below)
-    along = normalise(tree.places[list(below)] - tree.places[node])
+    along = {k: (tree.at[k] - tree.at[node]).unit for k in below}
     return [
         one
-        for k, one in enumerate(below)
+        for one in below
         if tree.below[one]
         or not any(
-            tree.bone[one] < tree.bone[other] and float(dot(along[k], along[i])) > STRAIGHT
-            for i, other in enumerate(below)
+            tree.bone[one] < tree.bone[other] and along[one].dot(along[other]) > STRAIGHT for other in below
         )
     ]
 
@@ -75,28 +75,28 @@ def bend_of(tree: Tree, path: Sequence[int], poses: Poses) -> Bend | None:
     path = list(path[: min(stop + 1, _MOST)])
     if len(path) < 3:
         return None
-    now = _least(tree.places[np.newaxis, path])
-    moves = _least(poses.moving[:, path]) if len(path) > 3 and len(poses.moving) else None
-    ever = now if moves is None else [min(a, b) for a, b in zip(now, moves, strict=True)]
+    moves = len(path) > 3 and len(poses.moving) > 0
+    moments = [tree.places[np.newaxis, path], *([poses.moving[:, path]] if moves else [])]
+    cosines = _cosines(np.concatenate(moments, axis=0))
+    now, ever = cosines[0].tolist(), cosines.min(axis=0).tolist()
     bones = [tree.bone[node] for node in path]
     found = sorted(
-        ((_quality(bones, at, now, ever, moves is not None), at) for at in combinations(range(len(path)), 3)),
+        ((_quality(bones, at, now, ever, moves), at) for at in combinations(range(len(path)), 3)),
         reverse=True,
     )
     (quality, at), others = found[0], found[1:]
     if quality <= 0:
         return None
-    size = 0.0
-    for k in range(at[0] + 1, at[2] + 1):
-        size += bones[k]
+    size = fsum(bones[at[0] + 1 : at[2] + 1])
     return Bend(at, quality, quality - (others[0][0] if others else 0.0), size)
 
 
-def _least(places: Floats) -> list[float]:
-    """The least cosine of the bend at each joint of a path over poses, (f, k, 3); 1 at both ends."""
-    along = normalise(np.diff(places, axis=1))
-    cosines = np.nan_to_num(dot(along[:, 1:], along[:, :-1]), nan=1.0)
-    return [1.0, *cosines.min(axis=0).tolist(), 1.0]
+def _cosines(places: Floats) -> Floats:
+    """The cosine of the bend at each joint of a path in poses, (f, k, 3) → (f, k); 1 at both ends."""
+    along = normalise(places[:, 1:] - places[:, :-1])
+    cosines = np.ones(places.shape[:2])
+    cosines[:, 1:-1] = finite(dot(along[:, 1:], along[:, :-1]), 1.0)
+    return cosines
 
 
 def _quality(
@@ -104,43 +104,26 @@ def _quality(
 ) -> float:
     """How limb-like three places of a path are: two long bones about as long as each other."""
     start, middle, end = at
+    if any(ever[k] < STRAIGHT for k in range(start + 1, end) if k != middle):
+        return 0.0
     upper, lower = bones[start + 1 : middle + 1], bones[middle + 1 : end + 1]
-    a, b = _added(upper), _added(lower)
-    whole = _added(bones[1:])
+    a, b = fsum(upper), fsum(lower)
     if min(a, b) <= 0.0:
         return 0.0
-    within = [k for k in range(start + 1, end) if k != middle]
-    if any(ever[k] < STRAIGHT for k in within):
-        return 0.0
-    balance, cover = min(a, b) / max(a, b), (a + b) / whole
+    balance, cover = min(a, b) / max(a, b), (a + b) / fsum(bones[1:])
     cost = 0.0
     for bone in (upper, lower):
         if len(bone) > 1:
             cost += _WITHIN * (len(bone) - 1) + _UNEVEN * (1.0 - min(bone) / max(bone))
     # What comes before an upper bone is a clavicle, and shorter.
-    before = _added(bones[1 : start + 1]) / a
+    before = fsum(bones[1 : start + 1]) / a
     cost += _LED * min(1.0, max(0.0, (before - 0.7) / 0.7))
     cost += _FOLD if now[middle] < _FOLDED else 0.0
     gain = _MOVES if moves and ever[middle] < _SHARP else 0.0
-    return float(np.sqrt(balance)) * cover - cost + gain
-
-
-def _added(numbers: list[float]) -> float:
-    total = 0.0
-    for number in numbers:
-        total += number
-    return total
+    return sqrt(balance) * cover - cost + gain
 
 
 def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
     """From the line of start and end to the middle, (..., 3), in file units: where a limb bends to."""
-    along = normalise(end - start)
-    line = np.nan_to_num(along)
-    arm = middle - start
+    line, arm = finite(normalise(end - start)), middle - start
     return arm - dot(arm, line)[..., np.newaxis] * line
-
-
-def folded(start: Floats, middle: Floats, end: Floats) -> Floats:
-    """How much shorter a limb stands than it is long, (...): 0 where it is straight, 1 where folded up."""
-    whole = length(middle - start) + length(end - middle)
-    return 1.0 - np.divide(length(end - start), whole, out=np.ones_like(whole), where=whole > 0)

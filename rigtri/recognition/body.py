@@ -8,17 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import fsum
 from typing import Literal
-
-import numpy as np
 
 from rigtri.recognition.bending import Bend, bend_of, branches
 from rigtri.recognition.loose import loose_ends
 from rigtri.recognition.poses import Poses
 from rigtri.recognition.symmetry import Pair, Plane, between
 from rigtri.recognition.tree import Tree
-from rigtri.trigonometry import Floats
-from rigtri.vectors import dot, length, normalise
+from rigtri.recognition.vector import Vector
 
 # So many of the longest pairs are tried as legs and as arms.
 _TRIED = 10
@@ -35,13 +33,13 @@ _UPWARDS = 0.4
 @dataclass(frozen=True, eq=False)
 class Limbs:
     """Two limbs that are alike. at: places of start, middle and end in ``pair.paths``; of two joints where
-    there is no end. starts, ends: where they are, in the middle between both, (3,). size: of both bones,
+    there is no end. starts, ends: where they are, in the middle between both. size: of both bones,
     file units. fingers: how many chains there are at the end. quality: how limb-like, 0 to 1."""
 
     pair: Pair
     at: tuple[int, ...]
-    starts: Floats
-    ends: Floats
+    starts: Vector
+    ends: Vector
     size: float
     fingers: int
     quality: float
@@ -55,12 +53,12 @@ class Limbs:
 @dataclass(frozen=True, eq=False)
 class Body:
     """One way to see a body. legs, arms: either may be missing. score: 0 to 1. lead: over the same pairs
-    the other way round. up: unit, (3,)."""
+    the other way round. up: unit."""
 
     legs: Limbs | None
     arms: Limbs | None
     form: Literal["biped", "quadruped"]
-    up: Floats
+    up: Vector
     score: float
     lead: float = 0.0
 
@@ -79,12 +77,10 @@ def limbs_of(tree: Tree, pairs: Sequence[Pair], poses: Poses) -> list[Limbs]:
 
 
 def _limbs(tree: Tree, pair: Pair, bend: Bend | None) -> Limbs:
-    stop, _ = branches(tree, pair.paths[0])
-    at = bend.at if bend else (0, stop)
+    at = bend.at if bend else (0, branches(tree, pair.paths[0])[0])
     pair = _middlemost(tree, pair, at[-1]) if bend else pair
-    starts, ends = (
-        0.5 * (tree.places[pair.paths[0][k]] + tree.places[pair.paths[1][k]]) for k in (at[0], at[-1])
-    )
+    one, other = pair.paths
+    starts, ends = ((tree.at[one[k]] + tree.at[other[k]]) * 0.5 for k in (at[0], at[-1]))
     count = min(branches(tree, path)[1] for path in pair.paths)
     size = bend.size if bend else pair.reach
     quality, lead = (bend.quality, bend.lead) if bend else (0.2, 0.0)
@@ -106,12 +102,12 @@ def _middle_of(tree: Tree, node: int) -> int:
     same = [
         k
         for k in tree.below[tree.above[node]]
-        if tree.below[k] and float(length(tree.places[k] - tree.places[node])) < near
+        if tree.below[k] and (tree.at[k] - tree.at[node]).length < near
     ]
     if len(same) < 3:
         return node
-    tips = np.stack([tree.places[tree.paths[k][-1]] for k in same])
-    spread = [float(length(tips - tip).max()) for tip in tips]
+    tips = [tree.at[tree.paths[k][-1]] for k in same]
+    spread = [max((other - tip).length for other in tips) for tip in tips]
     return same[spread.index(min(spread))]
 
 
@@ -132,35 +128,26 @@ def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body
 def _across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
     """Whether the plane lies between the two."""
     middle, across = between(tree, limbs.pair)
-    if not abs(float(dot(across, plane.normal))) > _SQUARE:
+    if not abs(across.dot(plane.normal)) > _SQUARE:
         return False
-    left, right = (tree.places[list(path)] for path in limbs.pair.paths)
-    return float(length(left - right).max()) > 3.0 * abs(float(plane.side_of(middle)))
+    widest = max((tree.at[a] - tree.at[b]).length for a, b in zip(*limbs.pair.paths, strict=True))
+    return widest > 3.0 * abs(plane.side_of(middle))
 
 
 def _ways(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> Iterator[Body]:
     longest = max([k.size for k in others if k.quality > 0.3], default=legs.size)
     longest = max(longest, legs.size, 1e-30)
-    ups = _ups(tree, legs, None)
-    yield max((_legs_alone(legs, up, trust, longest) for up, trust in ups), key=lambda body: body.score)
+    yield _legs_alone(tree, legs, longest)
     yield _arms_alone(tree, legs, longest)
     for arms in others:
-        if arms is legs or not _apart(tree, legs, arms):
-            continue
-        seen = [_judged(tree, legs, arms, others, up, trust, longest) for up, trust in _ups(tree, legs, arms)]
-        yield max(seen, key=lambda body: body.score)
+        if arms is not legs and _apart(tree, legs, arms):
+            yield _both(tree, legs, arms, others, longest)
 
 
-def _ups(tree: Tree, legs: Limbs, arms: Limbs | None) -> list[tuple[Floats, float]]:
-    """Directions that may be up, unit (3,), each with how far it is trusted."""
-    found = [(np.asarray(tree.rig.up, dtype=np.float64), 1.0)]
-    down = normalise(legs.starts - legs.ends)
-    if arms is not None:
-        found.append((normalise(arms.starts - legs.starts), _OTHER_UP))
-        found.append((normalise(arms.starts - arms.ends + legs.starts - legs.ends), _OTHER_UP))
-    else:
-        found.append((down, _OTHER_UP))
-    return [(up, trust) for up, trust in found if bool(np.isfinite(up).all())]
+def _ups(tree: Tree, *others: Vector) -> list[tuple[Vector, float]]:
+    """Directions that may be up, unit, each with how far it is trusted: the file's, and ``others``."""
+    found = [(Vector(*tree.rig.up), 1.0)]
+    return found + [(up.unit, _OTHER_UP) for up in others if any(up.unit)]
 
 
 def _apart(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
@@ -171,45 +158,38 @@ def _apart(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
     return not any(tree.is_below(a, b) for a, one in firsts for b, other in firsts if one is not other)
 
 
-def _judged(
-    tree: Tree,
-    legs: Limbs,
-    arms: Limbs,
-    others: Sequence[Limbs],
-    up: Floats,
-    trust: float,
-    longest: float,
-) -> Body:
-    """A pair as legs and another as arms: what speaks for it, as a weighted mean."""
-    spine, down = arms.starts - legs.starts, legs.ends - legs.starts
-    tall = float(dot(np.nan_to_num(normalise(spine)), up))
-    stands = float(dot(np.nan_to_num(normalise(down)), -up))
-    hangs = float(dot(np.nan_to_num(normalise(arms.ends - arms.starts)), -up))
+def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest: float) -> Body:
+    """A pair as legs and another as arms, up as suits them best: what speaks for it, as a weighted mean."""
+    spine = arms.starts - legs.starts
+    on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
     common = tree.common(legs.pair.above, arms.pair.above)
     tier = _tier(tree, arms.pair.above, common) - _tier(tree, legs.pair.above, common)
-    four = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75 and arms.fingers < 3
-    fit = _within(tall, 0.3, 0.8) if not four else 0.9
-    ratio = float(length(spine)) / max(legs.size, 1e-30)
+    ratio = spine.length / max(legs.size, 1e-30)
     points = [
         (1.0, 1.0 if tier > 0 else 0.4 if tier == 0 else 0.0),
-        (0.6, _within(ratio, 0.05, 0.4) * (1.0 - _within(ratio, 2.5, 5.0))),
-        (0.6, _within(min(arms.size / max(legs.size, 1e-30), legs.size / max(arms.size, 1e-30)), 0.2, 0.55)),
-        (0.5, _within(legs.quality, 0.2, 0.6)),
-        (0.5, _within(arms.quality, 0.2, 0.6)),
+        (0.6, within(ratio, 0.05, 0.4) * (1.0 - within(ratio, 2.5, 5.0))),
+        (0.6, within(min(arms.size / max(legs.size, 1e-30), legs.size / max(arms.size, 1e-30)), 0.2, 0.55)),
+        (0.5, within(legs.quality, 0.2, 0.6)),
+        (0.5, within(arms.quality, 0.2, 0.6)),
         (0.6, 0.5 if arms.fingers == legs.fingers else 1.0 if arms.fingers > legs.fingers else 0.0),
-        (1.0, trust * _within(stands, 0.0, 0.7)),
-        (0.8, trust * fit),
-        (0.8, _head(tree, legs, arms, up)),
-        (0.5, _within(max(legs.size, arms.size) / longest, 0.2, 0.6)),
-        (0.8, _within(legs.pair.reach / _most_beside(legs, others), 0.4, 1.0)),
-        (1.0, 0.0 if _passed_over(tree, legs, arms, others) else 1.0),
+        (0.5, within(max(legs.size, arms.size) / longest, 0.2, 0.6)),
+        (0.8, within(legs.pair.reach / _most_beside(legs, others), 0.4, 1.0)),
+        (1.0, 0.0 if _passed_over(tree, arms, others, common) else 1.0),
     ]
-    score = _mean(points)
     # Branches that grow upwards are no legs.
-    if float(dot(np.nan_to_num(normalise(down)), np.nan_to_num(normalise(spine)))) > 0.3:
-        score -= _UPWARDS
-    score -= _DEEPER if tier < 0 else 0.0
-    return Body(legs, arms, "quadruped" if four else "biped", up, score)
+    cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
+    beyond, seen = _beyond(tree, legs, arms), []
+    for up, trust in _ups(tree, spine, arms.starts - arms.ends + legs.starts - legs.ends):
+        tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
+        four = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75 and arms.fingers < 3
+        turned = [
+            (1.0, trust * within(stands, 0.0, 0.7)),
+            (0.8, trust * (0.9 if four else within(tall, 0.3, 0.8))),
+            (0.8, _head(beyond, arms, on + up)),
+        ]
+        score = _mean([*points, *turned]) - cost
+        seen.append(Body(legs, arms, "quadruped" if four else "biped", up, score))
+    return max(seen, key=lambda body: body.score)
 
 
 def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:
@@ -217,10 +197,9 @@ def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:
     return max([legs.pair.reach, *(k.pair.reach for k in others if k.pair.above == legs.pair.above)])
 
 
-def _passed_over(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs]) -> bool:
+def _passed_over(tree: Tree, arms: Limbs, others: Sequence[Limbs], common: int) -> bool:
     """Whether a pair hangs at the spine below the arms that would be arms as well: they are hair, or ears."""
-    low, high = legs.pair.above, arms.pair.above
-    common = tree.common(low, high)
+    high = arms.pair.above
     between = set(tree.way(common, high)[1:-1]) if high >= 0 else set()
     return any(
         k.pair.above in between and len(k.at) == 3 and k.quality > 0.45 and k.size > 0.3 * arms.size
@@ -228,24 +207,21 @@ def _passed_over(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs]) 
     )
 
 
-def _legs_alone(legs: Limbs, up: Floats, trust: float, longest: float) -> Body:
+def _legs_alone(tree: Tree, legs: Limbs, longest: float) -> Body:
     """A pair as legs, and no arms: a bird, or the lower part of a body."""
-    stands = float(dot(np.nan_to_num(normalise(legs.ends - legs.starts)), -up))
-    points = [
-        (1.0, trust * _within(stands, 0.2, 0.8)),
-        (0.6, _within(legs.quality, 0.3, 0.7)),
-        (1.0, legs.size / longest),
-        (1.0, 0.0),
-    ]
+    down = legs.ends - legs.starts
+    stands = [(trust * within(down.unit.dot(-up), 0.2, 0.8), up) for up, trust in _ups(tree, -down)]
+    upright, up = max(stands, key=lambda each: each[0])
+    points = [(1.0, upright), (0.6, within(legs.quality, 0.3, 0.7)), (1.0, legs.size / longest), (1.0, 0.0)]
     return Body(legs, None, "biped", up, _mean(points))
 
 
 def _arms_alone(tree: Tree, arms: Limbs, longest: float) -> Body:
     """A pair as arms, and no legs: the upper part of a body."""
-    up = np.asarray(tree.rig.up, dtype=np.float64)
+    up = Vector(*tree.rig.up)
     points = [
-        (1.0, _within(_head(tree, arms, arms, up), 0.3, 1.0)),
-        (0.6, _within(arms.quality, 0.3, 0.7)),
+        (1.0, within(_head(_beyond(tree, arms, arms), arms, up), 0.3, 1.0)),
+        (0.6, within(arms.quality, 0.3, 0.7)),
         (0.6, 1.0 if arms.fingers > 1 else 0.5),
         (0.4, 1.0 if tree.depth[arms.pair.above] > 0 and arms.pair.above >= 0 else 0.0),
         (0.5, arms.size / longest),
@@ -258,32 +234,29 @@ def _tier(tree: Tree, node: int, common: int) -> int:
     return (tree.depth[node] if node >= 0 else -1) - (tree.depth[common] if common >= 0 else -1)
 
 
-def _head(tree: Tree, legs: Limbs, arms: Limbs, up: Floats) -> float:
-    """Whether something stands beyond the arms that is no limb: 1, 0.3 where nothing does."""
+def _beyond(tree: Tree, legs: Limbs, arms: Limbs) -> list[Vector]:
+    """From the arms to all joints of no limb that hang where the arms do, or up to two above."""
     limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
-    beyond = normalise(arms.starts - legs.starts)  # NaN for arms alone
-    over = np.nan_to_num(beyond) + up
-    above = arms.pair.above
+    above, found = arms.pair.above, []
     for _ in range(3):
         for child in tree.below.get(above, []):
-            if child in limbs or any(tree.is_below(first, child) for first in limbs):
-                continue
-            branch = tree.places[tree.branch(child)]
-            if float(dot(branch - arms.starts, over).max()) > 0.05 * arms.size:
-                return 1.0
+            if not any(tree.is_below(first, child) for first in limbs):
+                found += [tree.at[k] - arms.starts for k in tree.branch(child)]
         if above < 0 or above == legs.pair.above:
             break
         above = tree.above[above]
-    return 0.3
+    return found
 
 
-def _within(value: float, low: float, high: float) -> float:
+def _head(beyond: Sequence[Vector], arms: Limbs, over: Vector) -> float:
+    """Whether something stands over the arms that is no limb: 1, 0.3 where nothing does."""
+    return 1.0 if any(place.dot(over) > 0.05 * arms.size for place in beyond) else 0.3
+
+
+def within(value: float, low: float, high: float) -> float:
     """0 up to ``low``, 1 from ``high`` on, evenly between."""
     return min(1.0, max(0.0, (value - low) / (high - low)))
 
 
 def _mean(points: Sequence[tuple[float, float]]) -> float:
-    total = weights = 0.0
-    for weight, value in points:
-        total, weights = total + weight * value, weights + weight
-    return total / weights
+    return fsum(weight * value for weight, value in points) / fsum(weight for weight, _ in points)

@@ -10,7 +10,7 @@ from rigtri.recognition.body import Limbs
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.schemes import limb_said, said, said_roles
-from rigtri.vectors import dot, length
+from rigtri.recognition.vector import Vector
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
@@ -90,8 +90,8 @@ def _against_the_tree(draft: Draft, each: Found) -> str:
         at_trunk = above < 0 or (above != start and tree.is_below(start, above))
         if not at_trunk or tree.is_below(start, node) or _goes_on(draft, over, node):
             return words
-        upper, lower = (length(tree.places[b] - tree.places[a]) for a, b in ((start, middle), (middle, end)))
-        if float(min(upper, lower)) < _BALANCE * float(max(upper, lower)):
+        upper, lower = ((tree.at[b] - tree.at[a]).length for a, b in ((start, middle), (middle, end)))
+        if min(upper, lower) < _BALANCE * max(upper, lower):
             return f"{words} and is not where it should be"
     return ""
 
@@ -122,10 +122,9 @@ def _unlike_twin(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     twin = _twin(each, found)
     if AGREED in each.evidence or twin is None:
         return ""
-    places, tree = draft.tree.places, draft.tree
+    tree = draft.tree
     for a, b in ((0, 1), (1, 2)):
-        mine = float(length(places[each.joints[b]] - places[each.joints[a]]))
-        other = float(length(places[twin.joints[b]] - places[twin.joints[a]]))
+        mine, other = ((tree.at[k.joints[b]] - tree.at[k.joints[a]]).length for k in (each, twin))
         steps = [len(tree.way(k.joints[a], k.joints[b])) for k in (each, twin)]
         if abs(mine - other) > _TWINS * max(mine, other) or steps[0] != steps[1]:
             return f"the {twin.side} {twin.kind} has other bones"
@@ -143,9 +142,9 @@ def _upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     legs, arms = ([k for k in found if k.kind == kind and k.side] for kind in ("leg", "arm"))
     if len(legs) != 2 or len(arms) != 2 or _is_named(draft, each):
         return ""
-    up = draft.tree.rig.up
-    low, high = (sum(float(dot(draft.tree.places[k.joints[0]], up)) for k in some) for some in (legs, arms))
-    if low > high and float(dot(draft.up, up)) < -0.5:
+    up, at = Vector(*draft.tree.rig.up), draft.tree.at
+    low, high = (at[one.joints[0]].dot(up) + at[other.joints[0]].dot(up) for one, other in (legs, arms))
+    if low > high and draft.up.dot(up) < -0.5:
         return "its legs begin above its arms"
     return ""
 
@@ -184,8 +183,7 @@ def _rival(draft: Draft, each: Found) -> str:
     if mine.fingers >= 2 or draft.shape.plane is None:
         return ""
     for node in _beside(draft, mine):
-        part = tree.paths[node][:2]
-        aside = [abs(float(far)) for far in draft.shape.plane.side_of(tree.places[list(part)])]
+        aside = [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.paths[node][:2]]
         long = len(tree.paths[node]) > 2 and tree.reach[node] > _RIVAL * mine.size
         if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
             return f"the chain from {_title(draft, node)} may be an arm as well"

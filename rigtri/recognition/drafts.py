@@ -5,23 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from rigtri.naming import Side
 from rigtri.recognition.layout import Chain, Kind
 from rigtri.recognition.poses import Poses
 from rigtri.recognition.readings import Reading
 from rigtri.recognition.shape import Shape
 from rigtri.recognition.tree import Tree
-from rigtri.trigonometry import Floats
-from rigtri.vectors import cross, dot, normalise
+from rigtri.recognition.vector import Vector
 
 
 @dataclass
 class Draft:
     """shape; reading: what names say, None where nothing. certain: bones of a humanoid map.
     controls: joints that are known to be none of the body. up, facing,
-    left: unit directions of the world, (3,), zero where unknown. hips, chest: where legs and arms hang, −1
+    left: unit directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1
     where unknown. ways: from each limb's first joint on, by its start. bones: node, confidence, evidence."""
 
     shape: Shape
@@ -29,9 +26,9 @@ class Draft:
     reading: Reading | None
     certain: dict[str, int]
     controls: frozenset[int] = frozenset()
-    up: Floats = field(default_factory=lambda: np.zeros(3))
-    facing: Floats = field(default_factory=lambda: np.zeros(3))
-    left: Floats = field(default_factory=lambda: np.zeros(3))
+    up: Vector = field(default_factory=Vector)
+    facing: Vector = field(default_factory=Vector)
+    left: Vector = field(default_factory=Vector)
     hips: int = -1
     chest: int = -1
     four: bool = False
@@ -56,14 +53,15 @@ class Draft:
     def say(
         self,
         kind: Kind,
-        name: str,
+        words: str,
         side: Side,
         joints: Sequence[int],
         confidence: float,
         evidence: Sequence[str],
         bend: Sequence[int] = (),
     ) -> None:
-        """One more chain."""
+        """One more chain; words: its name without its side."""
+        name = f"{side} {words}" if side else words
         sure = round(max(0.0, min(0.99, confidence)), 2)
         self.chains.append(Chain(kind, name, side, tuple(joints), tuple(bend), sure, tuple(evidence)))
 
@@ -74,16 +72,14 @@ class Draft:
 
     def side_of(self, nodes: Sequence[int]) -> Side:
         """The side of the body that joints stand on, "" where left and right are not known."""
-        if self.shape.plane is None or not self.left.any():
+        plane = self.shape.plane
+        if plane is None or not any(self.left):
             return ""
-        places = self.tree.places[list(nodes)] - self.shape.plane.point
-        far = dot(places, self.left)
-        at = float(far[int(np.argmax(np.abs(far)))])
+        at = max(((self.tree.at[k] - plane.point).dot(self.left) for k in nodes), key=abs)
         return "left" if at > 0 else "right" if at < 0 else ""
 
-    def stand(self, up: Floats, ahead: Floats) -> None:
+    def stand(self, up: Vector, ahead: Vector) -> None:
         """Which way is up, which is ahead, and so which is left."""
-        self.up = np.nan_to_num(normalise(up))
-        level = ahead - self.up * float(dot(ahead, self.up))
-        self.facing = np.nan_to_num(normalise(level))
-        self.left = cross(self.up, self.facing)
+        self.up = up.unit
+        self.facing = (ahead - self.up * ahead.dot(self.up)).unit
+        self.left = self.up.cross(self.facing)

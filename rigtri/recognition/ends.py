@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from rigtri.naming import Side
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.layout import NAMES
-from rigtri.recognition.schemes import said, said_roles
-from rigtri.vectors import dot, length, normalise
+from rigtri.recognition.schemes import BESIDE, said, said_roles
+from rigtri.recognition.vector import Vector
 
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 _CALLED = {finger: frozenset([finger.lower()]) for finger in FINGERS}
@@ -20,7 +18,6 @@ _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: ("Proximal", "Intermediate", "Distal")}
 # Of what hangs at a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
-_NO_FINGER = {"twist", "control", "attachment", "helper", "end"}
 
 
 def lay_ends(draft: Draft, found: Sequence[Found]) -> None:
@@ -41,19 +38,18 @@ def _foot(draft: Draft, leg: Found) -> None:
         below = [k for k in tree.below[joints[-1]] if not _is_other(draft, k)]
         if not below:
             break
-        ahead = dot(tree.places[below] - tree.places[ankle], draft.facing)
-        joints.append(below[int(np.argmax(ahead))])
+        joints.append(max(below, key=lambda k: (tree.at[k] - tree.at[ankle]).dot(draft.facing)))
     toes = draft.said_bones.get(f"{leg.side}Toes", -1)
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints
     if not draft.four and leg.side and len(joints) > 1:
         draft.call(f"{leg.side}Toes", toes if toes in joints else joints[1])
     words = ("follows the leg",)
-    draft.say("foot", f"{_place(leg.side)}foot", leg.side, joints, leg.confidence, words)
+    draft.say("foot", "foot", leg.side, joints, leg.confidence, words)
 
 
 def _is_other(draft: Draft, node: int) -> bool:
     """Whether a name says that a joint is neither finger nor toe."""
-    return bool(_NO_FINGER.intersection(said_roles(draft.tree.rig.names[node])))
+    return bool(BESIDE.intersection(said_roles(draft.tree.rig.names[node])))
 
 
 def _hand(draft: Draft, arm: Found) -> None:
@@ -63,7 +59,7 @@ def _hand(draft: Draft, arm: Found) -> None:
     way = [arm.joints[2]]
     if len(chains) == 1 and not _says_finger(draft.tree.rig.names[chains[0][0]]):
         way, chains = way + [k for k in chains[0] if not _is_other(draft, k)], []
-    draft.say("hand", f"{_place(arm.side)}hand", arm.side, way, arm.confidence, ("follows the arm",))
+    draft.say("hand", "hand", arm.side, way, arm.confidence, ("follows the arm",))
     lay_fingers(draft, arm.joints[2], chains, arm.side, arm.confidence)
 
 
@@ -71,7 +67,7 @@ def _beside(draft: Draft, arm: Found) -> list[list[int]]:
     """The fingers of a palm of several joints side by side, and a thumb that hangs at the lower arm."""
     tree, hand, size = draft.tree, arm.joints[2], _lower(draft, arm)
     others = [k for k in tree.below[tree.above[hand]] if k != hand and not _is_other(draft, k)]
-    far = {k: float(length(tree.places[k] - tree.places[hand])) for k in others}
+    far = {k: (tree.at[k] - tree.at[hand]).length for k in others}
     found = []
     for root in others:
         if tree.below[root] and far[root] < 0.25 * size:
@@ -81,8 +77,8 @@ def _beside(draft: Draft, arm: Found) -> list[list[int]]:
 
 
 def _lower(draft: Draft, arm: Found) -> float:
-    places = draft.tree.places
-    return float(length(places[arm.joints[2]] - places[arm.joints[1]]))
+    at = draft.tree.at
+    return (at[arm.joints[2]] - at[arm.joints[1]]).length
 
 
 def finger_chains(draft: Draft, hand: int, size: float) -> list[list[int]]:
@@ -148,7 +144,7 @@ def _finger(
     draft: Draft, chain: list[int], which: str, side: Side, sure: float, why: str, alone: bool = False
 ) -> None:
     words = _WORDS.get(which, f"{which.lower()} finger") if which else "fingers" if alone else "finger"
-    draft.say("finger", f"{_place(side)}{words}", side, chain, sure, (why,))
+    draft.say("finger", words, side, chain, sure, (why,))
     if which and side:
         for part, node in zip(_PARTS[which == "Thumb"], chain, strict=False):
             draft.call(f"{side}{which}{part}", node)
@@ -158,23 +154,14 @@ def _in_order(draft: Draft, hand: int, chains: list[list[int]]) -> list[tuple[st
     """Fingers from the thumb on. The thumb begins nearest to the wrist and points most aside."""
     if len(chains) < 3 or len(chains) > 5:
         return [("", chain) for chain in chains]
-    places = draft.tree.places
-    firsts = np.stack([places[chain[0]] for chain in chains])
-    tips = np.stack([places[chain[-1]] for chain in chains])
-    along = np.nan_to_num(normalise(tips - places[hand]))
-    common = np.zeros(3)
-    for each in along:
-        common = common + each
-    aside = 1.0 - dot(along, np.nan_to_num(normalise(common)))
-    near = length(tips - places[hand])
-    size = float(near.max())
+    at, common = draft.tree.at, Vector()
+    tips = [at[chain[-1]] - at[hand] for chain in chains]
+    for tip in tips:
+        common = common + tip.unit
+    size = max(tip.length for tip in tips)
     if not size > 0:
         return [("", chain) for chain in chains]
-    thumb = int(np.argmax(aside - near / size))
-    far = length(firsts - firsts[thumb]).tolist()
-    order = sorted(range(len(chains)), key=lambda k: (k != thumb, far[k]))
-    return [(FINGERS[at], chains[k]) for at, k in enumerate(order)]
-
-
-def _place(side: Side) -> str:
-    return f"{side} " if side else ""
+    thumb_like = [1.0 - tip.unit.dot(common.unit) - tip.length / size for tip in tips]
+    thumb = chains[thumb_like.index(max(thumb_like))]
+    order = sorted(chains, key=lambda chain: (chain is not thumb, (at[chain[0]] - at[thumb[0]]).length))
+    return list(zip(FINGERS, order, strict=False))

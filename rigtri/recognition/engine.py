@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-import numpy as np
+from weakref import WeakKeyDictionary
 
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.doubts import doubted
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.ends import lay_ends
 from rigtri.recognition.groups import groups_of
-from rigtri.recognition.layout import CONFIDENT, UNLIKELY, Chain, Character, Direction, Form, Layout
+from rigtri.recognition.layout import BENDS, CONFIDENT, UNLIKELY, Chain, Character, Direction, Form, Layout
 from rigtri.recognition.others import lay_hand, lay_others, why_none
 from rigtri.recognition.poses import Poses
 from rigtri.recognition.readings import read_names
@@ -20,10 +19,11 @@ from rigtri.recognition.schemes import Scheme, deforming, schemes
 from rigtri.recognition.shape import shape_of
 from rigtri.recognition.tree import Tree, joints_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
+from rigtri.recognition.vector import Vector
 from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
-_KEPT = "_recognised"
+# The chains of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
+_chains: WeakKeyDictionary[Rig, tuple[Chain, ...]] = WeakKeyDictionary()
 
 
 def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
@@ -32,36 +32,33 @@ def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
     own: naming schemes to be asked before rigtri's own. Evidence in order of trust: a VRM humanoid map;
     names; shape: hierarchy, symmetry, lengths, places; weights; motion. Never raises for a strange rig.
     """
-    drafts = drafts_of(rig, own=own)
+    drafts = _drafts(rig, own)
     characters = tuple(_character(draft) for draft in drafts if draft.chains)
     return Layout(characters, tuple(_remarks(rig, drafts)))
 
 
-def chains_of(rig: Rig) -> list[Chain]:
+def chains_of(rig: Rig) -> tuple[Chain, ...]:
     """The chains of all characters of a rig, as `recognise` has them, without a look at each joint."""
-    return [chain for draft in drafts_of(rig) for chain in draft.chains]
+    if rig not in _chains:
+        _chains[rig] = tuple(chain for draft in _drafts(rig) for chain in draft.chains)
+    return _chains[rig]
 
 
-def drafts_of(rig: Rig, *, own: Sequence[Scheme] = ()) -> list[Draft]:
-    """What `recognise` knows before it looks at each joint: the chains alone."""
-    # Kept with the rig, as its cached properties are: several operations ask in one run.
-    if not own and _KEPT in vars(rig):
-        return vars(rig)[_KEPT]  # type: ignore[no-any-return]
+def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
+    """What is known of each character before a look at each joint: the chains alone."""
     nodes, poses = joints_of(rig), Poses(rig)
     groups = groups_of(Tree(rig, nodes, poses.rest)) if nodes else []
-    drafts = [_draft(rig, group, poses, own) for group in groups]
-    if not own:
-        vars(rig)[_KEPT] = drafts
-    return drafts
+    return [_draft(rig, group, poses, own) for group in groups]
 
 
 def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) -> Draft:
-    certain = {bone: node for bone, node in rig.humanoid.items() if node in set(nodes)}
+    inside = frozenset(nodes)
+    certain = {bone: node for bone, node in rig.humanoid.items() if node in inside}
     deform = [True] * len(nodes) if certain else deforming([rig.names[node] for node in nodes])
     body = [node for node, deforms in zip(nodes, deform, strict=True) if deforms]
     shape = shape_of(body, poses)
     reading = None if certain else read_names(shape.tree, body, schemes(own))
-    draft = Draft(shape, poses, reading, certain, frozenset(nodes).difference(body))
+    draft = Draft(shape, poses, reading, certain, inside.difference(body))
     found = doubted(draft, find_limbs(draft))
     if not any(each.confidence >= CONFIDENT for each in found) and lay_hand(draft):
         return draft
@@ -83,16 +80,12 @@ def _say_limbs(draft: Draft, found: Sequence[Found]) -> None:
             below = draft.tree.is_below(bend[2], bend[1])
             joints += draft.tree.way(bend[1], bend[2])[1:] if below else [bend[2]]
         place = ("front " if each in front else "hind " if each in hind else "") if draft.four else ""
-        place = f"{each.side} {place}" if each.side else place
         draft.say(each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend)
-        if each.side and each.kind == "arm":
-            for bone, node in zip(("UpperArm", "LowerArm", "Hand"), each.joints, strict=False):
+        if each.side and (each.kind == "arm" or not draft.four or draft.certain):
+            for bone, node in zip(BENDS[each.kind], each.joints, strict=False):
                 draft.call(each.side + bone, node)
-            for node in each.before[-1:]:
-                draft.call(f"{each.side}Shoulder", node)
-        elif each.side and (not draft.four or draft.certain):
-            for bone, node in zip(("UpperLeg", "LowerLeg", "Foot"), each.joints, strict=False):
-                draft.call(each.side + bone, node)
+        if each.side and each.kind == "arm" and each.before:
+            draft.call(f"{each.side}Shoulder", each.before[-1])
 
 
 def _character(draft: Draft) -> Character:
@@ -108,7 +101,7 @@ def _character(draft: Draft) -> Character:
         form=_form(draft),
         parts=parts_of(draft),
         chains=tuple(draft.chains),
-        point=_numbers(plane.point if plane else np.zeros(3)),
+        point=_numbers(plane.point if plane else Vector()),
         normal=_numbers(draft.left),
         facing=_numbers(draft.facing),
         up=_numbers(draft.up),
@@ -128,8 +121,8 @@ def _form(draft: Draft) -> Form:
     return "hand" if "hand" in kinds and "arm" not in kinds else "partial"
 
 
-def _numbers(v: Floats) -> Direction:
-    x, y, z = (round(float(each), 6) + 0.0 for each in v)
+def _numbers(v: Vector) -> Direction:
+    x, y, z = (round(each, 6) + 0.0 for each in v)
     return x, y, z
 
 

@@ -3,47 +3,48 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import fsum
 
 import numpy as np
 
 from rigtri.recognition.bending import offset
 from rigtri.recognition.body import Body, Limbs
-from rigtri.recognition.poses import Poses
+from rigtri.recognition.poses import Poses, finite
 from rigtri.recognition.symmetry import Plane
 from rigtri.recognition.tree import Tree
+from rigtri.recognition.vector import Vector
 from rigtri.trigonometry import Floats
 from rigtri.vectors import cross, dot, normalise
 
 
-def facing_of(tree: Tree, body: Body, plane: Plane, poses: Poses) -> tuple[Floats, float, tuple[str, ...]]:
-    """Where a body looks, unit (3,), how sure that is, 0 to 1, and why, in words."""
-    ahead = cross(plane.normal, body.up)
-    ahead = np.nan_to_num(normalise(ahead - body.up * float(dot(ahead, body.up))))
+def facing_of(tree: Tree, body: Body, plane: Plane, poses: Poses) -> tuple[Vector, float, tuple[str, ...]]:
+    """Where a body looks, unit, how sure that is, 0 to 1, and why, in words."""
+    ahead = plane.normal.cross(body.up)
+    ahead = (ahead - body.up * ahead.dot(body.up)).unit
     votes = [vote for vote in _votes(tree, body, plane, ahead, poses) if vote[0]]
-    total = all_of_it = 0.0
-    for weight, _ in votes:
-        total, all_of_it = total + weight, all_of_it + abs(weight)
-    sure = abs(total) / max(all_of_it, 0.5) if votes else 0.0
+    total = fsum(weight for weight, _ in votes)
+    sure = abs(total) / max(fsum(abs(weight) for weight, _ in votes), 0.5)
     why = tuple(words for weight, words in votes if weight * total > 0)
     return (ahead if total >= 0 else -ahead), sure, why
 
 
-def _votes(tree: Tree, body: Body, plane: Plane, ahead: Floats, poses: Poses) -> Iterator[tuple[float, str]]:
+def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
     """What says that a body looks ahead: weights, negative for the other way, with words."""
     yield _face(tree, body, ahead), "the head is there"
     if body.form == "quadruped" and body.legs and body.arms and body.lead > 0.02:
-        along = float(dot(np.nan_to_num(normalise(body.arms.starts - body.legs.starts)), ahead))
+        along = (body.arms.starts - body.legs.starts).unit.dot(ahead)
         yield 3.0 * along, "the front legs are ahead of the hind legs"
+    moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
     if body.legs:
         yield 2.0 * _toes(tree, body.legs, ahead), "the feet point there"
         if body.form == "biped":
             sure = 0.3 if _goes_on(tree, body.legs) else 1.0
-            yield sure * _bent(tree, body, body.legs, plane.normal, poses), "the knees bend there"
+            yield sure * _bent(body, body.legs, plane.normal, moments), "the knees bend there"
     if body.arms and body.form == "biped":
-        yield -0.5 * _bent(tree, body, body.arms, plane.normal, poses), "the elbows bend away from there"
+        yield -0.5 * _bent(body, body.arms, plane.normal, moments), "the elbows bend away from there"
     said = tree.rig.facing
     if said is not None:
-        yield 0.4 * float(dot(said, ahead)), "the format says so"
+        yield 0.4 * Vector(*said).dot(ahead), "the format says so"
 
 
 def _goes_on(tree: Tree, legs: Limbs) -> bool:
@@ -51,52 +52,45 @@ def _goes_on(tree: Tree, legs: Limbs) -> bool:
     return tree.reach[legs.joints(0)[-1]] > 0.6 * 0.5 * legs.size
 
 
-def _face(tree: Tree, body: Body, ahead: Floats) -> float:
+def _face(tree: Tree, body: Body, ahead: Vector) -> float:
     """How far what hangs in the middle and is no limb stands ahead of the limbs: −1.5 to 1.5."""
     if body.form != "quadruped" or not body.legs or not body.arms:
         return 0.0
     limbs = body.legs.pair.nodes | body.arms.pair.nodes
-    centre = 0.5 * (body.legs.starts + body.arms.starts)
+    centre = (body.legs.starts + body.arms.starts) * 0.5
     middle = [k for k in tree.nodes if not tree.below[k] and not any(tree.is_below(k, n) for n in limbs)]
     if not middle:
         return 0.0
-    far = [float(dot(tree.places[k] - centre, ahead)) for k in middle]
+    far = [(tree.at[k] - centre).dot(ahead) for k in middle]
     size = 0.5 * max(body.legs.size, body.arms.size)
     return 1.5 * max(-1.0, min(1.0, max(far, key=abs) / size))
 
 
-def _toes(tree: Tree, legs: Limbs, ahead: Floats) -> float:
+def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
     """How far what follows the ankle points ahead: −1 to 1."""
     total = 0.0
     for path in legs.pair.paths:
-        ankle, tip = path[legs.at[-1]], path[legs.at[-1]]
-        tip = tree.paths[tip][-1]
-        along = float(dot(tree.places[tip] - tree.places[ankle], ahead))
+        ankle = path[legs.at[-1]]
+        along = (tree.at[tree.paths[ankle][-1]] - tree.at[ankle]).dot(ahead)
         total += 0.5 * max(-1.0, min(1.0, along / max(0.2 * legs.size, 1e-30)))
     return total
 
 
-def _bent(tree: Tree, body: Body, limbs: Limbs, lateral: Floats, poses: Poses) -> float:
-    """How far the middles of limbs stand ahead, at rest and in motion: −1 to 1.
+def _bent(body: Body, limbs: Limbs, lateral: Vector, places: Floats) -> float:
+    """How far the middles of limbs stand ahead, at rest and in motion, places (f, n, 3): −1 to 1.
 
     In each pose ahead is what lies across the line between both limbs and the spine.
     """
     if len(limbs.at) < 3:
         return 0.0
-    legs, arms = body.legs or limbs, body.arms
-    places = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
-    (a, b) = (places[:, list(limbs.joints(which))] for which in (0, 1))
-    across = a[:, 0] - b[:, 0]
-    across = across * (1.0 if float(dot(across[0], lateral)) >= 0 else -1.0)
-    up = np.broadcast_to(body.up, across.shape)
-    if arms is not None:
-        high, low = (places[:, k.joints(0)[0]] + places[:, k.joints(1)[0]] for k in (arms, legs))
+    start, middle, end = (places[:, both] for both in zip(limbs.joints(0), limbs.joints(1), strict=True))
+    across = start[:, 0] - start[:, 1]
+    across = across * (1.0 if Vector(*across[0].tolist()).dot(lateral) >= 0 else -1.0)
+    up = np.array([*body.up])
+    if body.arms is not None:
+        pairs = body.arms, body.legs or limbs
+        high, low = (places[:, k.joints(0)[0]] + places[:, k.joints(1)[0]] for k in pairs)
         up = normalise(high - low)
-    ahead = normalise(cross(across, up))
-    total = count = 0.0
-    for limb in (a, b):
-        bend = offset(limb[:, 0], limb[:, 1], limb[:, 2])
-        along = np.nan_to_num(dot(bend, ahead)) / max(0.02 * limbs.size, 1e-30)
-        for part in np.clip(along, -1.0, 1.0).tolist():
-            total, count = total + part, count + 1.0
-    return total / count
+    ahead = normalise(cross(across, up))[:, np.newaxis]
+    along = finite(dot(offset(start, middle, end), ahead)) / max(0.02 * limbs.size, 1e-30)
+    return fsum(np.clip(along, -1.0, 1.0).ravel().tolist()) / along.size

@@ -12,6 +12,8 @@ from rigtri.rig import Rig
 _SAME_NAMES = 3
 # A body has at least so many joints.
 _BODY = 12
+# A container with more branches than this is a crowd or no container: it stays whole.
+_MANY = 64
 
 
 def groups_of(tree: Tree) -> list[list[int]]:
@@ -52,10 +54,6 @@ def _tops(tree: Tree) -> list[int]:
         else:
             left += below
     return sorted(tops)
-
-
-# A container with more branches than this is a crowd or no container: it stays whole.
-_MANY = 64
 
 
 def _alike(tree: Tree, a: int, b: int) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,7 +12,13 @@ Role = Literal["deform", "twist", "end", "helper", "attachment", "control"]
 Kind = Literal["spine", "neck", "head", "arm", "leg", "hand", "finger", "foot", "tail", "wing", "limb"]
 Form = Literal["biped", "quadruped", "hand", "partial", "creature"]
 Direction = tuple[float, float, float]
+LimbKind = Literal["arm", "leg"]
 
+# The bones that are start, middle and end of limbs, as the VRM 1.0 humanoid calls them without their sides.
+BENDS: Mapping[LimbKind, tuple[str, str, str]] = {
+    "arm": ("UpperArm", "LowerArm", "Hand"),
+    "leg": ("UpperLeg", "LowerLeg", "Foot"),
+}
 # Below this nothing is acted upon: the limb is shown, and asked for by name.
 CONFIDENT = 0.75
 # What is less sure than this, and not named, is not even shown.

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body import Body, Limbs
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.ends import finger_chains, finger_said, lay_fingers
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.schemes import said, said_roles
-from rigtri.vectors import dot, length, normalise
+from rigtri.recognition.vector import Vector
 
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
@@ -47,8 +45,7 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
             kind: Kind = "wing" if wing else "leg" if leg else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing or leg else ("one more pair that bends in the middle",)
             sure = 0.9 if wing or leg else 0.6
-            place = f"{side} " if side else ""
-            draft.say(kind, f"{place}{kind}", side, limbs.pair.paths[which], sure, words, bend)
+            draft.say(kind, kind, side, limbs.pair.paths[which], sure, words, bend)
 
 
 def _is_worn(names: Sequence[str]) -> bool:
@@ -60,7 +57,7 @@ def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
     """A further leg where it ends as low as the legs do."""
     if body.legs is None:
         return "limb"
-    return "leg" if abs(float(dot(limbs.ends - body.legs.ends, draft.up))) < 0.2 * size else "limb"
+    return "leg" if abs((limbs.ends - body.legs.ends).dot(draft.up)) < 0.2 * size else "limb"
 
 
 def lay_hand(draft: Draft) -> bool:
@@ -84,8 +81,8 @@ def lay_hand(draft: Draft) -> bool:
         sure = 0.92 if len(named) >= 3 else 0.6
         side = said(tree.rig.names[node]).side
         why = (NAMES,) if named else (f"{len(chains)} short chains begin at it",)
-        draft.hips, draft.facing, draft.left = -1, np.zeros(3), np.zeros(3)
-        draft.say("hand", f"{side} hand".strip(), side, [node], sure, why)
+        draft.hips, draft.facing, draft.left = -1, Vector(), Vector()
+        draft.say("hand", "hand", side, [node], sure, why)
         lay_fingers(draft, node, chains, side, sure)
         return True
     return False
@@ -95,10 +92,10 @@ def _like_fingers(draft: Draft, hand: int, chains: Sequence[Sequence[int]]) -> b
     """Whether chains have three joints each, most of them, and go the same way."""
     if len(draft.tree.below[hand]) < 4 or len([chain for chain in chains if len(chain) >= 3]) < 3:
         return False
-    places, towards = draft.tree.places, np.zeros(3)
+    at, towards = draft.tree.at, Vector()
     for chain in chains:
-        towards = towards + np.nan_to_num(normalise(places[chain[-1]] - places[hand])) / len(chains)
-    return float(length(towards)) > 0.8
+        towards = towards + (at[chain[-1]] - at[hand]).unit
+    return towards.length > 0.8 * len(chains)
 
 
 def why_none(draft: Draft) -> str:

@@ -27,7 +27,7 @@ class Poses:
 
     @cached_property
     def rest(self) -> Floats:
-        return _finite(self.rig.world[:, 3, :3])
+        return finite(self.rig.world[:, 3, :3])
 
     @cached_property
     def bind(self) -> Floats | None:
@@ -44,11 +44,20 @@ class Poses:
 
         Rotations alone are taken, at keys: bones keep their lengths.
         """
-        clips = sorted(self.rig.shown_clips, key=_rotations, reverse=True)[:CLIPS]
-        local = [_posed(self.rig, clip, part) for clip in clips for part in PARTS if _rotations(clip)]
-        if not local:
-            return np.zeros((0, len(self.rig), 3))
-        return _finite(worlds(self.rig, np.stack(local))[..., 3, :3])
+        rig, counted = self.rig, [(_rotations(clip), clip) for clip in self.rig.shown_clips]
+        longest = sorted(counted, key=lambda each: -each[0])[:CLIPS]
+        clips = [clip for rotations, clip in longest if rotations]
+        if not clips:
+            return np.zeros((0, len(rig), 3))
+        rotation = np.tile(rig.rotation, (len(clips), len(PARTS), 1, 1))
+        for clip, moments in zip(clips, rotation, strict=True):
+            for track in clip.tracks:
+                if track.path == "rotation" and len(track.times):
+                    keys = [int(part * len(track.times)) for part in PARTS]
+                    moments[:, track.node] = key_values(track)[keys]
+        local = compose(rig.translation, rotation.reshape(-1, len(rig), 4), rig.scale)
+        local[:, rig.has_matrix] = rig.matrix[rig.has_matrix]
+        return finite(worlds(rig, local)[..., 3, :3])
 
     @cached_property
     def _movers(self) -> frozenset[int]:
@@ -66,15 +75,6 @@ def _rotations(clip: Clip) -> int:
     return len([track for track in clip.tracks if track.path == "rotation" and len(track.times) > 1])
 
 
-def _posed(rig: Rig, clip: Clip, part: float) -> Floats:
-    """Local matrices, (n, 4, 4), with the rotation of each track at the key so far into it."""
-    rotation = rig.rotation.copy()
-    for track in clip.tracks:
-        if track.path == "rotation" and len(track.times):
-            rotation[track.node] = key_values(track)[int(part * len(track.times))]
-    local = compose(rig.translation, rotation, rig.scale)
-    return np.where(rig.has_matrix[:, np.newaxis, np.newaxis], rig.matrix, local)
-
-
-def _finite(places: Floats) -> Floats:
-    return np.where(np.isfinite(places), places, 0.0)
+def finite(numbers: Floats, other: float = 0.0) -> Floats:
+    """The numbers, with another for those that are none or without end."""
+    return np.where(np.isfinite(numbers), numbers, other)

@@ -6,12 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rigtri.naming import Side, number, without_prefix
-from rigtri.recognition.schemes import MIDDLE, Said, Scheme, said, said_roles
+from rigtri.recognition.layout import BENDS, LimbKind
+from rigtri.recognition.schemes import BESIDE, MIDDLE, Said, Scheme, said, said_roles
 from rigtri.recognition.tree import Tree
 
-TRIPLES = {"arm": ("UpperArm", "LowerArm", "Hand"), "leg": ("UpperLeg", "LowerLeg", "Foot")}
 _SIDES: tuple[Side, ...] = ("left", "right", "")
-_APART = ("twist", "end", "control", "attachment", "helper")
 # What a whole limb, a bone beside it, and a word that one scheme alone has count for.
 _LIMB, _BONE, _MARK = 3.0, 0.25, 0.6
 # What each name that is known counts for, and that a scheme belongs to nobody.
@@ -24,7 +23,7 @@ class Reading:
     of the names the scheme makes sense of."""
 
     scheme: Scheme
-    limbs: dict[tuple[str, Side], tuple[int, int, int]] = field(default_factory=dict)
+    limbs: dict[tuple[LimbKind, Side], tuple[int, int, int]] = field(default_factory=dict)
     bones: dict[str, int] = field(default_factory=dict)
     score: float = 0.0
 
@@ -64,7 +63,7 @@ def _reading(tree: Tree, words: Mapping[int, Said], scheme: Scheme) -> Reading:
         if bone:
             by_bone.setdefault((bone, each.side), []).append((exact, node))
     reading = Reading(scheme)
-    for kind, parts in TRIPLES.items():
+    for kind, parts in BENDS.items():
         for which in _SIDES:
             triple = _triple(tree, *(by_bone.get((part, which), []) for part in parts))
             triple = triple or _numbered(tree, words, scheme, kind, which)
@@ -126,7 +125,7 @@ def _triple(
 
 def _only_below(tree: Tree, node: int) -> list[int]:
     found = [
-        child for child in tree.below[node] if not set(said_roles(tree.rig.names[child])).intersection(_APART)
+        child for child in tree.below[node] if not BESIDE.intersection(said_roles(tree.rig.names[child]))
     ]
     return found if len(found) == 1 else []
 

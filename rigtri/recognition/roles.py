@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from rigtri.naming import Side
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.layout import Chain, Part, Role
 from rigtri.recognition.schemes import said, said_roles
-from rigtri.vectors import dot, length
 
 _SAID: tuple[Role, ...] = ("control", "end", "twist", "attachment", "helper")
 # A joint beside a bone by less than this part of it stands along it.
@@ -79,7 +76,8 @@ def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]
         if not tree.below.get(node):
             yield "end", 0.7, ["nothing below it, and it moves no point: where the bone above ends"]
         yield "helper", 0.5, ["moves no point, nor does anything below it"]
-    over = next((k for k in reversed(tree.way(-1, node)) if k in draft.taken), -1)
+    taken = draft.taken
+    over = next((k for k in reversed(tree.way(-1, node)) if k in taken), -1)
     if over >= 0 and draft.chains:
         holder = next(chain.name for chain in draft.chains if over in chain.joints)
         if len(tree.branch(node)) > 1:
@@ -92,11 +90,10 @@ def _stands_along(draft: Draft, node: int, start: int, end: int) -> bool:
     tree = draft.tree
     if tree.above[node] != start:
         return False
-    places = tree.places
-    bone, arm = places[end] - places[start], places[node] - places[start]
-    size = float(length(bone))
+    bone, arm = tree.at[end] - tree.at[start], tree.at[node] - tree.at[start]
+    size = bone.length
     if not size > 0:
         return False
-    along = float(dot(arm, bone)) / (size * size)
-    beside = float(length(np.asarray(arm - along * bone)))
+    along = arm.dot(bone) / (size * size)
+    beside = (arm - bone * along).length
     return -0.02 <= along <= 1.02 and beside < _ALONG * size

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.errors import FileError
-from rigtri.naming import Side, side, words
+from rigtri.naming import SIDES, Side, side, spread, words
+from rigtri.recognition.layout import BENDS, LimbKind
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
@@ -27,7 +28,6 @@ FOLDERS = "RIGTRI_SCHEMES"
 _NAMES = 4096
 # Ours that fit anything are asked last.
 _LAST = ("bones", "joints")
-_SIDES = frozenset(["l", "left", "lft", "左", "r", "right", "rgt", "右"])
 # Words that only say whose convention it is, or that a joint is one.
 _CONVENTION = """
 mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b c sk skel skeleton armature rig cc
@@ -36,6 +36,12 @@ base character char root ctrl deform normal human bind
 _SILENT = frozenset(_CONVENTION.split())
 # Of those, the ones that have a number of their own: Bip01, Character1.
 _NUMBERED = frozenset(["mixamorig", "bip", "biped", "character", "char", "valvebiped", "rig"])
+# What roles.toml has for joints beside the bones of a body.
+BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
+# What it has for chains of joints instead of single ones.
+_CHAINS = frozenset(["tail", "wing", "ear"])
+# So many bones at least a character has that Rigify has made.
+_BONES = 8
 MIDDLE = frozenset(["hips", "spine", "chest", "upperChest", "neck", "head", "jaw"])
 
 
@@ -86,16 +92,16 @@ def said(name: str) -> Said:
     >>> said("Bip01 L UpperArm").key, said("spine_01").key, said("DEF-shin.R.001").plain
     ('upperarm', 'spine1', 'shin')
     """
-    spread = "".join(f"{c} " if c in "左右" else c for c in unicodedata.normalize("NFKC", name))
-    found = words(_apart(spread))
+    apart = _apart(spread(unicodedata.normalize("NFKC", name)))
+    found = words(apart)
     kept = []
     for before, word in zip(["", *found], found, strict=False):
-        if word in _SIDES or word in _SILENT or (word.isdigit() and before in _NUMBERED):
+        if word in SIDES or word in _SILENT or (word.isdigit() and before in _NUMBERED):
             continue
         kept.append(word)
     short = [str(int(word)) if word.isdigit() else word for word in kept]
     letters = [word for word in kept if not word.isdigit()]
-    return Said(side(_apart(spread)), "".join(kept), "".join(short), "".join(letters), frozenset(found))
+    return Said(side(apart), "".join(kept), "".join(short), "".join(letters), frozenset(found))
 
 
 def _apart(name: str) -> str:
@@ -114,11 +120,15 @@ def schemes(own: Sequence[Scheme] = ()) -> tuple[Scheme, ...]:
 
 @cache
 def _ours() -> tuple[Scheme, ...]:
-    folder = files("rigtri.recognition") / "schemes"
-    texts = {entry.name.removesuffix(".toml"): entry.read_text("utf-8") for entry in folder.iterdir()}
-    tables = {name: tomllib.loads(text) for name, text in texts.items()}
-    order = sorted(tables, key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
-    return tuple(_scheme(tables[name], name, tables) for name in order)
+    order = sorted(_tables(), key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
+    return tuple(_scheme(_tables()[name], name) for name in order)
+
+
+@cache
+def _tables() -> Mapping[str, Mapping[str, Any]]:
+    """Our schemes as their files have them, by name."""
+    found = (files("rigtri.recognition") / "schemes").iterdir()
+    return {file.name.removesuffix(".toml"): tomllib.loads(file.read_text("utf-8")) for file in found}
 
 
 @cache
@@ -133,10 +143,8 @@ def own_scheme(path: Path) -> Scheme:
         table = tomllib.loads(path.read_text("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise FileError(f"{path} is no naming scheme: {error}") from error
-    folder = files("rigtri.recognition") / "schemes"
-    texts = {entry.name.removesuffix(".toml"): entry.read_text("utf-8") for entry in folder.iterdir()}
     try:
-        return _scheme(table, str(path), {name: tomllib.loads(text) for name, text in texts.items()})
+        return _scheme(table, str(path))
     except (KeyError, AttributeError, TypeError, ValueError) as error:
         raise FileError(
             f"{path} is no naming scheme: {error}. It has a title and the tables [middle] and [sides], from "
@@ -144,8 +152,8 @@ def own_scheme(path: Path) -> Scheme:
         ) from error
 
 
-def _scheme(table: Mapping[str, Any], source: str, others: Mapping[str, Mapping[str, Any]]) -> Scheme:
-    base = others[table["like"]] if "like" in table else {}
+def _scheme(table: Mapping[str, Any], source: str) -> Scheme:
+    base = _tables()[table["like"]] if "like" in table else {}
     unknown = set(table) - {"title", "marks", "like", "middle", "sides", "chains"}
     if unknown:
         raise ValueError(f"it has '{min(unknown)}'")
@@ -167,7 +175,8 @@ def _turned(table: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
-def limb_said(name: str) -> Literal["arm", "leg", ""]:
+@lru_cache(_NAMES)
+def limb_said(name: str) -> LimbKind | Literal[""]:
     """The limb that a name says to be a part of, by words in common use.
 
     >>> limb_said("LeftForeArm"), limb_said("RKnee"), limb_said("handIK.L")
@@ -175,10 +184,7 @@ def limb_said(name: str) -> Literal["arm", "leg", ""]:
     """
     found = (scheme.bone(said(name))[0] for scheme in _ours() if scheme.is_common)
     bone = next((bone for bone in found if bone), "")
-    return "arm" if bone in _ARM else "leg" if bone in _LEG else ""
-
-
-_ARM, _LEG = ("UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot")
+    return next((kind for kind, bones in BENDS.items() if bone in bones), "")
 
 
 def deforming(names: Sequence[str]) -> list[bool]:
@@ -193,10 +199,6 @@ def deforming(names: Sequence[str]) -> list[bool]:
     return [marks or not name for marks, name in zip(marked, names, strict=True)]
 
 
-# So many bones at least a character has that Rigify has made.
-_BONES = 8
-
-
 @cache
 def role_words() -> Mapping[str, frozenset[str]]:
     """The words of names that say what a joint is for, by role."""
@@ -204,21 +206,13 @@ def role_words() -> Mapping[str, frozenset[str]]:
     return {role: frozenset(text.split()) for role, text in table.items()}
 
 
-def said_roles(name: str) -> list[str]:
-    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
-    return list(_roles(name))
-
-
 @lru_cache(_NAMES)
-def _roles(name: str) -> tuple[str, ...]:
+def said_roles(name: str) -> tuple[str, ...]:
+    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
     found = said(name)
     ends = {word[k:] for word in found.words for k in range(1, len(word) - 3)}  # handslot, lhelper
     return tuple(
         role
         for role, known in role_words().items()
-        if found.words & known or found.plain in known or (ends & known and role not in CHAINS)
+        if found.words & known or found.plain in known or (ends & known and role not in _CHAINS)
     )
-
-
-# What roles.toml has for chains of joints instead of single ones.
-CHAINS = frozenset(["tail", "wing", "ear"])

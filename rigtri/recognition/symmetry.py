@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
+from math import fsum
 
 import numpy as np
 
-from rigtri.recognition.tree import Tree, span
+from rigtri.recognition.tree import Tree
+from rigtri.recognition.vector import Vector
 from rigtri.trigonometry import Floats
-from rigtri.vectors import dot, length, normalise
+from rigtri.vectors import dot
 
 # Branches shorter than this part of the whole are no limbs.
 SHORT = 0.06
@@ -38,30 +41,30 @@ class Pair:
     paths: tuple[tuple[int, ...], tuple[int, ...]]
     reach: float
 
-    @property
+    @cached_property
     def nodes(self) -> frozenset[int]:
         return frozenset(self.paths[0]) | frozenset(self.paths[1])
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """The plane between left and right: a point and a unit normal, (3,) each.
+    """The plane between left and right: a point and a unit normal.
 
     share: how much of the body is its own mirror image in it, 0 to 1.
     """
 
-    point: Floats
-    normal: Floats
+    point: Vector
+    normal: Vector
     share: float
 
-    def side_of(self, points: Floats) -> Floats:
-        """How far points, (..., 3), are from the plane, to the side of the normal positive."""
-        return dot(points - self.point, self.normal)
+    def side_of(self, point: Vector) -> float:
+        """How far a point is from the plane, to the side of the normal positive."""
+        return (point - self.point).dot(self.normal)
 
 
 def pairs_of(tree: Tree) -> list[Pair]:
     """The pairs of branches below one node, or without any above, that are alike; longest first."""
-    whole = span(tree.places, tree.nodes)
+    whole = tree.span
     found = []
     for above, below in tree.below.items():
         long = [k for k in below if tree.bone[k] + tree.reach[k] > SHORT * whole]
@@ -96,47 +99,40 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
     """The plane that most of the body is alike on both sides of; None without pairs."""
     if not pairs:
         return None
-    whole = span(tree.places, tree.nodes)
-    up = np.asarray(tree.rig.up, dtype=np.float64)
+    whole, up = tree.span, Vector(*tree.rig.up)
     # Fingers are alike, too: they have no say beside arms.
-    pairs = [pair for pair in pairs[:24] if pair.reach > _HEARD * pairs[0].reach]
-    lines = [between(tree, pair) for pair in pairs]
-    points, normals = (np.stack(each) for each in zip(*lines, strict=True))
-    reaches = np.array([pair.reach for pair in pairs])
-    most = 0.0
-    for reach in reaches.tolist():
-        most += reach
-    best, which = -1.0, 0
-    shares = []
-    for k in range(min(len(lines), 10)):
-        agree = np.abs(dot(normals, normals[k])) > 0.93
-        agree &= np.abs(dot(points - points[k], normals[k])) < 0.06 * whole
-        weight = 0.0
-        for reach in reaches[agree].tolist():
-            weight += reach
-        mirrored = _mirrored(tree, points[k], normals[k], 0.02 * whole)
-        shares.append(mirrored)
-        upright = 0.1 * (1.0 - abs(float(dot(normals[k], up))))
-        score = weight / most + mirrored + upright
+    heard = [
+        (*between(tree, pair), pair.reach) for pair in pairs[:24] if pair.reach > _HEARD * pairs[0].reach
+    ]
+    most = fsum(reach for _, _, reach in heard)
+    places = tree.places[sorted(tree.nodes, key=lambda k: -(tree.bone[k] + tree.reach[k]))[:_MANY]]
+    best, found = -1.0, None
+    for point, normal, _ in heard[:10]:
+        agree = fsum(
+            reach
+            for other, across, reach in heard
+            if abs(across.dot(normal)) > 0.93 and abs((other - point).dot(normal)) < 0.06 * whole
+        )
+        share = _mirrored(places, point, normal, 0.02 * whole)
+        score = agree / most + share + 0.1 * (1.0 - abs(normal.dot(up)))
         if score > best + 1e-9:
-            best, which = score, k
-    return Plane(points[which], normals[which], shares[which])
+            best, found = score, Plane(point, normal, share)
+    return found
 
 
-def between(tree: Tree, pair: Pair) -> tuple[Floats, Floats]:
+def between(tree: Tree, pair: Pair) -> tuple[Vector, Vector]:
     """The middle between a pair and the direction from one to the other, where they first part."""
-    left, right = (tree.places[list(path)] for path in pair.paths)
-    apart = length(left - right)
-    far = apart > 0.1 * pair.reach
-    at = int(np.argmax(far)) if far.any() else int(np.argmax(apart))
-    return 0.5 * (left[at] + right[at]), normalise(left[at] - right[at])
+    ends = [(tree.at[a], tree.at[b]) for a, b in zip(*pair.paths, strict=True)]
+    apart = [(a - b).length for a, b in ends]
+    far = next((k for k, size in enumerate(apart) if size > 0.1 * pair.reach), apart.index(max(apart)))
+    left, right = ends[far]
+    return (left + right) * 0.5, (left - right).unit
 
 
-def _mirrored(tree: Tree, point: Floats, normal: Floats, near: float) -> float:
-    """The share of joints that have another, or themselves, at their mirror image."""
-    nodes = sorted(tree.nodes, key=lambda k: -(tree.bone[k] + tree.reach[k]))[:_MANY]
-    places = tree.places[nodes]
-    image = places - 2.0 * dot(places - point, normal)[:, np.newaxis] * normal
+def _mirrored(places: Floats, point: Vector, normal: Vector, near: float) -> float:
+    """The share of places, (n, 3), that have another, or themselves, at their mirror image."""
+    across = np.array([*normal])
+    image = places - 2.0 * dot(places - [*point], across)[:, np.newaxis] * across
     apart = image[:, np.newaxis] - places[np.newaxis]
     squares = dot(apart, apart)
-    return float(np.count_nonzero(squares.min(axis=1) < near * near)) / len(nodes)
+    return float(np.count_nonzero(squares.min(axis=1) < near * near)) / len(places)

@@ -7,10 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.records import Integers
+from rigtri.recognition.vector import Vector
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import length
+
+# A path longer than this is no limb: what comes after is of no interest, and paths stay short.
+_LONGEST = 15
 
 
 class Tree:
@@ -32,6 +35,17 @@ class Tree:
         self.below: dict[int, list[int]] = {node: [] for node in [-1, *self.nodes]}
         for node in self.nodes:
             self.below[self.above[node]].append(node)
+
+    @cached_property
+    def at(self) -> list[Vector]:
+        """Where each node stands, (n,)."""
+        return [Vector(*place) for place in self.places.tolist()]
+
+    @cached_property
+    def span(self) -> float:
+        """The diagonal of the box around all nodes, in file units."""
+        places = self.places[self.nodes]
+        return float(length(places.max(axis=0) - places.min(axis=0))) if len(places) else 0.0
 
     @cached_property
     def bone(self) -> list[float]:
@@ -118,10 +132,6 @@ def _nearest(rig: Rig, nodes: frozenset[int]) -> list[int]:
     return above
 
 
-# A path longer than this is no limb: what comes after is of no interest, and paths stay short.
-_LONGEST = 15
-
-
 def joints_of(rig: Rig) -> list[int]:
     """The nodes that a body can be made of: joints, not ours, and what is above joints; else all nodes."""
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
@@ -138,20 +148,20 @@ def joints_of(rig: Rig) -> list[int]:
 def _branches(rig: Rig, joints: Sequence[int]) -> dict[int, int]:
     """Of nodes above joints that are none, in how many branches they have joints; 2 for one below a joint."""
     count: dict[int, int] = {}
-    seen = set(joints)
+    seen, parents = set(joints), rig.parents.tolist()
     for node in joints:
-        over = int(rig.parents[node])
+        over = parents[node]
         while over >= 0 and over not in seen:
             seen.add(over)
             count[over] = 1
-            over = int(rig.parents[over])
+            over = parents[over]
         if over >= 0 and over in count:
             count[over] += 1
         elif over >= 0:  # a joint: all on the way to it are between joints
-            over = int(rig.parents[node])
+            over = parents[node]
             while over >= 0 and over in count and count[over] == 1:
                 count[over] = 2
-                over = int(rig.parents[over])
+                over = parents[over]
     return count
 
 
@@ -162,9 +172,3 @@ def _nowhere(rig: Rig) -> frozenset[int]:
     still = [k for k in still if not rig.children[k] and rig.parents[k] >= 0]
     far = [k for k in still if float(np.abs(places[rig.parents[k]]).max()) > 1e-6]
     return frozenset(far) if len({int(rig.parents[k]) for k in far}) >= 3 else frozenset()
-
-
-def span(points: Floats, nodes: Sequence[int] | Integers) -> float:
-    """The diagonal of the box around some of ``points``, (n, 3), in their units."""
-    some = points[np.asarray(nodes, dtype=np.int64)]
-    return float(length(some.max(axis=0) - some.min(axis=0))) if len(some) else 0.0

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.layout import MAP, NAMES
 from rigtri.recognition.schemes import said, said_roles
-from rigtri.trigonometry import Floats
-from rigtri.vectors import dot, length, normalise
+from rigtri.recognition.vector import Vector
 
 _SPINE = ("spine", "chest", "upperChest")
 # A tail has so many joints, and is so long a part of the legs.
@@ -41,7 +38,7 @@ def pairs_of_limbs(draft: Draft, found: Sequence[Found]) -> tuple[list[Found], l
     if not draft.four or body is None or body.legs is None or body.arms is None:
         return [k for k in found if k.kind == "leg"], [k for k in found if k.kind == "arm"]
     low, high = body.legs, body.arms
-    if float(dot(high.starts - low.starts, draft.facing)) < 0:
+    if (high.starts - low.starts).dot(draft.facing) < 0:
         low, high = high, low
     return (
         [k for k in found if low.pair.nodes.intersection(k.joints)],
@@ -143,9 +140,11 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
     over = draft.chest if draft.chest >= 0 else draft.hips
     if over < 0 or not limbs:
         return []
-    starts = _middle([tree.places[k.joints[0]] for k in limbs])
+    starts = Vector()
+    for each in limbs:
+        starts = starts + tree.at[each.joints[0]] * (1.0 / len(limbs))
     size = max(tree.reach[k.joints[0]] for k in limbs)
-    towards = draft.up + (draft.facing if draft.four else 0.0)
+    towards = draft.up + draft.facing if draft.four else draft.up
     best, found = 0.02 * size, -1
     for _ in range(3):
         for child in tree.below[over]:
@@ -153,8 +152,8 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
                 continue
             if _NOT_BODY.intersection(said_roles(tree.rig.names[child])):
                 continue
-            far = float(dot(tree.places[tree.branch(child)] - starts, towards).max())
-            aside = abs(float(dot(tree.places[child] - starts, draft.left)))
+            far = max((tree.at[k] - starts).dot(towards) for k in tree.branch(child))
+            aside = abs((tree.at[child] - starts).dot(draft.left))
             if far - 2.0 * aside > best:
                 best, found = far - 2.0 * aside, child
         if found >= 0 or over == draft.hips or tree.above[over] < 0:
@@ -180,19 +179,12 @@ def _is_end(draft: Draft, node: int) -> bool:
     return len(draft.tree.way(draft.chest, node)) > 3 and not draft.poses.moves_points(node)
 
 
-def _middle(points: Sequence[Floats]) -> Floats:
-    total = np.zeros(3)
-    for point in points:
-        total = total + point
-    return total / len(points)
-
-
 def _tail(draft: Draft, legs: Sequence[Found]) -> None:
     """A chain at the hips that goes back and is no leg."""
     tree = draft.tree
     named = [k for k in tree.nodes if "tail" in said_roles(tree.rig.names[k])]
     if named:
-        chain = [k for k in tree.paths[named[0]] if k in set(named)]
+        chain = [k for k in tree.paths[named[0]] if k in named]
         draft.say("tail", "tail", "", chain, 0.92, (NAMES,))
         return
     if draft.hips < 0 or not legs:
@@ -205,13 +197,10 @@ def _tail(draft: Draft, legs: Sequence[Found]) -> None:
             continue
         if draft.chest >= 0 and tree.is_below(draft.chest, child):
             continue
-        along = tree.places[path[-1]] - tree.places[draft.hips]
-        back = float(dot(np.nan_to_num(normalise(along)), -draft.facing))
-        aside = abs(float(dot(along, draft.left)))
-        long = float(length(along))
+        along = tree.at[path[-1]] - tree.at[draft.hips]
         if (
-            back > 0.3
-            and aside < 0.2 * long
+            along.unit.dot(-draft.facing) > 0.3
+            and abs(along.dot(draft.left)) < 0.2 * along.length
             and tree.reach[child] > _TAIL * size
             and said(tree.rig.names[child]).side == ""
         ):

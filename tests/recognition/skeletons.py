@@ -1,4 +1,4 @@
-"""Characters and things that are none, in code: joints as (name, name of the one above, place)."""
+"""Skeletons of characters, and of things that are none: joints as (name, name of the one above, place)."""
 
 from __future__ import annotations
 
