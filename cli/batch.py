@@ -115,7 +115,8 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
-    from rigtri.batch import manifest
+    from rigtri.batch.manifest import Manifest
+    from rigtri.batch.manifest_file import opened, others_of, place
     from rigtri.batch.run import Run
 
     if values["emit_openjd"]:
@@ -131,14 +132,14 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     chosen = found.entries if shard is None else shard.of(found.entries, folder)
     if not values["quiet"]:
         tell_chosen(found, chosen, shard, values)
-    own = manifest.place(whole, shard)
+    own = place(whole, shard)
     with ExitStack() as stack:
         engine = stack.enter_context(batch_engine.engine(values, folder, chosen))
         part = str(shard) if shard else None
         new = not own.is_file()  # a new one is made when it has been seen that there is something to do
-        kept = None if values["dry_run"] or new else stack.enter_context(manifest.Manifest(own, shard=part))
-        known = [own, *manifest.others(whole, own)] if kept is None else manifest.others(whole, own)
-        others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
+        kept = None if values["dry_run"] or new else stack.enter_context(Manifest(own, shard=part))
+        known = [*([own] if kept is None else []), *others_of(whole, own)]
+        others = [stack.enter_context(opened(path, empty=True)) for path in known if path.is_file()]
         engines = [engine]
         heard = stack.enter_context(batch_engine.signals(engines, quiet=values["quiet"]))
         session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
@@ -150,7 +151,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         files = Files(log, part, as_json=values["as_json"])
         if new and not values["dry_run"]:
             own.parent.mkdir(parents=True, exist_ok=True)
-            kept = stack.enter_context(manifest.Manifest(own, shard=part))
+            kept = stack.enter_context(Manifest(own, shard=part))
             session.keep(kept, chosen)
         _work(session, plan, engine, files, quiet=values["quiet"])
         if kept is not None:
@@ -207,7 +208,7 @@ def _found(
 
 
 def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
-    from rigtri.batch.manifest import NAME
+    from rigtri.batch.manifest_file import NAME
 
     if values["manifest"]:
         path = Path(values["manifest"])
