@@ -5,11 +5,9 @@ Comparing costs in proportion to what changed: what is the same to the bit is no
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from rigtri.matching import Matching, by_target, partner_track
+from rigtri.matching import Matching, by_target, partner_track, same_array
 from rigtri.records import Booleans, Clip, Integers, Track
 from rigtri.rig import Rig
 
@@ -54,11 +52,6 @@ def _same_track(a: Track, b: Track) -> bool:
     return a is b or (
         a.interpolation == b.interpolation and same_array(a.times, b.times) and same_array(a.values, b.values)
     )
-
-
-def same_array(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
-    # As np.array_equal, of which a clip needs hundreds, without what that does for lists.
-    return a is b or (a.shape == b.shape and bool((a == b).all()))
 
 
 def part_of(rig: Rig, wanted: Integers) -> tuple[Rig, Integers]:

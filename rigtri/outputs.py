@@ -6,9 +6,11 @@ import filecmp
 import os
 import re
 import shutil
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 from rigtri.ahead import Ahead, copied
 from rigtri.delivery import aimed, beside, commit, discard_stale, replacing, same_file, stale_parts
@@ -46,7 +48,8 @@ class Written:
             with as_file_error(final):
                 recover(final)
         self.part = beside(final)
-        self.on_disk = False  # whether the disk has all of the part already
+        self._on_disk = False
+        self._settling: threading.Thread | None = None
         self.placed: list[tuple[Path, Path | None]] = []
         self.beside: list[Path] = []  # all companions, also those that were there
         self._orphans = _our_buffers(final)
@@ -85,10 +88,27 @@ class Written:
             elif not there:
                 copied(content, fresh)
 
+    def settle(self) -> None:
+        """Let the disk take the part meanwhile, so that the rename need not wait for that."""
+        # The thread must not open it: it would wait for this one before it came to the sync.
+        self._settling = threading.Thread(target=self._sync, args=(self.part.open("rb+"),))
+        self._settling.start()
+
+    def _sync(self, part: IO[bytes]) -> None:
+        with part, suppress(OSError):  # it comes again before the rename, and is told then
+            os.fsync(part.fileno())
+            self._on_disk = True
+
+    def _settled(self) -> bool:
+        """Wait for `settle`; whether the disk has all of the part."""
+        if self._settling is not None:
+            self._settling.join()
+        return self._on_disk
+
     def finish(self) -> None:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""
         with as_file_error(self.final):
-            commit(self.part, self.final, synced=self.on_disk, named=not self._shared)
+            commit(self.part, self.final, synced=self._settled(), named=not self._shared)
         # The new file is there; what cannot be tidied up any more is no reason to fail.
         with suppress(OSError):
             for _, backup in self.placed:
@@ -99,6 +119,7 @@ class Written:
 
     def undo(self) -> None:
         """Leave the folder as it was; nothing to do where the part has become the file."""
+        self._settled()
         if self.placed and not self.part.exists():
             return
         for place, backup in reversed(self.placed):

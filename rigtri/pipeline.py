@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import filecmp
-import os
 import shutil
 import sys
-import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -185,11 +183,12 @@ def _deliver(
     with called(names), as_file_error(written.final):
         for companion in document.write(rig, written.part, written.final):
             written.add(companion)
+        if keep:
+            written.settle()
     clock.lap("write")
     if not verify:
         return None
-    with _reaching_the_disk(written) if keep else nullcontext():
-        result = _checked(document, path, rig, written, names, tolerance, report)
+    result = _checked(document, path, rig, written, names, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
         report.hear(document.warnings)  # which meshes could only be bounded
@@ -330,25 +329,6 @@ def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
         return
     with scratch.folder() as folder:
         yield Path(folder)
-
-
-@contextmanager
-def _reaching_the_disk(written: Written) -> Iterator[None]:
-    """Meanwhile let the disk take the part, so that the rename need not wait for that."""
-    with written.part.open("rb+") as file:
-        # The thread must not open it: it would wait for this one before it came to the sync.
-        thread = threading.Thread(target=_try_sync, args=(file.fileno(), written))
-        thread.start()
-        try:
-            yield
-        finally:
-            thread.join()
-
-
-def _try_sync(file: int, written: Written) -> None:
-    with suppress(OSError):  # it comes again before the rename, and is told then
-        os.fsync(file)
-        written.on_disk = True
 
 
 class _Clock:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,8 @@ from rigtri.errors import FileError
 
 # The axes of a million joints take less, and so does a list of a million files.
 MOST_BYTES = 1 << 28
-# Source: git-lfs, docs/spec.md.
-_POINTER = b"version https://git-lfs.github.com/spec/v1"
+# How pointers begin, and what they are shorter than. Source: git-lfs, docs/spec.md.
+_POINTER, _LONGEST_POINTER = b"version https://git-lfs.github.com/spec/v1", 1024
 
 
 def check_plain(path: Path | str, what: str = "") -> Path:
@@ -35,11 +36,13 @@ def check_plain(path: Path | str, what: str = "") -> Path:
 def check_no_pointer(path: Path) -> None:
     """FileError for the few lines that Git LFS leaves in place of a file that was not fetched."""
     try:
-        with path.open("rb") as file:
-            start = file.read(len(_POINTER)) if path.is_file() else b""
+        known = path.stat()
+        if not stat.S_ISREG(known.st_mode) or known.st_size >= _LONGEST_POINTER:
+            return
+        content = path.read_bytes()
     except OSError:
         return  # told when it is read
-    if start == _POINTER:
+    if content.startswith(_POINTER):
         raise FileError(f"{path} is a Git LFS pointer, not the file itself; fetch that with: git lfs pull")
 
 

@@ -45,8 +45,10 @@ def world_of(rig: Rig, node: int) -> Floats:
         node = int(rig.parents[node])
     composed = compose(rig.translation[line], rig.rotation[line], rig.scale[line])
     composed[rig.has_matrix[line]] = rig.matrix[line][rig.has_matrix[line]]
-    world = np.eye(4)
-    for matrix in composed[::-1]:
+    if not line:
+        return np.eye(4)
+    world: Floats = composed[-1]
+    for matrix in composed[-2::-1]:
         world = multiply(matrix, world)
     return world
 
@@ -154,12 +156,8 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
     """
     if not len(skin.joints):
         return worlds(rig)
-    # What holds a joint's axes is not where the skin begins: its place came with a split.
-    joints = skin.joints.tolist()
-    top = joints.index(min(set(joints) - rig.holders, default=min(joints)))
-    to_world = multiply(skin.inverse_bind[top], worlds(rig)[skin.joints[top]])
     world = rig.local.copy()
-    world[skin.joints] = multiply(inverse(skin.inverse_bind), to_world)
+    world[skin.joints] = bind_frames(rig, skin)
     outside = np.ones(len(rig), dtype=bool)
     outside[skin.joints] = False
     for level in rig.levels[1:]:
@@ -167,6 +165,17 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
         if len(follow):
             world[follow] = multiply(rig.local[follow], world[rig.parents[follow]])
     return world
+
+
+def bind_frames(rig: Rig, skin: Skin) -> Floats:
+    """The world matrices of the joints of ``skin``, (m, 4, 4), in its bind pose; see `bind_worlds`."""
+    joints = skin.joints.tolist()
+    if not joints:
+        return np.zeros((0, 4, 4))
+    # What holds a joint's axes is not where the skin begins: its place came with a split.
+    top = min(set(joints) - rig.holders, default=min(joints))
+    to_world = multiply(skin.inverse_bind[joints.index(top)], world_of(rig, top))
+    return multiply(inverse(skin.inverse_bind), to_world)
 
 
 def morph_weights(mesh: Mesh, clip: Clip | None, times: Floats) -> Floats:
@@ -332,9 +341,12 @@ def _as_shown(rotation: Floats, normalised: bool) -> Floats:
 def _together(tracks: list[Track]) -> list[list[Track]]:
     """Tracks in groups that share path, interpolation, times and width."""
     groups: dict[object, list[Track]] = {}
+    content: dict[int, bytes] = {}
     for track in tracks:
         # What has one key is the same at all times, whatever its time is.
-        times = track.times.tobytes() if len(track.times) > 1 else b""
+        times = content.get(id(track.times))
+        if times is None:
+            times = content[id(track.times)] = track.times.tobytes() if len(track.times) > 1 else b""
         alike = (track.path, track.interpolation, times, track.values.shape)
         groups.setdefault(alike, []).append(track)
     return list(groups.values())

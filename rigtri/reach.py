@@ -7,6 +7,7 @@ more than e times its reach, in any pose that bends joints and does not stretch 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from weakref import WeakKeyDictionary, ref
 
@@ -45,24 +46,48 @@ def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> fl
 
 
 def _measured(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:
-    world = world[np.newaxis]
+    low, high = _box(rig, meshes, world)
+    if not (low <= high).all():
+        origins = world[rig.is_joint, 3, :3] if rig.is_joint.any() else world[:, 3, :3]
+        origins = origins[np.isfinite(origins).all(axis=1)]
+        if not len(origins):
+            return 1.0
+        low, high = origins.min(axis=0), origins.max(axis=0)
+    return float(length(high - low)) or 1.0
+
+
+def _box(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> tuple[Floats, Floats]:
+    """The lows and highs, (3,), of the points of meshes; lows above highs where there are none."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for mesh in meshes:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            points = deformed(mesh, rig, world, morph_weights(mesh, None, np.zeros(1)))[0]
+            morph = morph_weights(mesh, None, np.zeros(1))
+            points = deformed(mesh, rig, world[np.newaxis], morph)[0]
         if not np.isfinite(points).all():
             points = points[np.isfinite(points).all(axis=1)]
         low, high = (
             np.minimum(low, points.min(axis=0, initial=np.inf)),
             np.maximum(high, points.max(axis=0, initial=-np.inf)),
         )
-    if not (low <= high).all():
-        origins = world[0, rig.is_joint, 3, :3] if rig.is_joint.any() else world[0, :, 3, :3]
-        origins = origins[np.isfinite(origins).all(axis=1)]
-        if not len(origins):
-            return 1.0
-        low, high = origins.min(axis=0), origins.max(axis=0)
-    return float(length(high - low)) or 1.0
+    return low, high
+
+
+def _size_at_least(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:
+    """No more than `size_of`, nearly always almost as much: by the outermost points of each mesh alone."""
+    low, high = _box(rig, [_outermost(mesh) for mesh in meshes], world)
+    least = float(length(high - low)) if (low <= high).all() else 0.0
+    return least or size_of(rig, meshes, world)
+
+
+def _outermost(mesh: Mesh) -> Mesh:
+    """A mesh of the points that are first and last along an axis alone, six or fewer."""
+    if not len(mesh.points):
+        return mesh
+    columns = [mesh.points[:, axis] for axis in range(3)]
+    rows = [int(end) for column in columns for end in (column.argmin(), column.argmax())]
+    morphs = mesh.morphs[:, rows] if mesh.morphs.size else mesh.morphs
+    joints, weights = mesh.joints[rows], mesh.weights[rows]
+    return replace(mesh, points=mesh.points[rows], joints=joints, weights=weights, morphs=morphs)
 
 
 def fits(mesh: Mesh, rig: Rig) -> bool:
@@ -91,9 +116,14 @@ class Reach:
         self._rig = rig
 
     @cached_property
+    def _world(self) -> Floats:
+        return worlds(self._rig, rest(self._rig))
+
+    @cached_property
     def exact(self) -> Floats:
         """As `reaches`, (n,)."""
-        rig, world, (own, size) = self._rig, worlds(self._rig, rest(self._rig)), self._at_rest
+        rig, world, size = self._rig, self._world, size_of(self._rig, self._meshes, self._world)
+        own = self._own(size)
         reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
         for posed in _stretched(rig):
             reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
@@ -102,7 +132,8 @@ class Reach:
     @cached_property
     def at_most(self) -> Floats:
         """No less than `exact`, (n,), from each node's own numbers; infinite where these do not tell."""
-        rig, (own, size) = self._rig, self._at_rest
+        rig, size = self._rig, _size_at_least(self._rig, self._meshes, self._world)
+        own = self._own(size)
         (low, high), (least, most), bones = _sizes_of_nodes(rig)
         for level in rig.levels[1:]:
             parents = rig.parents[level]
@@ -120,20 +151,26 @@ class Reach:
         return np.where(np.isfinite(reach), reach, np.inf)
 
     @cached_property
-    def _at_rest(self) -> tuple[Floats, float]:
-        """How far each node's own things reach, (n,), in file units, and the size of what is seen."""
-        rig = self._rig
+    def _meshes(self) -> list[Mesh]:
         try:
-            meshes = [mesh for mesh in rig.drawn() if fits(mesh, rig)]
+            return [mesh for mesh in self._rig.drawn() if fits(mesh, self._rig)]
         except FileError:
-            meshes = []
-        own, world = np.zeros(len(rig)), worlds(rig, rest(rig))
-        for mesh in meshes:
-            _own(rig, world, mesh, own)
-        size = size_of(rig, meshes, world)
-        framed = frames_shown(rig, meshes)
-        own[framed] = np.maximum(own[framed], _corner(world[framed, :3, :3]) * size)
-        return own, size
+            return []
+
+    @cached_property
+    def _of_points(self) -> Floats:
+        """How far at rest the points of each node reach, (n,), in file units."""
+        reach = np.zeros(len(self._rig))
+        for mesh in self._meshes:
+            _own(self._rig, self._world, mesh, reach)
+        return reach
+
+    def _own(self, size: float) -> Floats:
+        """How far each node's own things reach at rest, (n,), in file units; frames as far as ``size``."""
+        framed = frames_shown(self._rig, self._meshes)
+        own = self._of_points.copy()
+        own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * size)
+        return own
 
 
 def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:

@@ -14,9 +14,8 @@ from typing import Protocol
 import numpy as np
 
 from rigtri import pose
-from rigtri.matching import Matching
+from rigtri.matching import Matching, same_array
 from rigtri.matrices import inverse
-from rigtri.moving import same_array
 from rigtri.reach import frames_shown
 from rigtri.records import Booleans, Clip, Integers, Mesh, Skin
 from rigtri.rig import Rig

@@ -39,11 +39,13 @@ def axes_of(rig: Rig) -> Axes | None:
         return None
     place = {node: k for k, node in enumerate(joints)}
     told = [[_above(rig, node, place), rig.names[node] or rig.labels[node]] for node in joints]
-    frames = rig.world.copy()
+    frames = np.full((len(rig), 4, 4), np.nan)
     for skin in rig.skins:
-        posed = pose.bind_worlds(rig, skin)[skin.joints]
+        posed = pose.bind_frames(rig, skin)
         known = np.isfinite(posed).all(axis=(1, 2))
         frames[skin.joints[known]] = posed[known]
+    if np.isnan(frames[joints]).any():  # some joints have no bind pose: as they stand at rest
+        frames = np.where(np.isnan(frames), rig.world, frames)
     turns = _turns(frames[joints])
     return Axes(json.dumps(told), np.rint(turns * _UNIT).astype("<i2").tobytes())
 

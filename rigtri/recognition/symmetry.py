@@ -133,6 +133,6 @@ def _mirrored(places: Floats, point: Vector, normal: Vector, near: float) -> flo
     """The share of places, (n, 3), that have another, or themselves, at their mirror image."""
     across = np.array([*normal])
     image = places - 2.0 * dot(places - [*point], across)[:, np.newaxis] * across
-    apart = image[:, np.newaxis] - places[np.newaxis]
-    squares = dot(apart, apart)
+    x, y, z = (image[:, axis, np.newaxis] - places[:, axis] for axis in range(3))
+    squares = x * x + y * y + z * z
     return float(np.count_nonzero(squares.min(axis=1) < near * near)) / len(places)

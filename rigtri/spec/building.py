@@ -78,7 +78,8 @@ def build(
         scratch.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
         work.spooled = from_stream or str(source) == "-"
-        check_target(work.at, target, overwrite=overwrite, options=spec.reading)
+        if folder:  # else the only step asks it, before anything is read
+            check_target(work.at, target, overwrite=overwrite, options=spec.reading)
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()

@@ -6,6 +6,7 @@ Source: glTF 2.0 §3.11; KHR_animation_pointer.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import Any, NoReturn
 
 import numpy as np
@@ -67,15 +68,27 @@ def animated_nodes(gltf: Value) -> set[int]:
 
 
 class ClipReader:
-    """Reads the animations of one file; notices collects what it could live with."""
+    """Reads the animations of one file; notices collects what it could live with.
+
+    times: of each accessor that has some. known: those of the file that this one was made of; what is the
+    same is taken from there, and then compared no more.
+    """
 
     def __init__(
-        self, gltf: Value, accessors: Accessors, tree: Tree, notices: list[Notice], *, lenient: bool
+        self,
+        gltf: Value,
+        accessors: Accessors,
+        tree: Tree,
+        notices: list[Notice],
+        known: Mapping[int, Floats],
+        *,
+        lenient: bool,
     ) -> None:
         self._gltf, self._accessors, self._tree = gltf, accessors, tree
         self._notices, self._lenient = notices, lenient
         self._nodes = gltf.object().get("nodes", [])
-        self._times: dict[int, Floats] = {}
+        self.times: dict[int, Floats] = {}
+        self._known = known
         self._rising: set[bytes] = set()  # times that are in order: most tracks have the same
         self._values: dict[int, Floats] = {}
 
@@ -182,17 +195,18 @@ class ClipReader:
         return index
 
     def _input(self, index: Any, place: str) -> Floats:
-        times = self._times.get(index) if type(index) is int else None
+        times = self.times.get(index) if type(index) is int else None
         if times is None:
             index = self._accessor(index, place, "input")
             times = self._accessors.read_aloud(index)
             if times.shape[1] != 1:
                 raise FileError(f"{place}: its times have {times.shape[1]} numbers each, not one")
-            times = self._times[index] = times[:, 0].copy()
-            content = times.tobytes()
+            content, known = times.tobytes(), self._known.get(index)
             if content not in self._rising:
-                self._check_times(times, place)
+                self._check_times(times[:, 0], place)
                 self._rising.add(content)
+            times = times[:, 0] if known is None or known.tobytes() != content else known
+            self.times[index] = times
         return times
 
     def _check_times(self, times: Floats, place: str) -> None:

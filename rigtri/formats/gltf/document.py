@@ -5,7 +5,7 @@ Source: glTF 2.0; VRM 0.0 and 1.0; docs/design.md, "How formats fill a Rig".
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -45,12 +45,13 @@ from rigtri.records import Bound, Constraint, Mesh
 from rigtri.report import Notice
 from rigtri.rig import Rig, illegible
 from rigtri.scenery import Scenery
+from rigtri.trigonometry import Floats
 
 
 class GltfDocument:
     """A .glb, .gltf, .vrm or .vrma file. Its node keys are the node's index in the file."""
 
-    def __init__(self, container: Container, options: Options) -> None:
+    def __init__(self, container: Container, options: Options, like: GltfDocument | None = None) -> None:
         self.container, self.options = container, options
         self.notices: list[Notice] = list(container.notices)
         gltf = Value(container.gltf, f"{container.path}:")
@@ -64,19 +65,27 @@ class GltfDocument:
         self.rest: Rest = read_rest(
             gltf, self.tree, animated_nodes(gltf), self.notices, lenient=options.lenient
         )
+        self._times: Mapping[int, Floats] = {} if like is None else like._times
         self._rig = self._read_rig(gltf)
         self.accessors.forget_layouts()
 
     @classmethod
-    def read(cls, path: Path, options: Options | None = None, content: bytes | None = None) -> GltfDocument:
+    def read(
+        cls,
+        path: Path,
+        options: Options | None = None,
+        content: bytes | None = None,
+        like: GltfDocument | None = None,
+    ) -> GltfDocument:
         """Read a file. Raises FileError, in the file's own names, for anything that is broken.
 
         content: what a file at ``path`` would hold; what it refers to is looked for from there.
+        like: what it was made of; both share the key times that are the same, and are then compared sooner.
         """
         options = options or Options()
         container = open_container(path, lenient=options.lenient, content=content)
         try:
-            return cls(container, options)
+            return cls(container, options, like)
         except RecursionError:
             raise FileError(f"{path}: the JSON is nested too deep") from None
 
@@ -134,7 +143,7 @@ class GltfDocument:
         """Read what `write` wrote."""
         # A relinked output may point anywhere that the source's data already came from.
         trusted = self.options.allow_external_paths or self.options.relink
-        return GltfDocument.read(part, replace(self.options, allow_external_paths=trusted))
+        return GltfDocument.read(part, replace(self.options, allow_external_paths=trusted), like=self)
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file as ``rig`` wants it to ``part``; see `rigtri.formats.Document`.
@@ -160,7 +169,8 @@ class GltfDocument:
             gltf, self.accessors, tree, self.notices, self._reader.weighted, lenient=options.lenient
         )
         self._drawn = Drawn(self._reader, skins)
-        clips = ClipReader(gltf, self.accessors, tree, self.notices, lenient=options.lenient).read()
+        reader = ClipReader(gltf, self.accessors, tree, self.notices, self._times, lenient=options.lenient)
+        clips, self._times = reader.read(), reader.times
         bindings = read_bindings(gltf, tree.above)
         self.notices += bindings.notices
         self._pointers = [pointer for _, _, pointer in bindings.bound]

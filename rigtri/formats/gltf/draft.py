@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from typing import Any
 
 
@@ -36,7 +35,7 @@ class Draft:
     def _owned(self, holder: Any, key: str | int) -> Any:
         child = holder[key]
         if id(child) not in self._own:
-            child = holder[key] = copy(child)
+            child = holder[key] = child.copy()
             # Kept here, so that no later object can get the same id.
             self._own[id(child)] = child
         return child

@@ -53,7 +53,7 @@ def load(path: Path) -> memoryview:
     """The bytes of a file, mapped instead of read where it is large. FileError where there is none."""
     try:
         with path.open("rb") as file:
-            if path.stat().st_size < MAP_FROM:
+            if os.fstat(file.fileno()).st_size < MAP_FROM:
                 return memoryview(file.read())
             return memoryview(Mapped(file.fileno()))
     except (OSError, ValueError) as error:

@@ -13,17 +13,16 @@ _NAMES = ("indices", "input", "output", "inverseBindMatrices")
 
 def used_accessors(gltf: dict[str, Any]) -> Counter[int]:
     """How many references there are to each accessor, those of extensions included."""
-    users: Counter[int] = Counter()
-    for skin in gltf.get("skins", []):
-        users[skin.get("inverseBindMatrices", -1)] += 1
+    named = [skin.get("inverseBindMatrices", -1) for skin in gltf.get("skins", [])]
     for animation in gltf.get("animations", []):
         for sampler in animation.get("samplers", []):
             if isinstance(sampler, dict):
-                users.update(k for k in (sampler.get("input"), sampler.get("output")) if type(k) is int)
+                named += sampler.get("input"), sampler.get("output")
     for key, value in gltf.items():
         if key not in ("skins", "animations", "accessors", "bufferViews", "buffers"):
-            users.update(_named(value, "accessor"))
-    return users
+            named += _named(value, "accessor")
+    # 3.0 is the same number.
+    return Counter(index for index in named if type(index) in (int, float))
 
 
 def used_views(gltf: dict[str, Any]) -> set[int]:
@@ -59,25 +58,25 @@ def compressed_spans(gltf: dict[str, Any]) -> Iterator[tuple[int, int, int]]:
 
 def _named(value: Any, kind: str) -> Iterator[int]:
     """Every index below ``value`` that its key says is one of ``kind``."""
-    if isinstance(value, dict):
-        for key, below in value.items():
+    left = [value]
+    for item in left:  # it grows as it is walked
+        if isinstance(item, list):
+            left += [below for below in item if isinstance(below, dict | list)]
+            continue
+        for key, below in item.items() if isinstance(item, dict) else ():
             if type(below) is int:
                 if _refers(key, kind):
                     yield below
-            elif isinstance(below, list) and below and type(below[0]) is int:
-                yield from below if _refers(key, kind) else ()
+            elif isinstance(below, list) and below and type(below[0]) in (int, float):
+                yield from below if type(below[0]) is int and _refers(key, kind) else ()
             elif kind == "accessor" and key == "attributes" and isinstance(below, dict):
                 yield from (k for k in below.values() if type(k) is int)
             elif kind == "accessor" and key == "targets" and isinstance(below, list):
                 for target in below:
                     numbers = target.values() if isinstance(target, dict) else ()
                     yield from (k for k in numbers if type(k) is int)
-            else:
-                yield from _named(below, kind)
-    elif isinstance(value, list):
-        for item in value:
-            if isinstance(item, dict | list):
-                yield from _named(item, kind)
+            elif isinstance(below, dict | list):
+                left.append(below)
 
 
 @lru_cache

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rigtri.errors import FileError
 from rigtri.formats import Companion
-from rigtri.formats.gltf.accessors import COMPONENTS, Accessors, Layout
+from rigtri.formats.gltf.accessors import COMPONENTS, Accessors
 from rigtri.formats.gltf.container import Container, Piece
 from rigtri.formats.gltf.draft import Draft
 from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
@@ -32,6 +32,8 @@ _STRIDES: dict[Role, int] = {"shapes": 12, "influences 4": 4, "influences 8": 8,
 Numbers = NDArray[Any]
 OWN_NAME = "rigtri"
 _ARRAY_BUFFER = 34962
+# Where the bytes lie of buffers that are ours to change.
+_OURS = ("bin", "data", "own")
 
 
 @dataclass
@@ -80,8 +82,7 @@ class Storage:
                 bounded.setdefault(rows.shape, []).append((accessor, rows))
         for alike in bounded.values():
             stacked = np.stack([rows for _, rows in alike], axis=1)  # along the first axis is fastest
-            lows, highs = (bound.reduce(stacked, axis=0).tolist() for bound in (np.minimum, np.maximum))
-            for (accessor, _), low, high in zip(alike, lows, highs, strict=True):
+            for (accessor, _), low, high in zip(alike, *_bounds(stacked), strict=True):
                 _put_bounds(self._draft.own("accessors", accessor), low, high)
 
     def add(
@@ -130,7 +131,7 @@ class Storage:
 
     def changeable(self, buffer: int) -> bool:
         """Whether a buffer of the file that was read is ours to change."""
-        return buffer < len(self._buffers) and self._buffers.place(buffer) in ("bin", "data", "own")
+        return buffer < len(self._buffers) and self._buffers.place(buffer) in _OURS
 
     def remove(self, buffer: int, spans: list[tuple[int, int]]) -> None:
         """Leave ranges of bytes, rising and apart, out of a buffer that is `changeable`."""
@@ -164,7 +165,7 @@ class Storage:
         }
         if bounds:
             accessor |= {"min": [], "max": []}
-            _set_bounds(accessor, rows)
+            _put_bounds(accessor, *_bounds(rows))
         tail.content += content
         accessors = self._draft.need("accessors", empty=[])
         accessors.append(accessor)
@@ -267,20 +268,23 @@ class Storage:
         return [Companion(name, bytes(content))]
 
 
-def _set_bounds(accessor: dict[str, Any], rows: Numbers) -> None:
-    _put_bounds(accessor, *(bound.reduce(rows, axis=0).tolist() for bound in (np.minimum, np.maximum)))
+def _bounds(rows: Numbers) -> tuple[list[Any], list[Any]]:
+    """The lows and highs of rows along the first axis, as numbers of JSON."""
+    low, high = (bound.reduce(rows, axis=0).astype(np.float64) for bound in (np.minimum, np.maximum))
+    return low.tolist(), high.tolist()
 
 
 def _put_bounds(accessor: dict[str, Any], low: list[float], high: list[float]) -> None:
     for key, numbers in (("min", low), ("max", high)):
         if key in accessor:
-            accessor[key] = [float(number) for number in numbers]
+            accessor[key] = numbers
 
 
 def _free_accessors(gltf: dict[str, Any], accessors: Accessors) -> set[int]:
     """Accessors of plain float32 whose bytes lie where we may write and overlap nothing else."""
     raw, views = gltf.get("accessors", []), gltf.get("bufferViews", [])
-    shared = used_views(gltf)
+    shared, buffers = used_views(gltf), accessors.buffers
+    ours = {buffer for buffer in range(len(buffers)) if buffers.place(buffer) in _OURS}
     spans: list[tuple[int, int, int, int]] = []
     for index in range(len(raw)):
         try:
@@ -290,7 +294,8 @@ def _free_accessors(gltf: dict[str, Any], accessors: Accessors) -> set[int]:
             shared.update(used_views({"images": [raw[index]]}))
             continue
         if layout.buffer >= 0:
-            free = _changeable(layout, raw[index], views, accessors)
+            held = "extensions" in raw[index] or "extensions" in views[layout.view]
+            free = layout.plain and layout.buffer in ours and not held
             spans.append((layout.buffer, layout.start, layout.end, index if free else -1))
     for view in shared:
         try:
@@ -300,12 +305,6 @@ def _free_accessors(gltf: dict[str, Any], accessors: Accessors) -> set[int]:
         spans.append((buffer, start, end, -1))
     spans += [(*span, -1) for span in compressed_spans(gltf)]
     return _alone(spans)
-
-
-def _changeable(layout: Layout, raw: dict[str, Any], views: list[Any], accessors: Accessors) -> bool:
-    if not layout.plain or "extensions" in raw or "extensions" in views[layout.view]:
-        return False
-    return accessors.buffers.place(layout.buffer) in ("bin", "data", "own")
 
 
 def _alone(spans: list[tuple[int, int, int, int]]) -> set[int]:

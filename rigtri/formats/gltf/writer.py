@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rigtri.delivery import settling
+from rigtri.delivery import same_file, settling
 from rigtri.errors import FileError
 from rigtri.formats import Companion
 from rigtri.formats.gltf import mapped
@@ -34,7 +34,7 @@ def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Se
     container = document.container
     draft = Draft(container.gltf)
     storage = Storage(draft, document.accessors, container)
-    moves = target.parent.resolve() != container.path.parent.resolve()
+    moves = not same_file(target.parent, container.path.parent)
     if moves and document.options.relink:
         relink(draft, container.path, target)
     if rig is not document.rig:
