@@ -1,4 +1,4 @@
-"""The program: parse, call, print. One file per command; shared options in options.py."""
+"""The program: parse, call, print. One file per command; options.py has what they share."""
 
 from __future__ import annotations
 

@@ -8,19 +8,17 @@ import click
 
 from rigtri.shapes import KINDS
 
+from .asked import given_options, request
+from .editing import copy_ahead, run_edit
 from .options import (
-    Number,
-    copy_ahead,
     edit_options,
     facing_option,
-    given_options,
     output_options,
     reading_options,
-    request,
-    run_edit,
     source_argument,
     target_option,
 )
+from .values import Number
 from .words import counted
 
 if TYPE_CHECKING:

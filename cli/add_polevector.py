@@ -6,20 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .asked import given_options, request
+from .editing import copy_ahead, run_edit
 from .options import (
-    copy_ahead,
     edit_options,
     facing_option,
-    given_options,
     output_options,
     pole_options,
     reading_options,
-    request,
-    run_edit,
     source_argument,
     target_option,
-    tell_root,
 )
+from .telling import tell_root
 
 if TYPE_CHECKING:
     from rigtri.report import Report

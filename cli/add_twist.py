@@ -6,17 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import (
-    direction,
-    edit_options,
-    given_options,
-    output_options,
-    reading_options,
-    request,
-    run_edit,
-    source_argument,
-    target_option,
-)
+from .asked import given_options, request
+from .editing import run_edit
+from .options import edit_options, output_options, reading_options, source_argument, target_option
+from .values import direction
 from .words import counted
 
 if TYPE_CHECKING:

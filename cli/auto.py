@@ -8,25 +8,24 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.ops.presets import PRESETS
 
 from . import pictures
+from .asked import given_options, read_options, with_target
 from .build import steps_of, told_of
+from .editing import run, side_files
 from .options import (
-    TOLERANCE,
-    Tolerance,
     dry_run_option,
-    given_options,
     output_options,
     overwrite_option,
-    read_options,
+    preset_option,
     reading_options,
-    run,
-    side_files,
+    report_option,
+    scheme_option,
     source_argument,
+    strict_option,
     target_option,
+    tolerance_option,
     verify_option,
-    with_target,
 )
 
 if TYPE_CHECKING:
@@ -42,11 +41,7 @@ SUFFIX = ".rig.yaml"
 @click.command("auto")
 @source_argument
 @target_option
-@click.option(
-    "--preset",
-    type=click.Choice(list(PRESETS)),
-    help="Whose axes the joints get. [maya; vrm where a file allows no others]",
-)
+@preset_option("Whose axes the joints get. [maya; vrm where a file allows no others]")
 @click.option(
     "--spec-out",
     metavar="FILE.yaml",
@@ -54,6 +49,7 @@ SUFFIX = ".rig.yaml"
     help=f"Where the spec goes by which OUT was built. [OUT's name with {SUFFIX}]",
 )
 @click.option("--no-spec", is_flag=True, help="Write no spec.")
+@scheme_option
 @click.option(
     "--picture",
     metavar="FILE.svg",
@@ -61,24 +57,12 @@ SUFFIX = ".rig.yaml"
     help="Draw the skeleton before and after, as .svg or .png; also with --dry-run.",
 )
 @reading_options
-@click.option(
-    "--tolerance",
-    type=Tolerance(),
-    default=TOLERANCE,
-    show_default=True,
-    help="Refuse a result farther off than this share of the bounding-box diagonal.",
-)
-@verify_option
-@click.option("--strict", is_flag=True, help="Make any warning an error (5).")
-@click.option(
-    "--report",
-    "report_path",
-    metavar="FILE.json",
-    type=click.Path(dir_okay=False),
-    help="Write what was recognised and done, with the measured deviation.",
-)
+@tolerance_option()
+@verify_option()
+@strict_option()
+@report_option("Write what was recognised and done")
 @dry_run_option
-@overwrite_option
+@overwrite_option()
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
@@ -94,8 +78,6 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri auto hero.glb --preset unreal-editor --dry-run --picture hero.svg
         rigtri build other.glb --spec out.rig.yaml -o other-out.glb
     """
-    if values["source"] == "-":
-        raise UsageError("auto reads its file more than once; give it by its name")
     values["spec_out"] = _spec_place(values)
     values = with_target(values) | {"sidecar": False}
     if values["picture"] is not None:
@@ -125,25 +107,31 @@ class _Job:
         self.built: Built
 
     def done(self, report: Report) -> Outcome:
-        from rigtri.spec.automatic import auto, propose
+        from rigtri.recognition.schemes import own_scheme
+        from rigtri.spec.automatic import auto
 
         values = self.values
-        self.proposal = propose(values["source"], preset=values["preset"] or "", options=read_options(values))
         words = ("spec_out", "verify", "tolerance", "strict", "dry_run")
         try:
             self.built = auto(
                 values["source"],
                 values["target"],
                 **{word: values[word] for word in words},
+                preset=values["preset"] or "",
+                own=tuple(map(own_scheme, values["own"])),
+                options=read_options(values),
                 overwrite=values["overwrite"] or values["unnamed"],
                 side_files=side_files(values),
                 report=report,
-                proposal=self.proposal,
+                seen=self._seen,
             )
         except GeometryError:
             self._draw(self.proposal.rig, None)
             raise
         return self.built.outcome
+
+    def _seen(self, proposal: Proposal) -> None:
+        self.proposal = proposal
 
     def drawn(self, report: Report) -> None:
         """The picture, before and after."""

@@ -6,19 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import (
-    Number,
-    Tolerance,
-    edit_options,
-    given_options,
-    output_options,
-    reading_options,
-    request,
-    run_edit,
-    says_more,
-    source_argument,
-    target_option,
-)
+from .asked import given_options, request
+from .editing import run_edit
+from .options import edit_options, output_options, reading_options, says_more, source_argument, target_option
+from .values import Number, Tolerance
 from .words import counted, grown
 
 if TYPE_CHECKING:

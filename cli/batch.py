@@ -2,53 +2,33 @@
 
 from __future__ import annotations
 
-import json
 import os
-import re
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from datetime import UTC, datetime
+from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rigtri.errors import FileError, UsageError
 
 from . import INTERRUPTED, batch_engine, batch_job, failures
-from .build import assigned, set_option, spec_option
-from .options import Tolerance, dry_run_option, json_option, quiet_option
+from .batch_told import Files, opened_log, tell_chosen, tell_end
+from .build import assigned, set_option, spec_option, spec_tolerance_option
+from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
-from .words import counted, plain
+from .values import Bytes
+from .words import plain
 
 if TYPE_CHECKING:
     from rigtri.batch.engine import Engine
-    from rigtri.batch.entries import Entry, Found
+    from rigtri.batch.entries import Found
     from rigtri.batch.run import Plan, Run, Tasks
     from rigtri.batch.shards import Shard
     from rigtri.batch.spec_task import SpecTask
-    from rigtri.batch.work import Record
 
 SOME_FAILED = 7
-# Failures that are told while a batch runs; the summary counts all, and the manifest has each.
-MOST_TOLD = 20
-# Names that files have not which are told at the end.
-MOST_MISSING = 10
-
-
-class Bytes(click.ParamType[int]):
-    """A size: 2G, 500M, 1.5GiB."""
-
-    name = "size"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
-        size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
-        if not 1 << 20 <= size < 1 << 50:
-            self.fail(f"{value} is no amount of memory, such as 500M or 2G; the least is 1M", param, ctx)
-        return int(size)
 
 
 @click.command("batch")
@@ -101,14 +81,9 @@ class Bytes(click.ParamType[int]):
 @click.option(
     "--max-errors", type=click.IntRange(0), metavar="N", help="Begin no other file when more than N failed."
 )
-@click.option(
-    "--verify/--no-verify",
-    default=True,
-    show_default=True,
-    help="Compare source and result in every pose before an output appears.",
-)
-@click.option("--strict", is_flag=True, help="Make any warning an error, also where the spec does not.")
-@click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
+@verify_option("Compare source and result in every pose before an output appears.")
+@strict_option("Make any warning an error, also where the spec does not.")
+@spec_tolerance_option
 @click.option(
     "--resources",
     type=click.Choice(["copy", "relink"]),
@@ -140,7 +115,8 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
-    from rigtri.batch import manifest
+    from rigtri.batch.manifest import Manifest
+    from rigtri.batch.manifest_file import opened, others_of, place
     from rigtri.batch.run import Run
 
     if values["emit_openjd"]:
@@ -155,15 +131,15 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     folder = os.path.abspath(whole.parent)
     chosen = found.entries if shard is None else shard.of(found.entries, folder)
     if not values["quiet"]:
-        _tell_chosen(found, chosen, shard, values)
-    own = manifest.place(whole, shard)
+        tell_chosen(found, chosen, shard, values)
+    own = place(whole, shard)
     with ExitStack() as stack:
         engine = stack.enter_context(batch_engine.engine(values, folder, chosen))
         part = str(shard) if shard else None
         new = not own.is_file()  # a new one is made when it has been seen that there is something to do
-        kept = None if values["dry_run"] or new else stack.enter_context(manifest.Manifest(own, shard=part))
-        known = [own, *manifest.others(whole, own)] if kept is None else manifest.others(whole, own)
-        others = [stack.enter_context(manifest.opened(path, empty=True)) for path in known if path.is_file()]
+        kept = None if values["dry_run"] or new else stack.enter_context(Manifest(own, shard=part))
+        known = [*([own] if kept is None else []), *others_of(whole, own)]
+        others = [stack.enter_context(opened(path, empty=True)) for path in known if path.is_file()]
         engines = [engine]
         heard = stack.enter_context(batch_engine.signals(engines, quiet=values["quiet"]))
         session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
@@ -171,17 +147,18 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         if len(plan.assignments) > 1 and not plan.settled and not heard:
             engines.append(batch_engine.local(values, folder, len(chosen), dry_run=True))
             _try_out(plan, engines[1], quiet=values["quiet"])
-        log = stack.enter_context(_log(values["log"]))
+        log = stack.enter_context(opened_log(values["log"]))
+        files = Files(log, part, as_json=values["as_json"])
         if new and not values["dry_run"]:
             own.parent.mkdir(parents=True, exist_ok=True)
-            kept = stack.enter_context(manifest.Manifest(own, shard=part))
+            kept = stack.enter_context(Manifest(own, shard=part))
             session.keep(kept, chosen)
-        _work(session, plan, engine, log, values, part)
+        _work(session, plan, engine, files, quiet=values["quiet"])
         if kept is not None:
             kept.end(dict(session.counts))
     left = len(chosen) - session.counts.total()
     if not values["quiet"]:
-        _tell_end(session, left, values)
+        tell_end(session, left, files.advice, values)
     failures.answered(click.get_current_context())
     return 128 + heard[0] if heard else SOME_FAILED if session.failures else 0
 
@@ -231,7 +208,7 @@ def _found(
 
 
 def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
-    from rigtri.batch.manifest import NAME
+    from rigtri.batch.manifest_file import NAME
 
     if values["manifest"]:
         path = Path(values["manifest"])
@@ -258,73 +235,13 @@ def _try_out(plan: Plan, engine: Engine, *, quiet: bool) -> None:
         click.echo(plain(said, one_line=True), err=True)
 
 
-def _work(
-    session: Run, plan: Plan, engine: Engine, log: IO[str] | None, values: dict[str, Any], shard: str | None
-) -> None:
-    """Do the files, and tell each as it is done."""
-    began = datetime.now(UTC).isoformat(timespec="seconds")
-    told = 0
-    with Progress(len(plan.assignments), quiet=values["quiet"]) as progress:
-        settled = len(plan.settled)
-        for entry, record in session.work(plan, engine):
-            line = json.dumps(record.as_json(entry, began, shard), ensure_ascii=False)
-            if log is not None:
-                log.write(line + "\n")
-                log.flush()
-            if values["as_json"]:
-                click.echo(line)
+def _work(session: Run, plan: Plan, engine: Engine, files: Files, *, quiet: bool) -> None:
+    """Do the files, and tell each as it is done; what was done before is no progress."""
+    with Progress(len(plan.assignments), quiet=quiet) as progress:
+        for number, (entry, record) in enumerate(session.work(plan, engine)):
+            files.tell(entry, record)
             if record.failed:
-                told += 1
                 progress.clear()
-                _tell_failure(entry, record, told)
-            settled -= 1
-            if settled < 0:
+                files.tell_failure(entry, record)
+            if number >= len(plan.settled):
                 progress.step(failed=record.failed)
-
-
-def _tell_failure(entry: Entry, record: Record, number: int) -> None:
-    if number <= MOST_TOLD:
-        text = str(record.message)
-        said = text.strip().splitlines()[-1] if record.kind == "bug" else text
-        where = "" if entry.source in said else f"{entry.source}: "
-        click.echo(f"{record.status}: {plain(where + said, one_line=True)}", err=True)
-    elif number == MOST_TOLD + 1:
-        click.echo("more failures are counted at the end", err=True)
-
-
-def _tell_chosen(found: Found, chosen: Sequence[Entry], shard: Shard | None, values: dict[str, Any]) -> None:
-    if found.left_out:
-        text = f"{counted(found.left_out, 'file')} in {values['out_dir']} left out: outputs are no inputs"
-        click.echo(plain(text, one_line=True), err=True)
-    if shard is not None:
-        whose = "" if values["shard"] else " (of the SLURM array; --shard 1/1 does all)"
-        click.echo(f"part {shard}{whose}: {len(chosen)} of {counted(len(found.entries), 'file')}", err=True)
-
-
-def _tell_end(session: Run, left: int, values: dict[str, Any]) -> None:
-    from rigtri.batch.work import STATUSES
-
-    counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
-    words = [*counts, *([f"{left} not begun"] if left else [])]
-    said = ", ".join(words) or "nothing to do"
-    click.echo(f"{counted(session.counts.total() + left, 'file')}: {said}", err=True)
-    for what, count in session.missing.most_common(MOST_MISSING):
-        click.echo(plain(f"in {count} of them: {what}", one_line=True), err=True)
-    if len(session.missing) > MOST_MISSING:
-        more = len(session.missing) - MOST_MISSING
-        click.echo(f"{counted(more, 'name')} more that files have not; rigtri batch-report tells", err=True)
-    if values["dry_run"]:
-        click.echo("Nothing was written (--dry-run).", err=True)
-
-
-@contextmanager
-def _log(path: str | None) -> Iterator[IO[str] | None]:
-    if path is None:
-        yield None
-        return
-    try:
-        file = open(path, "a", encoding="utf-8", errors="backslashreplace")  # noqa: SIM115
-    except OSError as error:
-        raise FileError(f"--log {path} cannot be written: {error.strerror}") from error
-    with file:
-        yield file

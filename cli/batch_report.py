@@ -9,7 +9,8 @@ from typing import Any
 
 import click
 
-from .options import Tolerance, json_option
+from .options import json_option
+from .values import Tolerance
 from .words import counted, plain
 
 

@@ -9,17 +9,18 @@ import click
 
 from rigtri.errors import UsageError
 
+from .asked import with_target
+from .editing import run, side_files
 from .options import (
-    Tolerance,
     dry_run_option,
     optional_target_option,
     output_options,
     overwrite_option,
-    run,
-    side_files,
+    report_option,
+    strict_option,
     verify_option,
-    with_target,
 )
+from .values import Tolerance
 from .words import plain
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ spec_option = click.option(
 set_option = click.option(
     "--set", "variables", multiple=True, metavar="NAME=VALUE", help="Give a variable of the spec a value."
 )
+spec_tolerance_option = click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
 
 
 @click.command("build")
@@ -48,18 +50,12 @@ set_option = click.option(
 @click.option(
     "--explain", is_flag=True, help="Say what would be done, step by step; with IN, what comes of it."
 )
-@click.option("--strict", is_flag=True, help="Make any warning an error (5), also where the spec does not.")
-@click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
-@verify_option
-@click.option(
-    "--report",
-    "report_path",
-    metavar="FILE.json",
-    type=click.Path(dir_okay=False),
-    help="Write what was done, per step, joint and limb, with the measured deviation.",
-)
+@strict_option("Make any warning an error (5), also where the spec does not.")
+@spec_tolerance_option
+@verify_option()
+@report_option("Write what was done, per step, joint and limb")
 @dry_run_option
-@overwrite_option
+@overwrite_option()
 @output_options
 def command(**values: Any) -> None:
     """Build a rig by a spec: the steps that a file lists, in one go.
@@ -152,12 +148,12 @@ def summary(do: str, report: Report) -> str:
 
 def _explain(values: dict[str, Any], spec: Spec) -> None:
     """The steps as text; with IN, what each does there, measured but not written."""
-    for one in spec.steps:
-        click.echo(plain(_line(one), one_line=True))
-    report_path = values["report_path"]
-    if values["source"] is None:
-        if report_path or values["target"]:
-            raise UsageError("--explain without IN builds nothing: give IN, or leave out --report and -o")
+    alone = values["source"] is None
+    if alone and (values["report_path"] or values["target"] or values["as_json"]):
+        raise UsageError("--explain without IN builds nothing: give IN, or leave out --report, --json and -o")
+    for one in spec.steps:  # beside a report on standard output they would be no JSON
+        click.echo(plain(_line(one), one_line=True), err=values["as_json"])
+    if alone:
         return
     _run(with_target(values) | {"dry_run": True, "unnamed": True}, spec)
 

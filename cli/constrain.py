@@ -6,29 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import (
-    edit_options,
-    given_options,
-    output_options,
-    reading_options,
-    refuse_given,
-    request,
-    run_edit,
-    source_argument,
-    target_option,
-)
+from .asked import given_options, refuse_given, request
+from .editing import run_edit
+from .options import edit_options, output_options, reading_options, source_argument, target_option
+from .values import direction
 
 if TYPE_CHECKING:
     from rigtri.report import Report
 
 _KINDS = ("parent", "point", "orient", "scale", "aim", "polevector")
 _ORDERS = ("xyz", "yzx", "zxy", "xzy", "yxz", "zyx")
-
-
-def _direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
-    from .options import direction
-
-    return direction(ctx, param, value)
 
 
 def _orient(ctx: click.Context, param: click.Parameter, value: str) -> Any:
@@ -97,7 +84,7 @@ def _orient(ctx: click.Context, param: click.Parameter, value: str) -> Any:
 )
 @click.option(
     "--aim-axis",
-    callback=_direction,
+    callback=direction,
     default="x",
     show_default=True,
     metavar="AXIS|X,Y,Z",
@@ -105,7 +92,7 @@ def _orient(ctx: click.Context, param: click.Parameter, value: str) -> Any:
 )
 @click.option(
     "--up-axis",
-    callback=_direction,
+    callback=direction,
     default="y",
     show_default=True,
     metavar="AXIS|X,Y,Z",
@@ -119,7 +106,7 @@ def _orient(ctx: click.Context, param: click.Parameter, value: str) -> Any:
     help="aim: what the up axis leans to: a direction, a node's place, a node's axis, or nothing.",
 )
 @click.option(
-    "--up-vector", callback=_direction, metavar="AXIS|X,Y,Z", help="That direction or axis. [the file's up]"
+    "--up-vector", callback=direction, metavar="AXIS|X,Y,Z", help="That direction or axis. [the file's up]"
 )
 @click.option("--up-object", metavar="NODE", help="That node.")
 @click.option("--limb", nargs=3, metavar="ROOT MIDDLE END", help="polevector: the limb whose bend follows.")

@@ -10,7 +10,10 @@ from typing import Any
 import click
 
 from . import failures
-from .options import Tolerance, check_streams, json_option, read_options, reading_options, tell_root
+from .asked import check_streams, read_options
+from .options import json_option, reading_options
+from .telling import tell_root
+from .values import Tolerance
 from .words import plain
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.

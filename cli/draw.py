@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,16 +11,16 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
+from .asked import check_streams, read_options
 from .options import (
-    Number,
-    check_streams,
     json_option,
     output_option,
+    overwrite_option,
     quiet_option,
-    read_options,
     reading_options,
     source_argument,
 )
+from .values import Number
 
 if TYPE_CHECKING:
     from rigtri.drawing.picture import Options
@@ -74,7 +73,7 @@ if TYPE_CHECKING:
     "--size", metavar="WIDTHxHEIGHT", callback=pictures.size, help="In pixels. [1000x900; two: 1500x900]"
 )
 @reading_options
-@pictures.overwrite_picture_option
+@overwrite_option("the picture")
 @quiet_option
 @json_option
 def command(source: str, target: str, **values: Any) -> None:
@@ -94,7 +93,7 @@ def command(source: str, target: str, **values: Any) -> None:
     from rigtri.drawing.marks import as_json
     from rigtri.drawing.picture import draw, seen
     from rigtri.formats import read
-    from rigtri.inputs import opened
+    from rigtri.inputs import opened, title
     from rigtri.report import Report
 
     if values["as_json"] and target == "-":
@@ -108,7 +107,7 @@ def command(source: str, target: str, **values: Any) -> None:
         reading = read_options({**values, "empty": True})
         documents = [read(stack.enter_context(opened(name)), reading) for name in sources]
         rigs = [document.rig for document in documents]
-        titles = ["standard input" if name == "-" else Path(name).name for name in sources]
+        titles = [title(name) for name in sources]
         marked = [f"{when}: {title}" for when, title in zip(("after", "before"), titles, strict=False)]
         svg = draw(
             rigs[0],
@@ -124,7 +123,7 @@ def command(source: str, target: str, **values: Any) -> None:
     pictures.deliver(svg, target, report)
     if values["as_json"]:
         sides = [{"file": name, "marks": found} for name, found in zip(sources, lines, strict=True)]
-        warnings = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+        warnings = [notice.as_json() for notice in report.warnings]
         found = {"picture": target, "sides": sides, "warnings": warnings}
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
     pictures.tell(report, target, values)

@@ -14,7 +14,8 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
-from .options import json_option, output_option, quiet_option, read_options, reading_options
+from .asked import read_options
+from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .words import plain
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 )
 @click.option("--view", metavar="X,Y,Z", help="Where the picture is seen from. [across the plane]")
 @reading_options
-@pictures.overwrite_picture_option
+@overwrite_option("the picture")
 @quiet_option
 @json_option
 def command(points: tuple[str, ...], **values: Any) -> None:

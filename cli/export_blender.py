@@ -10,16 +10,16 @@ import click
 
 from rigtri.errors import UsageError
 
+from .asked import read_options
 from .options import (
     json_option,
     output_option,
     overwrite_option,
     quiet_option,
-    read_options,
     reading_options,
     source_argument,
-    tell_warnings,
 )
+from .telling import tell_warnings
 
 
 @click.command("export-blender")
@@ -30,7 +30,7 @@ from .options import (
     required=True,
     type=click.Path(allow_dash=True, dir_okay=False),
 )
-@overwrite_option
+@overwrite_option()
 @reading_options
 @quiet_option
 @json_option
@@ -58,7 +58,7 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
     report = Report()
     made = setup_for(source, read_options(values), report)
     if not quiet:
-        tell_warnings(report)
+        tell_warnings(report.warnings)
     if target == "-":
         click.echo(made.script, nl=False)
         return
@@ -69,7 +69,7 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
         "nodes": len(made.plan["nodes"]),
         "constraints": len(made.plan["constraints"]),
         "limbs": len(made.plan["limbs"]),
-        "warnings": [{"code": notice.code, "text": notice.text} for notice in report.warnings],
+        "warnings": [notice.as_json() for notice in report.warnings],
     }
     if as_json:
         click.echo(json.dumps(told, indent=2, ensure_ascii=False))

@@ -15,7 +15,7 @@ import click
 from rigtri.errors import Fault, RigtriError, kind_of
 
 from . import INTERRUPTED
-from .words import plain
+from .words import plain, without_advice
 
 # In the context of a run: whether standard output is wanted as JSON and has nothing on it yet.
 _WANTED = "rigtri.cli.failures"
@@ -113,8 +113,9 @@ def end(ctx: click.Context | None, error: Exception, code: int | None = None) ->
     message = plain(message, one_line=True)
     click.echo(f"rigtri: {message}", err=True)
     faults = error.faults if isinstance(error, RigtriError) else ()
-    for fault in faults:
-        click.echo(plain(f"  {fault}", one_line=True), err=True)
+    told = [without_advice(str(fault)) for fault in faults]
+    for line in [*(text for text, _ in told), *dict.fromkeys(each for _, advice in told for each in advice)]:
+        click.echo(plain(f"  {line}", one_line=True), err=True)
     if ctx is not None:
         tell_json(ctx, kind, message, own if code is None else code, faults)
     _takes_more()

@@ -10,13 +10,9 @@ from typing import Any
 
 import click
 
-from .options import (
-    json_option,
-    read_options,
-    reading_options,
-    source_argument,
-    tell_root,
-)
+from .asked import read_options
+from .options import json_option, no_warnings_option, reading_options, source_argument
+from .telling import tell_root, tell_warnings
 from .words import colored, plain
 
 _COLORS = {"x": "red", "y": "green", "z": "blue"}
@@ -27,7 +23,7 @@ _ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←�
 @click.command("inspect")
 @source_argument
 @reading_options
-@click.option("-q", "--quiet", is_flag=True, help="Leave out the warnings.")
+@no_warnings_option
 @json_option
 def command(source: str, **values: Any) -> None:
     """Show the joints of a file: axes, lengths, bends, skins, clips, warnings.
@@ -47,7 +43,7 @@ def command(source: str, **values: Any) -> None:
         document = read(path, read_options(values))
         rig = document.rig
         if values["as_json"]:
-            warnings = [{"code": n.code, "text": n.text} for n in document.warnings]
+            warnings = [notice.as_json() for notice in document.warnings]
             found = {"file": source} | as_json(rig) | {"warnings": warnings}
             click.echo(json.dumps(found, indent=2, ensure_ascii=False))
             return
@@ -55,8 +51,7 @@ def command(source: str, **values: Any) -> None:
         _tell(plain(describe(rig, width=width)))
         if not values["quiet"]:
             tell_root(source, values["root"])
-            for notice in document.warnings:
-                click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
+            tell_warnings(document.warnings, verbose=True)
 
 
 def _tell(text: str) -> None:

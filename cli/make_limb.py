@@ -9,22 +9,19 @@ import click
 
 from rigtri import scratch
 from rigtri.errors import UsageError
-from rigtri.ops.presets import PRESETS
 
+from .asked import given_options, refuse_given, request
+from .editing import run_edit
 from .options import (
-    Number,
     edit_options,
-    given_options,
     needed_output,
     output_option,
     output_options,
-    points,
     pole_options,
+    preset_option,
     reading_options,
-    refuse_given,
-    request,
-    run_edit,
 )
+from .values import Number, points
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -75,7 +72,7 @@ def spread(args: list[str]) -> list[str]:
     help="The places themselves, in the world; without IN they make a new file.",
 )
 @click.option("--planar", is_flag=True, help="More than three: lay the inner joints into the limb's plane.")
-@click.option("--preset", type=click.Choice(list(PRESETS)), help="The axes of another program.")
+@preset_option("The axes of another program.")
 @click.option("--aim", metavar="AXIS", help="Axis that aims at the next joint. [x]")
 @click.option("--up", metavar="AXIS", help="Axis that goes up. [y]")
 @click.option(

@@ -10,19 +10,17 @@ import click
 
 from rigtri.errors import UsageError
 
+from .asked import given_options, read_options, request
+from .editing import run_edit
 from .options import (
-    Number,
     edit_options,
-    given_options,
     optional_target_option,
     output_options,
-    read_options,
     reading_options,
-    request,
-    run_edit,
     source_argument,
     turn_options,
 )
+from .values import Number
 from .words import counted, plain
 
 if TYPE_CHECKING:

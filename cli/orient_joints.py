@@ -9,17 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.ops.presets import PRESETS
-
+from .asked import given_options, request
+from .editing import copy_ahead, run_edit
 from .options import (
-    copy_ahead,
     edit_options,
     facing_option,
-    given_options,
     output_options,
+    preset_option,
     reading_options,
-    request,
-    run_edit,
     source_argument,
     target_option,
     turn_options,
@@ -54,11 +51,7 @@ def _degrees(ctx: click.Context, param: click.Parameter, value: str | None) -> A
 @click.command("orient-joints", cls=InOrder)
 @source_argument
 @target_option
-@click.option(
-    "--preset",
-    type=click.Choice(list(PRESETS)),
-    help="The axes of another program: aim, up and where up comes from.",
-)
+@preset_option("The axes of another program: aim, up and where up comes from.")
 @click.option("--aim", multiple=True, metavar="AXIS", help="Axis that aims at the child. [x]")
 @click.option("--up", multiple=True, metavar="AXIS", help="Axis that goes up. [y]")
 @click.option(

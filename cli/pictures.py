@@ -10,6 +10,7 @@ import click
 
 from rigtri.errors import UsageError
 
+from .telling import tell_warnings
 from .words import plain
 
 if TYPE_CHECKING:
@@ -21,9 +22,6 @@ view_option = click.option(
     "--view",
     metavar="front|back|side|top|three-quarter|X,Y,Z",
     help="Where it is looked at from; front is where the character faces, side its left. [three-quarter]",
-)
-overwrite_picture_option = click.option(
-    "--overwrite", is_flag=True, help="Replace the picture where it exists."
 )
 
 
@@ -87,7 +85,6 @@ def tell(report: Report, target: str, values: dict[str, Any]) -> None:
     """The warnings, and where the picture is."""
     if values["quiet"]:
         return
-    for notice in report.warnings:
-        click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
+    tell_warnings(report.warnings, verbose=True)
     if target != "-":
         click.echo(f"Wrote {plain(target, one_line=True)}", err=True)

@@ -9,19 +9,10 @@ import click
 
 from rigtri.errors import UsageError
 
-from .options import (
-    copy_ahead,
-    edit_options,
-    given_options,
-    output_option,
-    output_options,
-    read_options,
-    reading_options,
-    request,
-    run_edit,
-    source_argument,
-    tell_warnings,
-)
+from .asked import given_options, read_options, request
+from .editing import copy_ahead, run_edit
+from .options import edit_options, output_option, output_options, reading_options, source_argument
+from .telling import tell_warnings
 from .words import plain
 
 if TYPE_CHECKING:
@@ -92,11 +83,11 @@ def _print(values: dict[str, Any], options: Any) -> None:
         report = Report()
         found = {"file": values["source"]} | table(document.rig, options, report)
     if not values["quiet"]:
-        tell_warnings(report, values["verbose"])
+        tell_warnings(report.warnings, values["verbose"])
     if values["strict"]:
         report.refuse_warnings()
     if values["as_json"]:
-        found["warnings"] = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+        found["warnings"] = [notice.as_json() for notice in report.warnings]
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
         return
     rows: list[tuple[str, ...]] = [("joint", "translation", "rotation x y z w", "scale", "in the world")]

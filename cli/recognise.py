@@ -10,23 +10,18 @@ from typing import Any
 
 import click
 
-from .options import json_option, read_options, reading_options, source_argument, tell_root
+from .asked import read_options
+from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
+from .telling import tell_root, tell_warnings
 from .words import plain
 
 
 @click.command("recognise")
 @source_argument
 @click.option("--joints", is_flag=True, help="List every joint by itself: its bone, what it is for, and why.")
-@click.option(
-    "--scheme",
-    "own",
-    metavar="FILE",
-    type=click.Path(path_type=Path),
-    multiple=True,
-    help="Ask this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES names folders.",
-)
+@scheme_option
 @reading_options
-@click.option("-q", "--quiet", is_flag=True, help="Leave out the warnings.")
+@no_warnings_option
 @json_option
 def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> None:
     """Find spine, head, arms, legs, hands and fingers by map, names and shape, and say why.
@@ -52,7 +47,7 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
         document = read(path, read_options({**values, "empty": True}))
         layout = recognise(document.rig, own=schemes)
         if values["as_json"]:
-            warnings = [{"code": n.code, "text": n.text} for n in document.warnings]
+            warnings = [notice.as_json() for notice in document.warnings]
             found = {"file": source} | as_json(document.rig, layout) | {"warnings": warnings}
             click.echo(json.dumps(found, indent=2, ensure_ascii=False))
             return
@@ -60,5 +55,4 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
         click.echo(plain(text(document.rig, layout, joints=joints, width=width)))
         if not values["quiet"]:
             tell_root(source, values["root"])
-            for notice in document.warnings:
-                click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
+            tell_warnings(document.warnings, verbose=True)

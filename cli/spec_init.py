@@ -10,7 +10,8 @@ import click
 
 from rigtri.errors import UsageError
 
-from .options import json_option, output_option, read_options, reading_options, source_argument
+from .asked import read_options
+from .options import json_option, output_option, overwrite_option, reading_options, source_argument
 from .words import plain
 
 
@@ -23,7 +24,7 @@ from .words import plain
     show_default=True,
     type=click.Path(allow_dash=True, dir_okay=False),
 )
-@click.option("--overwrite", is_flag=True, help="Replace FILE.yaml where it exists.")
+@overwrite_option("FILE.yaml")
 @reading_options
 @json_option
 def command(source: str, target: str, overwrite: bool, as_json: bool, **values: Any) -> None:

@@ -6,17 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import (
-    copy_ahead,
-    edit_options,
-    given_options,
-    output_options,
-    reading_options,
-    request,
-    run_edit,
-    source_argument,
-    target_option,
-)
+from .asked import given_options, request
+from .editing import copy_ahead, run_edit
+from .options import edit_options, output_options, reading_options, source_argument, target_option
 
 if TYPE_CHECKING:
     from rigtri.report import Report

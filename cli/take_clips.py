@@ -6,17 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import (
-    check_streams,
-    edit_options,
-    given_options,
-    output_options,
-    reading_options,
-    request,
-    run_edit,
-    says_more,
-    target_option,
-)
+from .asked import check_streams, given_options, request
+from .editing import run_edit
+from .options import edit_options, output_options, reading_options, says_more, target_option
 from .words import grown
 
 if TYPE_CHECKING:

@@ -11,28 +11,16 @@ import click
 from rigtri.errors import DeviationError
 
 from . import failures
-from .options import (
-    TOLERANCE,
-    Tolerance,
-    check_streams,
-    output_options,
-    read_options,
-    reading_options,
-    tell_root,
-)
+from .asked import check_streams, read_options
+from .options import output_options, reading_options, tolerance_option
+from .telling import tell_root
 from .words import plain
 
 
 @click.command("verify")
 @click.argument("before", metavar="BEFORE", type=click.Path(allow_dash=True))
 @click.argument("after", metavar="AFTER", type=click.Path(allow_dash=True))
-@click.option(
-    "--tolerance",
-    type=Tolerance(),
-    default=TOLERANCE,
-    show_default=True,
-    help="Pass up to this share of the bounding-box diagonal.",
-)
+@tolerance_option("Pass up to this share of the bounding-box diagonal.")
 @reading_options
 @output_options
 def command(before: str, after: str, tolerance: float, **values: Any) -> None:

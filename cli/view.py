@@ -12,16 +12,16 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
+from .asked import check_streams, read_options
 from .options import (
-    Number,
-    check_streams,
     json_option,
     output_option,
+    overwrite_option,
     quiet_option,
-    read_options,
     reading_options,
     source_argument,
 )
+from .values import Number
 from .words import plain
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 )
 @click.option("--open", "opens", is_flag=True, help="Show the page in the browser, too.")
 @reading_options
-@click.option("--overwrite", is_flag=True, help="Replace the page where it exists.")
+@overwrite_option("the page")
 @quiet_option
 @json_option
 def command(source: str, target: str, **values: Any) -> None:
@@ -124,5 +124,5 @@ def _deliver(text: bytes, target: str) -> None:
 def _told(shown: list[Shown], target: str, size: int, report: Report) -> dict[str, Any]:
     """What was written, for machines."""
     sides = [{"file": one.name, "joints": sum(node["joint"] for node in one.facts["nodes"])} for one in shown]
-    warnings = [{"code": notice.code, "text": notice.text} for notice in report.warnings]
+    warnings = [notice.as_json() for notice in report.warnings]
     return {"page": target, "bytes": size, "sides": sides, "warnings": warnings}

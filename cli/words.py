@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
 
+from rigtri.errors import LIST_NAMES, SEE_LIMBS
 from rigtri.plain import plain as plain
 
 
@@ -28,6 +30,18 @@ def counted(count: int, noun: str) -> str:
     ('1 clip', '2 clips')
     """
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def without_advice(text: str) -> tuple[str, list[str]]:
+    """Faults without the advice at their ends, which is the same for all of them, and that advice.
+
+    >>> without_advice(f"No joint is named 'a'. {LIST_NAMES}; no clip. {LIST_NAMES}")
+    ("No joint is named 'a'; no clip", ['List what is there with: rigtri inspect FILE'])
+    """
+    found = [advice for advice in (LIST_NAMES, SEE_LIMBS) if advice in text]
+    for advice in found:
+        text = re.sub(rf"(?:(\?)|\.) {re.escape(advice)}", r"\1", text)
+    return text, found
 
 
 def grown(clips: Sequence[Mapping[str, Any]]) -> str:

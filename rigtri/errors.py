@@ -45,6 +45,11 @@ class FileError(RigtriError):
 _FEW = 6
 
 
+# What is advised at the end of errors that many files, or many faults of a spec, may have.
+LIST_NAMES = "List what is there with: rigtri inspect FILE"
+SEE_LIMBS = "See what is there, and why, with: rigtri recognise FILE"
+
+
 class NameNotFoundError(RigtriError):
     """A joint, node, clip or skin that the file does not have."""
 
@@ -56,7 +61,7 @@ class NameNotFoundError(RigtriError):
         said = "matches" if pattern and re.search(r"[*?\[]", name) else "is named"
         # Clips are few, and have names beside their numbers: all are told.
         hint = ("" if kind.startswith("clip") else _range(name, every)) or _meant(name, every)
-        super().__init__(f"No {kind} {said} '{name}'.{hint} List what is there with: rigtri inspect FILE")
+        super().__init__(f"No {kind} {said} '{name}'.{hint} {LIST_NAMES}")
 
 
 class AmbiguousNameError(RigtriError):
@@ -84,7 +89,7 @@ class NoLimbError(GeometryError):
     def __init__(self) -> None:
         super().__init__(
             "--limbs auto: no arms or legs were recognised surely enough. Name the limbs with "
-            "--limb ROOT MIDDLE END; see what is there, and why, with: rigtri recognise FILE"
+            f"--limb ROOT MIDDLE END. {SEE_LIMBS}"
         )
 
 

@@ -18,6 +18,11 @@ from rigtri.plain_files import check_plain
 _MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
 
 
+def title(source: Path | str) -> str:
+    """What the source is called where its folder does not matter."""
+    return "standard input" if str(source) == "-" else Path(source).name
+
+
 @contextmanager
 def opened(source: Path | str) -> Iterator[Path]:
     """The source as a file on disk, and arithmetic that a broken file may not make noisy."""

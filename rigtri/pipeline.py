@@ -347,14 +347,17 @@ class _Clock:
 def report_json(
     command: str,
     source: str,
-    target: str,
+    target: str | None,
     options: dict[str, Any],
     outcome: Outcome,
     *,
     tolerance: float,
     dry_run: bool,
 ) -> dict[str, Any]:
-    """The document that ``--report`` and ``--json`` give; schemas/report.schema.json describes it."""
+    """The document that ``--report`` and ``--json`` give; schemas/report.schema.json describes it.
+
+    target: None for a run that names no output.
+    """
     from rigtri import __version__
 
     verification = None

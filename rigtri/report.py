@@ -22,6 +22,10 @@ class Notice:
     joint: str | None = None
     geometry: bool = False
 
+    def as_json(self) -> dict[str, str]:
+        """The notice as commands print it that report nothing else of it."""
+        return {"code": self.code, "text": self.text}
+
 
 @dataclass
 class Report:

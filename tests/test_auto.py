@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from rigtri.compare import verify
 from rigtri.formats import read as document
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import Character, Layout
+from rigtri.recognition.schemes import Scheme
 from rigtri.rig import Rig
 
 from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
@@ -46,8 +48,8 @@ def kinds(rig: Rig) -> list[str]:
 def unsure(monkeypatch: pytest.MonkeyPatch) -> None:
     """Recognition that doubts every right arm."""
 
-    def doubting(rig: Rig) -> Layout:
-        layout = recognise(rig)
+    def doubting(rig: Rig, own: Sequence[Scheme] = ()) -> Layout:
+        layout = recognise(rig, own=own)
         return replace(layout, characters=tuple(map(_doubted, layout.characters)))
 
     for module in ("automatic", "starter"):
@@ -146,9 +148,12 @@ def test_what_is_no_character_is_left_alone(app: click.Group, tmp_path: Path, ma
 
 def test_two_characters_of_a_file_get_a_rig_each(app: click.Group, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
-    run(app, "auto", written(two_characters(), tmp_path), "-o", out)
+    result = run(app, "auto", written(two_characters(), tmp_path), "-o", out)
     built = kinds(read(out))
-    assert [built.count(kind) for kind in ("control ik", "poleVector")] == [8, 8]
+    assert [built.count(kind) for kind in ("control ik", "poleVector", "control root")] == [8, 8, 1]
+    remark = "left out: a root control for each of the 2 characters; add-controls puts one over all of them"
+    assert remark in result.stderr
+    assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
 def test_the_report_tells_what_was_recognised_and_done(app: click.Group, tmp_path: Path) -> None:
@@ -200,4 +205,22 @@ def test_words_that_contradict_each_other_are_refused(app: click.Group, tmp_path
     source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
     run(app, "auto", source, "-o", out, "--spec-out", tmp_path / "a.yaml", "--no-spec", code=2)
     run(app, "auto", source, "-o", out, "--spec-out", tmp_path / "a.toml", code=2)
-    run(app, "auto", "-", "-o", out, code=2)
+
+
+def test_a_character_on_standard_input_gets_the_same_rig(app: click.Group, tmp_path: Path) -> None:
+    source, named, piped = SAMPLES / "tpose.glb", tmp_path / "named.glb", tmp_path / "piped.glb"
+    run(app, "auto", source, "-o", named)
+    words = ["auto", "-", "-o", str(piped)]
+    assert CliRunner().invoke(app, words, input=source.read_bytes()).exit_code == 0
+    assert piped.read_bytes() == named.read_bytes()
+    assert 'for "standard input"' in piped.with_suffix(".rig.yaml").read_text("utf-8")
+
+
+def test_a_scheme_of_ones_own_names_limbs_for_auto(app: click.Group, tmp_path: Path) -> None:
+    scheme = tmp_path / "studio.toml"
+    scheme.write_text('title = "Our studio"\nlike = "bones"\nmarks = "shin"\n')
+    words = ["auto", SAMPLES / "biped.glb", "-n", "-v"]
+    assert "Our studio" not in run(app, *words).output
+    assert "Our studio" in run(app, *words, "--scheme", scheme).output
+    refused = run(app, *words, "--scheme", tmp_path / "no.toml", code=3)
+    assert "no.toml" in refused.stderr

@@ -133,11 +133,16 @@ def test_what_some_files_have_not_is_counted_at_the_end(app: click.Group, here: 
     given = ("--spec", "rig.yaml", "-O", "out", "-j", "1", "--no-verify")
     result = CliRunner().invoke(app, ["batch", "in/a.glb", "in/tail.glb", "in/hand.glb", *given])
     assert result.exit_code == 7
-    assert result.stderr.splitlines()[-3:] == [
+    advice = "List what is there with: rigtri inspect FILE"
+    assert result.stderr.splitlines()[-4:] == [
         "3 files: 1 warned, 2 error",
         "in 2 of them: No joint is named 'hips'",
         "in 2 of them: No joint is named 'hand_L'",
+        advice,
     ]
+    assert result.stderr.count(advice) == 1
+    alone = CliRunner().invoke(app, ["build", "in/tail.glb", "--spec", "rig.yaml", "-n"])
+    assert [line.strip() for line in alone.stderr.splitlines()].count(advice) == 1
 
 
 def test_faults_of_a_spec_come_before_all_work(app: click.Group, here: Path) -> None:

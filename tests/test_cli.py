@@ -72,7 +72,11 @@ def test_a_dry_run_needs_no_name_for_what_it_does_not_write(
     done = run(command, source, *more, "--dry-run", "--json")
     assert done.exit_code == 0, done.output
     assert "No OUT was written (--dry-run)." in done.stderr
+    assert json.loads(done.stdout)["target"] is None
     assert sorted(tmp_path.iterdir()) == before
+    if command == "build":
+        told = run(command, source, *more, "--explain", "--json")
+        assert json.loads(told.stdout)["target"] is None
     without = run(command, source, *more, code=2)
     assert (without.exit_code, "-o" in without.stderr) == (2, True)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -113,6 +114,24 @@ BAD: dict[str, tuple[Spoil, str]] = {
     "root of scene": (lambda g: g["scenes"][0].update(nodes=[77]), "there is no node 77"),
     "scene": (lambda g: g.update(scene=5), "there is no scene 5"),
 }
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"x", "begins with 'x', where a GLB begins with 'glTF' and a .gltf with '{'"),
+        (b"\n#usda 1.0\nand more", "begins with '#usda 1.0',"),
+        (b"\x89PNG\r\n\x1a\n", "begins with the bytes 89 50 4e 47,"),
+        (b"glTF", "ends after 4 bytes"),
+        (b"", "is empty"),
+        (b'\xef\xbb\xbf  {"asset": }', "no valid JSON"),
+    ],
+)
+def test_what_is_no_gltf_is_told_by_how_it_begins(content: bytes, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.glb"
+    path.write_bytes(content)
+    with pytest.raises(FileError, match=re.escape(words)):
+        use(path)
 
 
 @pytest.mark.parametrize("name", BAD)

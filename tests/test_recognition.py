@@ -30,6 +30,7 @@ from recognition.skeletons import (
 )
 from second_opinions import validator
 
+import rigtri
 from rigtri.errors import FileError
 from rigtri.formats import read
 from rigtri.limbs import recognise as limbs
@@ -406,11 +407,21 @@ def test_a_scheme_of_ones_own_is_asked_first(tmp_path: Path, monkeypatch: pytest
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("title = 3 3", "no naming scheme"),
-        ('[sides]\nHand = "h"', "title"),
-        ('title = "A"\nbones = 1', "bones"),
-        ('title = "A"\n[middle]\nHand = "h"', "'Hand' is no bone of the middle"),
-        ('title = "A"\nlike = "nobody"', "nobody"),
+        ("title = 3 3", "this is no TOML: .*line 1"),
+        ('[sides]\nHand = "h"', "'title' is missing"),
+        ("title = 3", "'title' is a number: give a text"),
+        ('title = "A"\nside = 1', "there is no 'side'. Did you mean 'sides'"),
+        ('title = "A"\n[middle]\nHand = "h"', r"\[middle\] Hand: there is no such bone here. There are hips"),
+        ('title = "A"\n[sides]\nUperArm = "h"', r"\[sides\] UperArm: .*Did you mean 'UpperArm'"),
+        ('title = "A"\n[chains]\ntail = "t"', r"\[chains\] tail: .*There are arm, leg"),
+        ('title = "A"\n[sides]\nHand = ["a"]', r"\[sides\] Hand is a list: give a text in quotes"),
+        ('title = "A"\nsides = "a"', "'sides' is a text: make it a table"),
+        ('title = "A"\n[sides]\nHand = "ok HandTop"', "no name can say 'HandTop': write 'handtop'"),
+        ('title = "A"\n[sides]\nHand = "l_hand"', "no name can say 'l_hand': write 'hand'"),
+        ('title = "A"\n[sides]\nHand = "joint"', "no name can say 'joint': sides and words like joint"),
+        ('title = "A"\nmarks = "XX"', "'marks': no name can say 'XX': write 'xx'"),
+        ('title = "A"\nlike = "unrael"', "no scheme 'unrael' to be like. Did you mean 'unreal'"),
+        ('like = 1\nbones = "b"', "'like' is a number.*; there is no 'bones'.*; 'title' is missing"),
     ],
 )
 def test_what_is_no_scheme_is_refused(text: str, words: str, tmp_path: Path) -> None:
@@ -418,6 +429,21 @@ def test_what_is_no_scheme_is_refused(text: str, words: str, tmp_path: Path) -> 
     path.write_text(text, "utf-8")
     with pytest.raises(FileError, match=words):
         own_scheme(path)
+
+
+def test_rigtris_own_schemes_have_no_faults() -> None:
+    folder = Path(rigtri.__file__).parent / "recognition" / "schemes"
+    assert [own_scheme(path).title for path in sorted(folder.glob("*.toml"))]
+
+
+def test_a_folder_of_schemes_that_is_not_there_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, app: click.Group
+) -> None:
+    monkeypatch.setenv("RIGTRI_SCHEMES", str(tmp_path / "gone"))
+    result = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb")])
+    assert result.exit_code == 3
+    assert "RIGTRI_SCHEMES names" in result.stderr
+    assert "gone, which is no folder" in result.stderr
 
 
 def test_a_name_is_read_whatever_stands_between_its_words() -> None:

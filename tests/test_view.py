@@ -365,6 +365,11 @@ def test_what_is_missing_or_cannot_be_shown_is_told(view: Any, tmp_path: Path) -
     assert len(notices) == 3
 
 
+def test_chains_too_deep_for_three_js_are_told(view: Any, tmp_path: Path) -> None:
+    told = view(small(joints=2100).glb(tmp_path / "in.glb"), "-o", tmp_path / "a.html").stderr
+    assert "warning: in.glb: 2100 nodes hang one below the other; the page cannot show more than some" in told
+
+
 def test_textures_that_no_page_can_show_are_told_once_with_the_reason(view: Any, tmp_path: Path) -> None:
     b = small()
     b.gltf["images"] = [

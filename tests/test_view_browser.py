@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from pathlib import Path
 from typing import Any
 
@@ -333,6 +334,21 @@ def test_an_image_that_no_browser_reads_is_counted_and_told(page: Any, tmp_path:
     assert "cannot read the image a.png" in named["results"][0]
     assert (inside["state"]["state"], inside["state"]["errors"]) == ("ready", "1")
     assert "cannot read an image that is in the file" in inside["results"][0]
+
+
+def test_an_svg_is_told_once_and_is_no_error(page: Any, tmp_path: Path) -> None:
+    svg = b"<svg xmlns='http://www.w3.org/2000/svg' width='1' height='1'/>"
+    (tmp_path / "a.svg").write_bytes(svg)
+    inside = {"uri": f"data:image/svg+xml;base64,{b64encode(svg).decode()}"}
+    jobs = []
+    for name, image in (("named", {"uri": "a.svg"}), ("inside", inside)):
+        b = evil()
+        b.gltf["images"] = [image]
+        jobs.append({"page": page(b.glb(tmp_path / f"{name}.glb")), "steps": [{"evaluate": ON_SCREEN}]})
+    for told in visited(*jobs, folder=tmp_path):
+        assert (told["state"]["state"], told["state"]["errors"]) == ("ready", "0")
+        assert told["results"][0].count("textures are not shown") == 1
+        assert "cannot read" not in told["results"][0]
 
 
 REAL = {

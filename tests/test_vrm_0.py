@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 from second_opinions import khronos_errors
 
 from rigtri.compare import verify
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError, NameNotFoundError, UsageError
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.ops.orient import Options, orient_joints
 from rigtri.ops.presets import PRESETS, Style
@@ -137,6 +137,12 @@ def test_all_other_axes_are_refused_with_the_reason_and_what_to_do(options: Opti
     rig = GltfDocument.read(avatar_0(1).glb(tmp_path / "a.vrm")).rig
     with pytest.raises(FileError, match=r"VRM 0.x forbids rest rotations.*--world.*convert.*VRM 1.0"):
         orient_joints(rig, options=options)
+
+
+def test_a_name_that_is_not_there_is_told_first(tmp_path: Path) -> None:
+    rig = GltfDocument.read(avatar_0(1).glb(tmp_path / "a.vrm")).rig
+    with pytest.raises(NameNotFoundError, match="Did you mean 'head'"):
+        orient_joints(rig, options=Options(selection=Selection(joints=("haed",))))
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ that a second run on the same manifest is refused, and readers see the last comm
 
 from __future__ import annotations
 
-import glob
 import json
 import os
 import sqlite3
@@ -16,21 +15,25 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Self, overload
+from typing import Any, Self
 
 from rigtri.batch.axes import Axes
 from rigtri.batch.contents import seen_from
 from rigtri.batch.entries import Entry
-from rigtri.batch.shards import Shard
+from rigtri.batch.manifest_file import (
+    APPLICATION,
+    VERSION,
+    Known,
+    check,
+    look_up,
+    name_of,
+    sqlite_errors,
+    writable,
+)
 from rigtri.batch.work import Record, reason
-from rigtri.errors import FileError, UsageError
-
-NAME = "rigtri-batch.sqlite"
-# Of this layout of the tables, and of manifests among other SQLite files.
-VERSION = 1
-APPLICATION = 0x52494742
+from rigtri.errors import UsageError
 
 _TABLES = """
 CREATE TABLE files(
@@ -62,17 +65,6 @@ CREATE INDEX IF NOT EXISTS warnings_code ON warnings(code, file);
 """
 
 
-@dataclass(frozen=True)
-class Known:
-    """What a manifest says about an output. made: hashes of what the last run that wrote it wrote."""
-
-    status: str
-    task: str
-    read: dict[str, str]
-    made: dict[str, str]
-    deviation: float | None
-
-
 class Manifest:
     """A manifest that one run writes. Its calls may come from any thread.
 
@@ -85,7 +77,7 @@ class Manifest:
 
         self.folder, self._lock = os.path.abspath(path.parent), threading.RLock()
         self._path = path
-        with _told(path):
+        with sqlite_errors(path):
             self._base = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
             with ExitStack() as failing:
                 failing.callback(self._base.close)
@@ -201,7 +193,7 @@ class Manifest:
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
-        with self._lock, _told(self._path):
+        with self._lock, sqlite_errors(self._path):
             yield self._base
             self._commit()
 
@@ -219,95 +211,6 @@ class Manifest:
                 f"{self._path}: another batch is writing this manifest; wait for it, or give another "
                 "--manifest"
             ) from None
-
-
-_WITHOUT = "A batch does all anew without it: with another --manifest, and --overwrite"
-
-
-def check(base: sqlite3.Connection, path: Path, *, empty: bool = False) -> None:
-    """UsageError for a manifest of another version, FileError for another file. empty: may be a new one."""
-    (version,) = base.execute("PRAGMA user_version").fetchone()
-    (application,) = base.execute("PRAGMA application_id").fetchone()
-    (tables,) = base.execute("SELECT count(*) FROM sqlite_master").fetchone()
-    if empty and not tables and not version:
-        return
-    if application != APPLICATION:
-        raise FileError(f"{path} is no manifest of rigtri batch; give another --manifest")
-    if version != VERSION:
-        raise UsageError(
-            f"{path} is a manifest of version {version}, and this rigtri knows version {VERSION}: use the "
-            f"rigtri that wrote it. {_WITHOUT}"
-        )
-
-
-@contextmanager
-def opened(path: Path, *, empty: bool = False) -> Iterator[sqlite3.Connection]:
-    """A manifest for reading, also while a run writes it. FileError where it cannot be read.
-
-    empty: it may have no tables yet.
-    """
-    if not path.is_file():
-        raise FileError(f"There is no manifest {path}")
-    # Who may only read cannot tidy up what reading a WAL leaves beside it.
-    mode = "rw" if os.access(path, os.W_OK) and os.access(path.resolve().parent, os.W_OK) else "ro"
-    with _told(path):
-        base = sqlite3.connect(f"{path.resolve().as_uri()}?mode={mode}", uri=True, check_same_thread=False)
-        try:
-            base.execute("PRAGMA query_only=1")
-            check(base, path, empty=empty)
-            yield base
-        finally:
-            base.close()
-
-
-def place(path: Path, shard: Shard | None) -> Path:
-    """Where the manifest of a part of a batch is: each has its own, for machines cannot share one."""
-    if shard is None or shard.count == 1:
-        return path
-    return path.with_name(f"{path.stem}-{shard.numbers}-of-{shard.count}{path.suffix}")
-
-
-def others(path: Path, own: Path) -> list[Path]:
-    """The manifests that other parts of a batch have written, and the whole of it, if they are there."""
-    found = path.parent.glob(f"{glob.escape(path.stem)}-*-of-*{glob.escape(path.suffix)}")
-    return [other for other in (path, *sorted(found)) if other != own and other.is_file()]
-
-
-def name_of(folder: str, entry: Entry) -> str:
-    """What an entry's output is called in the manifests of a folder."""
-    return writable(seen_from(folder, entry.target))
-
-
-@overload
-def writable(text: str) -> str: ...
-@overload
-def writable(text: None) -> None: ...
-def writable(text: str | None) -> str | None:
-    """Text that SQLite takes: names of files and joints may hold half of a surrogate pair."""
-    return text and text.encode("utf-8", "backslashreplace").decode()
-
-
-def look_up(base: sqlite3.Connection, output: str) -> Known | None:
-    """What a manifest says about an output, by the name that it has there."""
-    row = base.execute(
-        "SELECT status, task, read, made, deviation FROM files JOIN contents ON file=id WHERE output=?",
-        (output,),
-    ).fetchone()
-    if row is None:
-        return None
-    status, task, read, made, deviation = row
-    return Known(status, task, json.loads(read), json.loads(made), deviation)
-
-
-@contextmanager
-def _told(path: Path) -> Iterator[None]:
-    """SQLite's errors as errors of the file."""
-    try:
-        yield
-    except sqlite3.Error as error:
-        broken = getattr(error, "sqlite_errorname", "") in ("SQLITE_NOTADB", "SQLITE_CORRUPT")
-        remedy = f". {_WITHOUT}" if broken else ""
-        raise FileError(f"{path}: the manifest cannot be used: {error}{remedy}") from error
 
 
 def _plain(value: Any) -> str:

@@ -18,7 +18,8 @@ from rigtri.batch import urls
 from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
 from rigtri.batch.entries import MOST, Entry
-from rigtri.batch.manifest import Known, Manifest, look_up, name_of
+from rigtri.batch.manifest import Manifest
+from rigtri.batch.manifest_file import Known, look_up, name_of
 from rigtri.batch.work import Assignment, Record, Task, faults, missing, reason
 from rigtri.delivery import sync_folder
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError

@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.batch import urls
 from rigtri.batch.axes import angles, names
-from rigtri.batch.manifest import NAME, opened
+from rigtri.batch.manifest_file import NAME, opened
 from rigtri.batch.work import STATUSES, missing
 from rigtri.errors import FileError
 

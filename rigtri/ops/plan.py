@@ -106,8 +106,6 @@ class Plan:
     def of(rig: Rig, options: Options, report: Report) -> Plan:
         # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
         elsewhere = options.like is not None or options.frames is not None
-        if rig.frozen:
-            _check_parallel(rig, options)
         tree = skeleton(rig, options.root, plain=elsewhere, joints=rig.parallel)
         ref = reference(tree, "nodes" if rig.parallel else options.pose)
         selection = options.selection
@@ -128,6 +126,8 @@ class Plan:
             {rig.find(a): rig.find(b, "node") for a, b in options.aim_at},
             limb_children(tree, limbs),
         )
+        if rig.frozen:  # names that are not there have been told by now
+            _check_parallel(rig, options)
         aims = {joint: aim_of(tree, ref, joint, rules) for joint in turning}
         return Plan(tree, ref, options, report, turning, kept, aims, limbs, styles)
 

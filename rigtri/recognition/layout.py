@@ -14,6 +14,15 @@ Form = Literal["biped", "quadruped", "hand", "partial", "creature"]
 Direction = tuple[float, float, float]
 LimbKind = Literal["arm", "leg"]
 
+# The bones of the VRM 1.0 humanoid in the middle, and those of two sides, without ``left`` and ``right``.
+# Source: VRMC_vrm 1.0, humanoid.md.
+MIDDLE = ("hips", "spine", "chest", "upperChest", "neck", "head", "jaw")
+_FINGERS = ("Index", "Middle", "Ring", "Little")
+SIDED = (
+    *("Eye", "Shoulder", "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toes"),
+    *("ThumbMetacarpal", "ThumbProximal", "ThumbDistal"),
+    *(f"{finger}{part}" for finger in _FINGERS for part in ("Proximal", "Intermediate", "Distal")),
+)
 # The bones that are start, middle and end of limbs, as the VRM 1.0 humanoid calls them without their sides.
 BENDS: Mapping[LimbKind, tuple[str, str, str]] = {
     "arm": ("UpperArm", "LowerArm", "Hand"),

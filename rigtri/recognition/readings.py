@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rigtri.naming import Side, number, without_prefix
-from rigtri.recognition.layout import BENDS, LimbKind
-from rigtri.recognition.schemes import BESIDE, MIDDLE, Said, Scheme, said, said_roles
+from rigtri.recognition.layout import BENDS, MIDDLE, LimbKind
+from rigtri.recognition.schemes import BESIDE, Said, Scheme, said, said_roles
 from rigtri.recognition.tree import Tree
 
 _SIDES: tuple[Side, ...] = ("left", "right", "")

@@ -21,6 +21,7 @@ from typing import Any, Literal
 from rigtri.errors import FileError
 from rigtri.naming import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, LimbKind
+from rigtri.recognition.scheme_faults import faults
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
@@ -42,7 +43,6 @@ BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
 _CHAINS = frozenset(["tail", "wing", "ear"])
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
-MIDDLE = frozenset(["hips", "spine", "chest", "upperChest", "neck", "head", "jaw"])
 
 
 @dataclass(frozen=True)
@@ -133,37 +133,46 @@ def _tables() -> Mapping[str, Mapping[str, Any]]:
 
 @cache
 def _found(folders: str) -> tuple[Scheme, ...]:
-    paths = [p for folder in folders.split(os.pathsep) if folder for p in sorted(Path(folder).glob("*.toml"))]
-    return tuple(map(own_scheme, paths))
+    named = [Path(folder) for folder in folders.split(os.pathsep) if folder]
+    for folder in named:
+        if not folder.is_dir():
+            raise FileError(f"{FOLDERS} names {folder}, which is no folder: make it, or name another")
+    return tuple(own_scheme(path) for folder in named for path in sorted(folder.glob("*.toml")))
 
 
 def own_scheme(path: Path) -> Scheme:
-    """A scheme of one's own from a file. Raises FileError where it is none."""
+    """A scheme of one's own from a file. Raises FileError, with all that is wrong, where it is none."""
+    if not path.is_file():
+        raise FileError(f"{path} is no naming scheme: it is not there, or no plain file")
     try:
         table = tomllib.loads(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise FileError(f"{path} is no naming scheme: {error}") from error
-    try:
-        return _scheme(table, str(path))
-    except (KeyError, AttributeError, TypeError, ValueError) as error:
-        raise FileError(
-            f"{path} is no naming scheme: {error}. It has a title and the tables [middle] and [sides], from "
-            "bones of the VRM humanoid to words, as docs/recognise.md says."
-        ) from error
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path} is no naming scheme: it is not UTF-8 at offset {error.start}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise FileError(f"{path} is no naming scheme: this is no TOML: {error}") from error
+    if found := list(faults(table, _tables(), _read)):
+        raise FileError(f"{path} is no naming scheme: {'; '.join(found)}. docs/recognise.md has an example")
+    return _scheme(table, str(path))
+
+
+def _read(part: str, word: str) -> tuple[bool, str]:
+    """Whether a name can say a word of a table (or of ``marks``), and how the word would be written."""
+    read = said(word)
+    if part == "chains":
+        return word == read.plain, read.plain
+    if part == "marks":
+        return word in (read.key, read.plain, *read.words), read.key
+    return word in (read.raw, read.key), read.raw
 
 
 def _scheme(table: Mapping[str, Any], source: str) -> Scheme:
     base = _tables()[table["like"]] if "like" in table else {}
-    unknown = set(table) - {"title", "marks", "like", "middle", "sides", "chains"}
-    if unknown:
-        raise ValueError(f"it has '{min(unknown)}'")
     parts = {part: {**base.get(part, {}), **table.get(part, {})} for part in ("middle", "sides", "chains")}
-    wrong = [bone for bone in parts["middle"] if bone not in MIDDLE]
-    if wrong:
-        raise ValueError(f"'{wrong[0]}' is no bone of the middle: {', '.join(sorted(MIDDLE))}")
     middle, sides, chains = (_turned(parts[part]) for part in ("middle", "sides", "chains"))
-    marks = frozenset(str(table.get("marks", "")).split())
-    return Scheme(str(table["title"]), marks, middle, sides, chains, source)
+    marks = frozenset(table.get("marks", "").split())
+    return Scheme(table["title"], marks, middle, sides, chains, source)
 
 
 def _turned(table: Mapping[str, str]) -> dict[str, str]:

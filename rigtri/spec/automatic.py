@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,10 +10,11 @@ from rigtri import scratch
 from rigtri.compare import TOLERANCE
 from rigtri.errors import GeometryError
 from rigtri.formats import Options, read
-from rigtri.inputs import called, opened
+from rigtri.inputs import called, opened, title
 from rigtri.outputs import write_text
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import Chain, Layout
+from rigtri.recognition.schemes import Scheme
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.spec.building import Built, build
@@ -57,19 +58,29 @@ class Proposal:
         )
 
 
-def propose(source: Path | str, *, preset: str = "", options: Options | None = None) -> Proposal:
+def propose(
+    source: Path | str,
+    *,
+    preset: str = "",
+    own: Sequence[Scheme] = (),
+    options: Options | None = None,
+) -> Proposal:
     """What `auto` would do with a file. preset: of the axes, "" for Maya's, or the world's for a VRM 0.
 
-    Raises FileError for a file that cannot be read, or is without joints.
+    own: naming schemes to be asked before rigtri's own. Raises FileError for a file that cannot be read, or
+    is without joints.
     """
-    need_extra()
-    source, options = Path(source), options or Options()
     with opened(source) as at:
-        rig = read(at, options).rig
-        layout = recognise(rig)
+        return _proposal(at, Path(source), preset, own, options or Options())
+
+
+def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], options: Options) -> Proposal:
+    need_extra()
+    rig = read(at, options).rig
+    layout = recognise(rig, own=own)
     text = ""
     if any(chain.is_sure for chain in layout.chains):
-        text = starter(rig, source.name, layout, preset=preset, open_places=True, options=options)
+        text = starter(rig, title(source), layout, preset=preset, open_places=True, options=options)
     return Proposal(source, rig, layout, text)
 
 
@@ -78,6 +89,7 @@ def auto(
     target: Path | str,
     *,
     preset: str = "",
+    own: Sequence[Scheme] = (),
     spec_out: Path | str | None = None,
     options: Options | None = None,
     overwrite: bool = False,
@@ -87,28 +99,30 @@ def auto(
     dry_run: bool = False,
     side_files: Sequence[Path] = (),
     report: Report | None = None,
-    proposal: Proposal | None = None,
+    seen: Callable[[Proposal], None] = lambda proposal: None,
 ) -> Built:
     """Give a character the rig that was recognised to belong to it; ``target`` appears whole or not at all.
 
-    spec_out: where the spec goes by which it was built, None for nowhere. proposal: what `propose` has said.
+    own: as `propose` takes it. spec_out: where the spec goes by which it was built, None for nowhere. seen:
+    is called with what is proposed, before anything is built.
     Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
     places in the spec then; else as `rigtri.build`. Where a step fails the spec is written all the same.
     """
-    found = proposal or propose(source, preset=preset, options=options)
-    if not found.is_character:
-        raise GeometryError(found.missing())
     place = None if spec_out is None or dry_run else Path(spec_out)
-    if found.questions:
-        _write(place, found.text)
-        raise GeometryError(_asked(found, place, target))
-    with scratch.folder() as folder:
+    with opened(source) as at, scratch.folder() as folder:
+        found = _proposal(at, Path(source), preset, own, options or Options())
+        seen(found)
+        if not found.is_character:
+            raise GeometryError(found.missing())
+        if found.questions:
+            _write(place, found.text)
+            raise GeometryError(_asked(found, place, target))
         spec = Path(folder, "rig.yaml")
         write_text(spec, found.text)
         try:
             with called({str(spec): str(spec_out or "the spec")}):
                 built = build(
-                    source,
+                    at,
                     target,
                     load(spec).limited(strict=strict, tolerance=tolerance),
                     overwrite=overwrite,
@@ -116,6 +130,7 @@ def auto(
                     dry_run=dry_run,
                     side_files=side_files,
                     report=report,
+                    from_stream=str(source) == "-",
                 )
         except SpecError:
             _write(place, found.text)

@@ -51,12 +51,14 @@ def build(
     side_files: Sequence[Path] = (),
     report: Report | None = None,
     ready: Callable[[Outcome, Written], None] | None = None,
+    from_stream: bool = False,
 ) -> Built:
     """Give the character in ``source`` the rig that a spec describes; ``target`` appears whole or not at all.
 
     Raises SpecError for a spec that is wrong or that names joints the character does not have, all of
     them at once; else as `rigtri.pipeline.edit`, with the step that it happened in. ``ready`` is called
-    as there, with what is to be said of the whole.
+    as there, with what is to be said of the whole. from_stream: the source is a stream that was put on the
+    disk, so that files which it names are not looked for beside it.
     """
     spec = spec if isinstance(spec, Spec) else load(spec, source=source)
     spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
@@ -75,7 +77,7 @@ def build(
         opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
         scratch.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
-        work.spooled = str(source) == "-"
+        work.spooled = from_stream or str(source) == "-"
         if folder:  # else the only step asks it, before anything is read
             check_target(work.at, target, overwrite=overwrite, options=spec.reading)
         for one in spec.steps[:-1]:

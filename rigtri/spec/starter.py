@@ -12,7 +12,7 @@ import numpy as np
 
 from rigtri.changes.turns import axis_words
 from rigtri.formats import Options, read
-from rigtri.inputs import opened
+from rigtri.inputs import opened, title
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.rig import Rig
@@ -31,7 +31,7 @@ def spec_init(path: Path | str, *, options: Options | None = None) -> str:
     """
     options = options or Options()
     with opened(path) as file:
-        return starter(read(file, options).rig, Path(path).name, options=options)
+        return starter(read(file, options).rig, title(path), options=options)
 
 
 def starter(
@@ -98,6 +98,9 @@ def told(layout: Layout) -> Iterator[str]:
         yield f"{one.form}{f' that looks to {looks}' if looks else ''}: {limbs or 'no limb that bends'}"
     if further := [f"{chain.name} ({chain.confidence:.2f})" for chain in left_out(layout)]:
         yield f"not sure, and left out: {', '.join(further)}"
+    if (count := len(layout.characters)) > 1:
+        each = f"a root control for each of the {count} characters"
+        yield f"left out: {each}; add-controls puts one over all of them"
     yield from layout.remarks
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from rigtri.errors import UsageError
 from rigtri.formats import Options, read
-from rigtri.inputs import opened
+from rigtri.inputs import opened, title
 from rigtri.ops.posing import tell_outside
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -18,6 +18,9 @@ from rigtri.viewer.facts import clip_names, clip_place, facts
 from rigtri.viewer.page import Shown, page
 
 # Warnings that the page shows, too: they are of what is seen there.
+# three.js walks a tree of nodes by calls within calls, of which browsers allow some 2,400.
+DEEPEST = 2000
+_TOO_DEEP = "the page cannot show more than some 2,400, for three.js ends there"
 _ON_PAGE = ("no-joints", "not-shown")
 
 
@@ -77,16 +80,18 @@ def shown_page(
             document = read(path, options)
             rig, embedded = document.rig, document.embedded()
             start = start or _start(rig, begin, report)
-            title = "standard input" if str(name) == "-" else path.name
+            called = title(name)
             for notice in document.warnings:
-                report.warn(notice.code, f"{title}: {notice.text}")
+                report.warn(notice.code, f"{called}: {notice.text}")
             if not rig.is_joint.any():
                 rest = "its nodes are shown" if len(rig) else "nor any node"
-                report.warn("no-joints", f"{title} has no joints; {rest}")
+                report.warn("no-joints", f"{called} has no joints; {rest}")
+            if (deep := max(rig.depth, default=0)) >= DEEPEST:
+                report.warn("deep", f"{called}: {deep + 1} nodes hang one below the other; {_TOO_DEEP}")
             for text in embedded.lacking:
-                report.warn("not-shown", f"{title}: {text}")
+                report.warn("not-shown", f"{called}: {text}")
             content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()
-            shown.append(Shown(title, facts(rig), replace(embedded, content=content), clip_names(rig)))
+            shown.append(Shown(called, facts(rig), replace(embedded, content=content), clip_names(rig)))
     notices = [notice.text for notice in report.warnings if notice.code in _ON_PAGE]
     text = page(shown, **start, notices=notices, limit=limit)
     return text, shown

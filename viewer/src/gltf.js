@@ -70,6 +70,12 @@ class NoImage {
   loadTexture(index) {
     const { source, extensions } = this.parser.json.textures[index];
     const own = extensions?.EXT_texture_webp ?? extensions?.EXT_texture_avif;
-    return this.parser.json.images?.[own?.source ?? source] ? null : Promise.resolve(null);
+    const image = this.parser.json.images?.[own?.source ?? source];
+    return image && !isDrawing(image) ? null : Promise.resolve(null);
   }
+}
+
+/** Whether an image is SVG, which three cannot read; `rigtri view` has told so. */
+function isDrawing(image) {
+  return image.mimeType === 'image/svg+xml' || /^data:image\/svg|\.svg$/i.test(image.uri ?? '');
 }

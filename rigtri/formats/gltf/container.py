@@ -19,6 +19,8 @@ from rigtri.formats.gltf.splice import splice
 from rigtri.report import Notice
 
 MAGIC = b"glTF"
+# So many bytes of what is no glTF are shown.
+_SHOWN = 16
 HEADER = struct.Struct("<4sII")
 CHUNK = struct.Struct("<II")
 JSON_CHUNK = 0x4E4F534A
@@ -120,12 +122,25 @@ def open_container(path: Path, *, lenient: bool = False, content: bytes | None =
     if not len(source):
         raise FileError(f"{path}: the file is empty; copy or export it again")
     if bytes(source[:4]) != MAGIC:
+        _check_beginning(path, bytes(source[:_SHOWN]))
         text, gltf = _json(path, source, notices, lenient=lenient)
         return Container(path, source, gltf, Spelling.of(text), (), notices)
     chunks = _split(path, source, notices, lenient=lenient)
     text, gltf = _json(path, chunks[0][1], notices, lenient=lenient)
     # Spaces behind the JSON of a GLB are padding, not a habit.
     return Container(path, source, gltf, Spelling.of(text.rstrip()), tuple(chunks), notices)
+
+
+def _check_beginning(path: Path, start: bytes) -> None:
+    """FileError for what is neither a GLB nor JSON, such as a picture or words."""
+    first = start.removeprefix(b"\xef\xbb\xbf").lstrip()[:1]
+    if first not in (b"", b"{", b"["):
+        words = start.decode("ascii", "replace").lstrip().splitlines()[0]
+        shown = f"'{words}'" if words.isprintable() and start.isascii() else f"the bytes {start[:4].hex(' ')}"
+        raise FileError(
+            f"{path}: this is no glTF: it begins with {shown}, where a "
+            "GLB begins with 'glTF' and a .gltf with '{'. Give another file, or export it again"
+        )
 
 
 def _split(

@@ -1,0 +1,76 @@
+"""What a user has asked of a command, by its options."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import UsageError
+
+if TYPE_CHECKING:
+    from rigtri.formats import Options
+    from rigtri.steps.request import Request
+
+
+def request(values: dict[str, Any]) -> Request:
+    """What the user asks of the operation of this command."""
+    from rigtri.steps.request import Request
+
+    ctx = click.get_current_context()
+    return Request(values, frozenset(given(ctx)), read_options(values))
+
+
+def given(ctx: click.Context) -> list[str]:
+    """The names of the parameters that the user gave, with the command or by the environment."""
+    unsaid = (None, click.core.ParameterSource.DEFAULT)
+    return [name for name in ctx.params if ctx.get_parameter_source(name) not in unsaid]
+
+
+def given_options(ctx: click.Context) -> dict[str, Any]:
+    """The options that the user gave, for the report."""
+    quiet = ("source", "target", "as_json", "quiet", "verbose", "report_path")
+    return {name: ctx.params[name] for name in given(ctx) if name not in quiet}
+
+
+def refuse_given(options: dict[str, str], why: str) -> None:
+    """UsageError for the first of these options (flag → parameter) that the user gave."""
+    said = given(click.get_current_context())
+    for flag, name in options.items():
+        if name in said:
+            raise UsageError(f"{flag} {why}")
+
+
+def check_streams(before: str, after: str) -> None:
+    """UsageError where both files are to come from standard input."""
+    if before == after == "-":
+        raise UsageError("standard input is one file; give - for one of the two and a name for the other")
+
+
+def read_options(values: dict[str, Any]) -> Options:
+    """The format options among a command's values."""
+    from rigtri.formats import Options
+
+    if values.get("override") and values.get("override_stage"):
+        raise UsageError("give --override or --override-stage, not both")
+    override = "layer" if values.get("override") else ""
+    return Options(
+        lenient=values.get("lenient", False),
+        allow_external_paths=values.get("allow_external_paths", False),
+        root=values.get("root"),
+        relink=values.get("resources") == "relink",
+        override="stage" if values.get("override_stage") else override,
+        unknown_node_ext=values.get("unknown_node_ext", "freeze"),
+        bake_xform=values.get("bake_xform", False),
+        allow_rename=values.get("allow_rename", False),
+        empty=values.get("empty", False),
+    )
+
+
+def with_target(values: dict[str, Any]) -> dict[str, Any]:
+    """A command's values; of a run that writes nothing, and needs no OUT for that, with IN in its place.
+
+    out: OUT as it was given, None where it was not.
+    """
+    out = values["target"]
+    return values | {"out": out, "unnamed": out is None, "target": values["source"] if out is None else out}

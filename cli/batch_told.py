@@ -1,0 +1,103 @@
+"""What rigtri batch says: what was chosen, each file as it is done, and what became of all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from typing import IO, TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import FileError
+
+from .words import counted, plain, without_advice
+
+if TYPE_CHECKING:
+    from rigtri.batch.entries import Entry, Found
+    from rigtri.batch.run import Run
+    from rigtri.batch.shards import Shard
+    from rigtri.batch.work import Record
+
+# Failures that are told while a batch runs; the summary counts all, and the manifest has each.
+MOST_TOLD = 20
+# Names that files have not which are told at the end.
+MOST_MISSING = 10
+
+
+def tell_chosen(found: Found, chosen: Sequence[Entry], shard: Shard | None, values: dict[str, Any]) -> None:
+    """Which files are not done, and why."""
+    if found.left_out:
+        text = f"{counted(found.left_out, 'file')} in {values['out_dir']} left out: outputs are no inputs"
+        click.echo(plain(text, one_line=True), err=True)
+    if shard is not None:
+        whose = "" if values["shard"] else " (of the SLURM array; --shard 1/1 does all)"
+        click.echo(f"part {shard}{whose}: {len(chosen)} of {counted(len(found.entries), 'file')}", err=True)
+
+
+class Files:
+    """Tells each file as it is done: a line in the log, and on standard output with --json.
+
+    advice: what to do about failures that were told, in the order they came.
+    """
+
+    def __init__(self, log: IO[str] | None, shard: str | None, *, as_json: bool) -> None:
+        self._log, self._shard, self._as_json = log, shard, as_json
+        self._began = datetime.now(UTC).isoformat(timespec="seconds")
+        self._failed = 0
+        self.advice: dict[str, None] = {}
+
+    def tell(self, entry: Entry, record: Record) -> None:
+        """A line for machines."""
+        line = json.dumps(record.as_json(entry, self._began, self._shard), ensure_ascii=False)
+        if self._log is not None:
+            self._log.write(line + "\n")
+            self._log.flush()
+        if self._as_json:
+            click.echo(line)
+
+    def tell_failure(self, entry: Entry, record: Record) -> None:
+        """A line for people, without advice that others have, too."""
+        self._failed += 1
+        if self._failed <= MOST_TOLD:
+            text, advice = without_advice(str(record.message))
+            self.advice |= dict.fromkeys(advice)
+            said = text.strip().splitlines()[-1] if record.kind == "bug" else text
+            where = "" if entry.source in said else f"{entry.source}: "
+            click.echo(f"{record.status}: {plain(where + said, one_line=True)}", err=True)
+        elif self._failed == MOST_TOLD + 1:
+            click.echo("more failures are counted at the end", err=True)
+
+
+def tell_end(session: Run, left: int, advice: Iterable[str], values: dict[str, Any]) -> None:
+    """What became of all files. left: those that were not begun."""
+    from rigtri.batch.work import STATUSES
+
+    counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
+    words = [*counts, *([f"{left} not begun"] if left else [])]
+    said = ", ".join(words) or "nothing to do"
+    click.echo(f"{counted(session.counts.total() + left, 'file')}: {said}", err=True)
+    for what, count in session.missing.most_common(MOST_MISSING):
+        click.echo(plain(f"in {count} of them: {what}", one_line=True), err=True)
+    if len(session.missing) > MOST_MISSING:
+        more = len(session.missing) - MOST_MISSING
+        click.echo(f"{counted(more, 'name')} more that files have not; rigtri batch-report tells", err=True)
+    for line in advice:
+        click.echo(line, err=True)
+    if values["dry_run"]:
+        click.echo("Nothing was written (--dry-run).", err=True)
+
+
+@contextmanager
+def opened_log(path: str | None) -> Iterator[IO[str] | None]:
+    """The file that gets a line for each file. FileError where it cannot be written."""
+    if path is None:
+        yield None
+        return
+    try:
+        file = open(path, "a", encoding="utf-8", errors="backslashreplace")  # noqa: SIM115
+    except OSError as error:
+        raise FileError(f"--log {path} cannot be written: {error.strerror}") from error
+    with file:
+        yield file

@@ -1,0 +1,206 @@
+"""How every command that writes a file runs: do it, write its report and what stands beside, tell it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rigtri.errors import FileError, RigtriError, UsageError
+
+from .asked import read_options, refuse_given, with_target
+from .telling import tell_joints, tell_verification, tell_warnings
+from .words import plain
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rigtri.pipeline import Outcome
+    from rigtri.report import Report
+
+
+_USD_ONLY = ("override", "override_stage", "bake_xform", "allow_rename")
+
+
+def run_edit(
+    name: str,
+    values: dict[str, Any],
+    step: Callable[[Any, Report], Any],
+    options: dict[str, Any],
+    summary: Callable[[Report], str],
+    besides: Callable[[Report], None] = lambda report: None,
+) -> Outcome:
+    """Run an edit with a command's shared options; print and write its report.
+
+    besides: writes what the command writes more. All files are there before anything is printed: where
+    that fails, only the words are lost.
+    """
+
+    from rigtri.pipeline import edit
+
+    values = with_target(values)
+    _check_format(values)
+
+    def done(report: Report) -> Outcome:
+        return edit(
+            values["source"],
+            values["target"],
+            step,
+            options=read_options(values),
+            report=report,
+            overwrite=values["overwrite"] or values["unnamed"],
+            verify=values["verify"],
+            tolerance=values["tolerance"],
+            dry_run=values["dry_run"],
+            strict=values["strict"],
+            side_files=side_files(values),
+            ahead=click.get_current_context().obj,
+        )
+
+    return run(name, values, done, options, summary, besides)
+
+
+def run(
+    name: str,
+    values: dict[str, Any],
+    done: Callable[[Report], Outcome],
+    options: dict[str, Any],
+    summary: Callable[[Report], str],
+    besides: Callable[[Report], None] = lambda report: None,
+    more: Callable[[], dict[str, Any]] = dict,
+) -> Outcome:
+    """Do what writes a file, and tell and report it as every command does; more: for the report."""
+    from rigtri.pipeline import report_json
+    from rigtri.report import Report
+
+    source, target, quiet = values["source"], values["target"], values["quiet"]
+    if values["as_json"] and target == "-" and not values["dry_run"]:
+        raise UsageError("--json and -o - both want standard output; use --report FILE.json")
+    if values["sidecar"] and target == "-" and not values["unnamed"]:
+        raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
+    check_side_files(values)
+    report = Report()
+    try:
+        outcome = done(report)
+    except RigtriError:
+        if not quiet:
+            tell_warnings(report.warnings, values["verbose"])
+        raise
+    document = report_json(
+        name,
+        str(source),
+        values["out"],
+        options,
+        outcome,
+        tolerance=values["tolerance"],
+        dry_run=values["dry_run"],
+    )
+    document |= more()
+    _write_beside(values, document)
+    besides(report)
+    if values["as_json"]:
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    if not quiet:
+        tell_warnings(report.warnings, values["verbose"])
+        if values["verbose"]:
+            tell_joints(report)
+        click.echo(plain(summary(report)), err=True)
+        tell_verification(outcome, values)
+    return outcome
+
+
+def _check_format(values: dict[str, Any]) -> None:
+    """Refuse what the format of IN gives no meaning to."""
+    if str(values["source"]) == "-":
+        return
+    usd = str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz"))
+    foreign = (
+        {"--resources": "resources", "--lenient": "lenient", "--unknown-node-ext": "unknown_node_ext"}
+        if usd
+        else {f"--{name.replace('_', '-')}": name for name in _USD_ONLY}
+    )
+    refuse_given(foreign, f"means nothing for {'USD' if usd else 'glTF'} files")
+
+
+def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:
+    """Begin to copy the large files that OUT will need beside it, before anything slow is imported."""
+    from pathlib import Path
+
+    from rigtri.ahead import begun
+
+    named = "-" not in (str(values["source"]), str(values["target"]))
+    if named and not values["dry_run"] and values["resources"] != "relink":
+        source, target = Path(values["source"]), Path(values["target"])
+        ctx.obj = ctx.with_resource(begun(source, target, overwrite=values["overwrite"]))
+
+
+def side_files(values: dict[str, Any]) -> tuple[Path, ...]:
+    """The files that a command is to write beside OUT."""
+    return tuple(_side_files(values).values())
+
+
+def _side_files(values: dict[str, Any]) -> dict[str, Path]:
+    from pathlib import Path
+
+    flags = {"--report": "report_path", "--save-frames": "save_frames"}
+    flags |= {"--spec-out": "spec_out", "--picture": "picture"}
+    found = {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
+    if values.get("sidecar") and not values.get("unnamed"):
+        found["--sidecar"] = _sidecar(values)
+    return found
+
+
+def _sidecar(values: dict[str, Any]) -> Path:
+    """The file beside OUT that says what rigtri has stored in it."""
+    from pathlib import Path
+
+    from rigtri.description import SUFFIX
+
+    return Path(values["target"]).with_suffix(SUFFIX)
+
+
+def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
+    """The report; and what rigtri has stored in OUT as it is on disk, by the names that it has there."""
+    from pathlib import Path
+
+    from rigtri.description import description
+    from rigtri.formats import read
+    from rigtri.outputs import write_text
+
+    if values["report_path"] is not None:
+        write_text(Path(values["report_path"]), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+    if not values["sidecar"] or values["dry_run"]:
+        return
+    reading = values.get("reading") or read_options(values)
+    rig = read(Path(values["target"]), reading).rig
+    write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
+
+
+def check_side_files(values: dict[str, Any]) -> None:
+    """Before anything is done: the files beside OUT can be written, and are none of the others."""
+    from pathlib import Path
+
+    from rigtri.delivery import same_file
+    from rigtri.outputs import destination
+
+    names = {"like": "--like", "frames": "--frames", "edited": "--from", "described": "--rig"}
+    read = {"IN": values["source"], **{flag: values.get(name) for name, flag in names.items()}}
+    known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
+    if str(values["target"]) != "-":
+        target = Path(values["target"])
+        for flag, path in known.items():
+            if flag != "IN" and same_file(target, path):
+                raise UsageError(f"{target} is the file of {flag}; it would be lost. Give another name")
+        known["OUT"] = target
+    for flag, path in _side_files(values).items():
+        if any(same_file(path, other) for other in known.values()):
+            raise UsageError(f"{flag} {path} names a file that is needed for something else")
+        known[flag] = path
+        path = destination(path)
+        if path.exists() and not values["overwrite"]:
+            raise UsageError(f"{path} exists; it is replaced only with --overwrite")
+        if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
+            raise FileError(f"{flag} {path}: no file can be written there")

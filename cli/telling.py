@@ -1,0 +1,75 @@
+"""What commands say of what they did, on standard error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .words import plain
+
+if TYPE_CHECKING:
+    from rigtri.pipeline import Outcome
+    from rigtri.report import Notice, Report
+
+
+# Warnings of one kind that are shown without -v.
+MOST_ALIKE = 4
+
+
+def tell_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
+    """The warnings; of many alike, unless ``verbose``, only the first few."""
+    said: dict[str, int] = {}
+    for notice in warnings:
+        said[notice.code] = said.get(notice.code, 0) + 1
+        if verbose or said[notice.code] <= MOST_ALIKE:
+            click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
+    for code, count in said.items():
+        if count > MOST_ALIKE and not verbose:
+            click.echo(f"warning: {count - MOST_ALIKE} more of this kind ({code}); -v shows all", err=True)
+
+
+def tell_joints(report: Report) -> None:
+    """One line per joint: what became of it and why."""
+    for entry in report.joints:
+        words = [f"  {entry['joint']}: {entry['status']}"]
+        if "degrees" in entry:
+            words.append(f"{entry['degrees']:.3f}°")
+        if "reason" in entry:
+            words.append(f"({entry['reason']})")
+        if "aims_at" in entry:
+            words.append(f"aims at {entry['aims_at']}")
+        elif "aim" in entry:
+            words.append(f"aim: {entry['aim']}")
+        if "up" in entry:
+            words.append(f"up: {entry['up']}")
+        click.echo(plain(" ".join(words), one_line=True), err=True)
+
+
+def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
+    target = values["target"]
+    where = "standard output" if target == "-" else target
+    if outcome.verification is None:
+        click.echo("The result was not compared with the source (--no-verify).", err=True)
+    else:
+        unread = len(outcome.unread)
+        more = f"; {unread} meshes could not be read and were not measured" if unread else ""
+        click.echo(plain(outcome.verification.summary() + more, one_line=True), err=True)
+    if values.get("explain"):
+        click.echo("Nothing was written (--explain).", err=True)
+    elif values["unnamed"]:
+        click.echo("No OUT was written (--dry-run).", err=True)
+    elif values["dry_run"]:
+        click.echo(f"{where} was not written (--dry-run).", err=True)
+    else:
+        click.echo(f"Wrote {where}", err=True)
+
+
+def tell_root(source: str, root: str | None) -> None:
+    """Say where --root changes nothing: of a glTF file all nodes are read, below a skin or not."""
+    from rigtri.formats import GLTF_SUFFIXES
+
+    if root is not None and source.lower().endswith(GLTF_SUFFIXES):
+        where = plain(source, one_line=True)
+        click.echo(f"warning: {where}: --root changes nothing here, all nodes of a glTF file count", err=True)

@@ -1,0 +1,78 @@
+"""Kinds of values that options take."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import click
+
+from rigtri.bounds import fits, unfit
+
+
+class Tolerance(click.FloatRange):
+    """A number from 0 on; nan and inf, with which anything passes, are none."""
+
+    name = "number"
+
+    def __init__(self) -> None:
+        super().__init__(min=0)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is no number that differences can be compared with", param, ctx)
+        return number
+
+
+class Number(click.FloatRange):
+    """A finite number that files can work with, within bounds as click.FloatRange has them."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not fits(number):
+            self.fail(unfit(number), param, ctx)
+        return number
+
+
+class Bytes(click.ParamType[int]):
+    """A size: 2G, 500M, 1.5GiB."""
+
+    name = "size"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
+        size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
+        if not 1 << 20 <= size < 1 << 50:
+            self.fail(f"{value} is no amount of memory, such as 500M or 2G; the least is 1M", param, ctx)
+        return int(size)
+
+
+def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    """A direction: x,y,z or an axis name."""
+    if value is None:
+        return None
+    from rigtri.ops import ups
+
+    try:
+        return ups.direction(value)
+    except ValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from error
+
+
+def points(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+    """Coordinates as three numbers; of many points each."""
+    if value is None or isinstance(value, tuple):
+        return None if value is None else tuple(_numbers(text, ctx, param) for text in value)
+    return _numbers(value, ctx, param)
+
+
+def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"'{text}' is no point: give x,y,z", ctx, param) from None
+    return x, y, z
