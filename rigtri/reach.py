@@ -85,8 +85,10 @@ def _outermost(mesh: Mesh) -> Mesh:
         return mesh
     columns = [mesh.points[:, axis] for axis in range(3)]
     rows = [int(end) for column in columns for end in (column.argmin(), column.argmax())]
+    # A mesh without a skin, or without morphs, may have no rows of these at all.
+    joints = mesh.joints[rows] if len(mesh.joints) else mesh.joints
+    weights = mesh.weights[rows] if len(mesh.weights) else mesh.weights
     morphs = mesh.morphs[:, rows] if mesh.morphs.size else mesh.morphs
-    joints, weights = mesh.joints[rows], mesh.weights[rows]
     return replace(mesh, points=mesh.points[rows], joints=joints, weights=weights, morphs=morphs)
 
 

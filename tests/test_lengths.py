@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +19,15 @@ from usd_files import deviation
 from rigtri.compare import TOLERANCE, verify
 from rigtri.errors import DeviationError, FileError
 from rigtri.formats import Options, read
+from rigtri.matrices import inverse
 from rigtri.ops.orient import Options as Orient
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.presets import Style
 from rigtri.ops.select import Selection
 from rigtri.pipeline import Outcome, edit
-from rigtri.quaternions import IDENTITY, from_axis_angle
+from rigtri.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.reach import Reach, bearable, reaches
-from rigtri.records import Clip, Track
+from rigtri.records import Clip, Mesh, Skin, Track
 from rigtri.reframe import reframe, split
 from rigtri.report import Report
 from rigtri.rig import Rig
@@ -242,6 +244,31 @@ def test_what_a_reach_is_at_most_is_found_without_posing_and_is_no_less(seed: in
     found = Reach(rig)
     assert (found.at_most >= found.exact).all()
     assert (Reach(replace(rig, clips=())).at_most >= reaches(replace(rig, clips=()))).all()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_bound_of_reach_is_no_less_where_few_points_tell_the_size_of_what_is_seen(seed: int) -> None:
+    """Points whose skin turns them, so that others are outermost; without a skin; and none at all."""
+    chance = np.random.default_rng(seed)
+    rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
+    skin = Skin("skin", np.arange(3), inverse(rig.world))
+    rig = replace(rig, skins=(skin,), rotation=unit(chance.normal(size=(3, 4))))
+    points, morphs = chance.normal(size=(200, 3)), chance.normal(size=(2, 200, 3))
+    skinned = Mesh(
+        "body",
+        0,
+        points,
+        skin=0,
+        joints=chance.integers(0, 3, (200, 2)),
+        weights=chance.uniform(size=(200, 2)),
+        morphs=morphs,
+        morph_weights=np.array([0.5, 1.0]),
+    )
+    meshes = [skinned, Mesh("staff", 2, 0.5 * points), Mesh("nothing", 1, np.zeros((0, 3)))]
+    for drawn in (meshes, meshes[:1], meshes[1:], meshes[2:]):
+        found = Reach(replace(rig, drawn=partial(list, drawn)))
+        assert (found.at_most >= found.exact).all()
+        assert found.exact.any()
 
 
 def test_a_bound_of_reach_is_nearly_tight_where_scales_are_1_and_infinite_for_splines() -> None:
