@@ -10,6 +10,7 @@ from rigtri.recognition.layout import BENDS, MIDDLE, SIDED
 
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
 _TEXTS = ("title", "marks", "like")
+_TO_DO = "give a text in quotes, several words apart by spaces"
 
 
 def faults(
@@ -33,9 +34,6 @@ def faults(
             yield from _of_words("'marks'", "marks", value, read)
     if "title" not in table:
         yield "'title' is missing: give it one, which evidence will say"
-
-
-_TO_DO = "give a text in quotes, several words apart by spaces"
 
 
 def _of_table(name: str, value: object, read: Callable[[str, str], tuple[bool, str]]) -> Iterator[str]:
