@@ -39,7 +39,7 @@ def same_scales(rig: Rig, joints: Collection[int], scales: Scales, reach: Reach,
     the size.
     """
     spread = np.zeros(len(rig))
-    spread[list(joints)] = np.where(scales.uneven, 0.0, scales.spread)[list(joints)]
+    spread[list(joints)] = scales.noise[list(joints)]
     if spread.max(initial=0.0) <= ROUNDING:
         return scales.same
     if np.isinf(bearable(rig, _effect(spread, reach.at_most), SCALES_MAY * tolerance)):

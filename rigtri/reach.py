@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.pose import Motion, between_keys, deformed, key_times, morph_weights, rest, worlds
-from rigtri.records import Integers, Mesh, Track
+from rigtri.records import Integers, Mesh, Track, key_values
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 from rigtri.vectors import dot, length
@@ -182,11 +182,8 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
     """
     local = rest(rig)
     rows = [local[:, k, :3] for k in range(3)]
-    square = [dot(row, row) for row in rows]
-    mixed = [np.abs(dot(rows[i], rows[(i + 1) % 3])) for i in range(3)]
-    aside = [mixed[i] + mixed[i - 1] for i in range(3)]
-    high = np.sqrt(np.maximum.reduce([square[i] + aside[i] for i in range(3)]))
-    low = np.sqrt(np.maximum(np.minimum.reduce([square[i] - aside[i] for i in range(3)]), 0.0))
+    high, (square, aside) = _longest(rows), _squares(rows)
+    low = np.sqrt(np.maximum(np.minimum.reduce([a - b for a, b in zip(square, aside, strict=True)]), 0.0))
     least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
     moved, scaled = (
         [t for clip in rig.clips for t in clip.tracks if t.path == path and len(t.values)]
@@ -244,10 +241,20 @@ def _stretch(rest: Floats, posed: Floats) -> Floats:
     """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         change = multiply(inverse(rest), posed)[..., :3, :3]
-        square = [length(change[..., i, :]) ** 2 for i in range(3)]
-        mixed = [np.abs(dot(change[..., i, :], change[..., (i + 1) % 3, :])) for i in range(3)]
-        most = np.sqrt(np.max([square[i] + mixed[i] + mixed[i - 1] for i in range(3)], axis=0))
+        most = _longest([change[..., i, :] for i in range(3)])
     return np.where(np.isfinite(most), most, 1.0)
+
+
+def _longest(rows: Sequence[Floats]) -> Floats:
+    """By how much a matrix stretches any direction at most, (...), from its three rows, (..., 3) each."""
+    square, aside = _squares(rows)
+    return np.asarray(np.sqrt(np.maximum.reduce([a + b for a, b in zip(square, aside, strict=True)])))
+
+
+def _squares(rows: Sequence[Floats]) -> tuple[list[Floats], list[Floats]]:
+    """Of A·Aᵀ, by the rows of A: what is on the diagonal, and row by row the sum of what is beside it."""
+    mixed = [np.abs(dot(rows[i], rows[(i + 1) % 3])) for i in range(3)]
+    return [dot(row, row) for row in rows], [mixed[i] + mixed[i - 1] for i in range(3)]
 
 
 def frames_shown(rig: Rig, meshes: Sequence[Mesh]) -> list[int]:
@@ -269,8 +276,9 @@ def _corner(axes: Floats) -> Floats:
 
 def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
     """Raise ``reach``, (n,), in file units, to what the points of a mesh ask of the nodes that move them."""
+    morphed = _morphed(rig, mesh)
     if mesh.skin is None or not mesh.joints.shape[1]:
-        _raise(reach, np.full(len(mesh.points), mesh.node), mesh.points, world)
+        _raise(reach, np.full(len(mesh.points), mesh.node), mesh.points, world, morphed)
         return
     skin = rig.skins[mesh.skin]
     into = multiply(mesh.bind, skin.inverse_bind)
@@ -286,6 +294,9 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
                 along += points[k] * seen[k, axis][joints]
             square += along * along
         far = np.sqrt(np.where(np.isfinite(square), square, 0.0))
+        if morphed is not None:
+            longest = _longest([seen[k].T for k in range(3)])
+            far += np.where(np.isfinite(longest), longest, 0.0)[joints] * morphed[rows]
     if len(joints):
         starts = np.flatnonzero(np.diff(joints, prepend=-1))
         np.maximum.at(reach, skin.joints[joints[starts]], np.maximum.reduceat(far, starts))
@@ -296,12 +307,33 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
             _raise(reach, skin.joints, transform_points(corner, into), world)
 
 
-def _raise(reach: Floats, node: Integers, points: Floats, world: Floats) -> None:
-    """points: (k, 3), each in the space of its ``node``, (k,)."""
+def _raise(reach: Floats, node: Integers, points: Floats, world: Floats, more: Floats | None = None) -> None:
+    """points: (k, 3), each in the space of its ``node``, (k,); they may be so much farther away, (k,)."""
     if len(points):
         with np.errstate(invalid="ignore", over="ignore"):
             far = length(transform_directions(points, world[node]))
+            if more is not None:
+                far += _longest([world[node, k, :3] for k in range(3)]) * more
         np.maximum.at(reach, node, np.where(np.isfinite(far), far, 0.0))
+
+
+def _morphed(rig: Rig, mesh: Mesh) -> Floats | None:
+    """How far morphs carry each point at most, (v,), at the weights that they have at rest and in clips."""
+    if not mesh.morphs.size:
+        return None
+    count = len(mesh.morphs)
+    most = np.zeros(count)
+    most[: len(mesh.morph_weights)] = np.abs(mesh.morph_weights)[:count]
+    tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "weights" and t.node == mesh.node]
+    for track in tracks:
+        keys = np.abs(key_values(track)).max(axis=0, initial=0.0)[:count]
+        most[: len(keys)] = np.maximum(most[: len(keys)], keys)
+    far = np.zeros(mesh.morphs.shape[1])
+    with np.errstate(invalid="ignore", over="ignore"):
+        for weight, offsets in zip(most.tolist(), mesh.morphs, strict=True):
+            if weight > 0.0:
+                far += weight * length(offsets)
+    return np.where(np.isfinite(far), far, 0.0)
 
 
 def bearable(rig: Rig, effect: Floats, most: float) -> float:

@@ -197,6 +197,12 @@ class Scales:
         """The largest share by which |S| of each node is not uniform, (n,)."""
         return np.asarray(self.apart.max(axis=1))
 
+    @property
+    def noise(self) -> Floats:
+        """How far apart components are that count as one number, (n,): of uneven scales those of a pair."""
+        alike = np.where(self.apart <= self.same[:, np.newaxis], self.apart, 0.0).max(axis=1)
+        return np.where(self.uneven, alike, self.spread)
+
     def keeps(self, node: int, axes: Floats) -> bool:
         """Whether C·S·C⁻¹ has nothing off its diagonal for any scale of a node, up to its noise.
 

@@ -28,7 +28,7 @@ from rigtri.pipeline import Outcome, edit
 from rigtri.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.reach import Reach, bearable, reaches
 from rigtri.records import Clip, Mesh, Skin, Track
-from rigtri.reframe import reframe, split
+from rigtri.reframe import Scales, reframe, split
 from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -170,9 +170,9 @@ def test_a_rotation_of_four_digits_is_shown_as_before(path: Path | None, tmp_pat
 NOISE = 1.9e-5
 
 
-def lever(far: float) -> Limb:
+def lever(far: float, third: float = 1 - NOISE / 3) -> Limb:
     """The limb with noise in the elbow's scale and a small mesh, moved by the finger, far from it."""
-    limb = Limb(rest={"elbow": (1, 1 + NOISE, 1 - NOISE / 3)})
+    limb = Limb(rest={"elbow": (1, 1 + NOISE, third)})
     around = np.random.default_rng(3).normal(size=(60, 3))
     limb.points = limb.world[4, 3, :3] + np.array([far, 0, 0]) + 0.12 * around
     limb.joints, limb.weights = np.tile([4, 4], (60, 1)), np.tile([1.0, 0.0], (60, 1))
@@ -193,6 +193,34 @@ def test_noise_of_a_scale_counts_where_a_long_lever_would_show_it(
         assert "reaches so far that it would be seen" in told
     oriented(out, again, policy)
     assert again.read_bytes() == out.read_bytes()
+
+
+def test_noise_of_a_pair_counts_beside_a_third_number_that_is_another(tmp_path: Path) -> None:
+    """Else a turn about the odd axis, which is exact for a pair that is one number, would be seen."""
+    source, out = made(tmp_path, lever(10.0, third=1.001), ".glb"), tmp_path / "out.glb"
+    outcome = oriented(source, out)
+    assert verify(read(source), read(out)).deviation < FLOOR
+    scales = Scales.of(read(source).rig)
+    (elbow,) = (k for k, name in enumerate(read(source).rig.names) if name == "elbow")
+    assert scales.noise[elbow] == pytest.approx(NOISE, rel=0.01)
+    assert entries(outcome)["elbow"]["scale"]["policy"] == "snap"
+
+
+def test_a_joint_that_is_skipped_for_its_scale_is_kept_and_does_not_stand_so_already(tmp_path: Path) -> None:
+    source, out = made(tmp_path, lever(10.0), ".glb"), tmp_path / "out.glb"
+    found = entries(oriented(source, out, "skip"))["elbow"]
+    assert (found["status"], found["reason"]) == ("kept", "its scale is not uniform")
+
+
+def test_what_clips_do_with_morphs_counts_as_reach() -> None:
+    """A point at the joint that a morph of length 4, at a weight of 1.5 in a clip, takes 6 away."""
+    rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
+    body = Mesh("body", 2, np.array([[0.0, 0, 0], [1, 0, 0]]), morphs=np.array([[[0.0, 4, 0], [0, 0, 0]]]))
+    turn = Track(2, "weights", "LINEAR", np.arange(2.0), np.array([[0.0], [1.5]]))
+    still = replace(rig, drawn=lambda: [body])
+    played = replace(still, clips=(Clip("smile", (turn,)),))
+    assert np.allclose(reaches(still), [9, 6, 1])  # of a size of 1, of the two points at rest
+    assert np.allclose(reaches(played), [14, 11, 6])
 
 
 def test_the_same_noise_where_it_moves_little_is_uniform(tmp_path: Path) -> None:

@@ -210,9 +210,7 @@ class Plan:
     @cached_property
     def scale_noise(self) -> Floats:
         """How far apart components that count as equal are in each node and those above it, (n,)."""
-        scales = self.scales
-        alike = np.where(scales.apart <= scales.same[:, np.newaxis], scales.apart, 0.0).max(axis=1)
-        noise = np.where(scales.uneven, alike, scales.spread)
+        noise = self.scales.noise
         for level in self.tree.rig.levels[1:]:
             noise[level] = np.maximum(noise[level], noise[self.tree.rig.parents[level]])
         return noise

@@ -107,11 +107,14 @@ def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapp
     degrees_of, errors = np.degrees(turn_angle(turns)).tolist(), _aim_errors(plan, turns)
     for joint in plan.tree.joints:
         aim, up = plan.aims.get(joint), plan.ups.get(joint)
-        status = "turned" if moves[joint] else "kept" if joint in plan.kept else "unchanged"
+        left = _left(plan, joint, wanted, moves)
+        status = "turned" if moves[joint] else "kept" if joint in plan.kept or left else "unchanged"
         entry: dict[str, Any] = {"joint": rig.title(joint), "address": rig.address(joint)}
         entry |= {"path": rig.path(joint), "status": status}
         if joint in plan.kept:
             entry["reason"] = plan.kept[joint]
+        elif left:
+            entry["reason"] = "its scale is not uniform"
         if aim is not None:
             entry["aim"] = aim.how
             if aim.node is not None:
@@ -140,6 +143,12 @@ def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapp
             f"{len(named)} joints are mirrored and stay so (left-handed axes): "
             f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
         )
+
+
+def _left(plan: Plan, joint: int, wanted: Mapping[int, Floats], moves: Booleans) -> bool:
+    """Whether a joint that was to turn was skipped for the sake of its scale."""
+    skips = plan.options.on_nonuniform_scale == "skip" and bool(plan.scales.uneven[joint])
+    return skips and not moves[joint] and joint in wanted and bool(turned(wanted[joint]))
 
 
 def _decision(plan: Plan, joint: int, wanted: Floats, got: Floats, parted: bool) -> dict[str, Any]:
