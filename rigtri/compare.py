@@ -26,10 +26,10 @@ from rigtri.moving import moving_nodes, part_of
 from rigtri.playing import joined, side_by_side
 from rigtri.quaternions import norm
 from rigtri.reach import TOLERANCE as TOLERANCE
-from rigtri.reach import fits, size_of
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery, compare_scenery, compare_surfaces
+from rigtri.size import fits, size_of
 from rigtri.watched import (
     Moment,
     Points,

@@ -9,10 +9,10 @@ import numpy as np
 
 from rigtri.compare import Motion, Source, motion_between
 from rigtri.driven import Driven, moved
-from rigtri.reach import size_of
 from rigtri.records import Clip, Mesh, Track
 from rigtri.rig import Rig
 from rigtri.scenery import Scenery
+from rigtri.size import size_of
 from rigtri.timelines import PLAYED, played_at_once, timelines
 
 

@@ -31,7 +31,7 @@ matrices
 euler triangle shapes records
 rig
 pose constraints rules spread twist
-following timelines insertion fitting triangles
+following size timelines insertion fitting triangles
 carried readers driven dependence
 solve
 turned_rules

@@ -19,10 +19,11 @@ from rigtri.ops.orient import Options as Orient
 from rigtri.ops.orient import orient_joints
 from rigtri.ops.presets import Style
 from rigtri.pipeline import Outcome, edit
-from rigtri.reach import reaches, size_of
+from rigtri.reach import reaches
 from rigtri.records import Clip, Track
 from rigtri.report import Report
 from rigtri.rig import Rig
+from rigtri.size import size_of
 from rigtri.vectors import length
 
 ONE, MIRROR = (1, 1, 1), (-1, 1, 1)
