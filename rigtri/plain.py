@@ -34,6 +34,15 @@ def shown_name(name: str) -> str:
     return whole if len(whole) <= LONGEST_NAME else f"{whole[: LONGEST_NAME - 1]}…"
 
 
+def a(thing: str) -> str:
+    """A thing with its article.
+
+    >>> a("leg"), a("index finger")
+    ('a leg', 'an index finger')
+    """
+    return f"{'an' if thing[:1] in 'aeiou' else 'a'} {thing}"
+
+
 def _controls(letter: str) -> bool:
     # Format characters join letters of scripts; only those that change direction are kept out.
     if unicodedata.category(letter) in ("Cc", "Zl", "Zp"):

@@ -102,6 +102,15 @@ def test_arms_beside_wings_are_not_sure_without_names() -> None:
     assert wrong(joints, recognise(rig_with(joints, named=False))) == []
 
 
+def test_joints_of_a_wing_deform_and_are_no_twist_joints_of_it() -> None:
+    wings = [(name.replace("w", "wing"), over.replace("w", "wing"), place) for name, over, place in WINGS]
+    rig = rig_with([*MAN, *wings])
+    (character,) = recognise(rig).characters
+    assert sum(chain.kind == "wing" for chain in character.chains) == 2
+    roles = {rig.names[part.joint]: part.role for part in character.parts}
+    assert {roles[name] for name, _, _ in wings} == {"deform"}
+
+
 def test_further_limbs_that_are_not_sure_are_told_and_not_asked_for() -> None:
     more = line("x.L y.L z.L", "hips", (0.13, 0.95, 0), (0.13, 0.5, 0.01), (0.13, 0.1, -0.02))
     joints = [*MAN, *both(more)]

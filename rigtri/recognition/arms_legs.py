@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rigtri.naming import Side
+from rigtri.plain import a
 from rigtri.recognition.body import Body, Limbs, within
 from rigtri.recognition.drafts import Draft
 from rigtri.recognition.facing import facing_of
@@ -224,13 +225,13 @@ def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
         words.append(AGREED)
     elif same is not None and same.kind != each.kind and same.confidence >= CONFIDENT:
         if _says_a_man(draft):
-            words.append(f"though its shape could be that of a {same.kind}")
+            words.append(f"though its shape could be that of {a(same.kind)}")
             return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words))
         if draft.shape.body is not None and draft.shape.body.form == "quadruped":
             words.append("its shape: one of four that carry the body")
             return Found("leg", each.side, each.joints, each.before, sure, tuple(words), same.pair)
         sure *= _CONTRADICTED
-        words.append(f"but its shape is that of a {same.kind}")
+        words.append(f"but its shape is that of {a(same.kind)}")
     pair = same.pair if same else None
     return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words), pair)
 

@@ -41,7 +41,7 @@ def _role(
     """A node's role, how sure, and why."""
     rig, chain = draft.tree.rig, chains.get(node)
     names = [role for role in _SAID if role in said_roles(rig.names[node])]
-    if chain is not None and chain.bend and node not in chain.bend and node not in bones:
+    if chain is not None and _is_within(chain, node) and node not in bones:
         return "twist", chain.confidence, [f"stands within the {chain.name}"]
     if chain is not None:
         return "deform", chain.confidence, [f"{chain.name}: {chain.evidence[0]}"]
@@ -56,6 +56,14 @@ def _role(
             return "attachment", 0.9, ["no joint of a skin: something that hangs at one"]
         return "end", 0.9, ["no joint of a skin, and nothing below it: where the bone above ends"]
     return next(_by_place(draft, node), ("deform", 0.6, ["moves points"]))
+
+
+def _is_within(chain: Chain, node: int) -> bool:
+    """Whether a joint stands within a bone of an arm or leg; a wing has more than two bones."""
+    if chain.kind not in ("arm", "leg") or len(chain.bend) < 3 or node in chain.bend:
+        return False
+    start, end = (chain.joints.index(k) if k in chain.joints else -1 for k in (chain.bend[0], chain.bend[2]))
+    return node in chain.joints and 0 <= start < chain.joints.index(node) < end
 
 
 def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]]:

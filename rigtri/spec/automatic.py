@@ -12,6 +12,7 @@ from rigtri.errors import GeometryError
 from rigtri.formats import Options, read
 from rigtri.inputs import called, opened, title
 from rigtri.outputs import write_text
+from rigtri.plain import a
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import Chain, Layout
 from rigtri.recognition.schemes import Scheme
@@ -50,7 +51,7 @@ class Proposal:
 
     def missing(self) -> str:
         """What there is instead of a character."""
-        guesses = (f"perhaps a {chain.name} ({chain.confidence:.2f})" for chain in self.layout.chains)
+        guesses = (f"perhaps {a(chain.name)} ({chain.confidence:.2f})" for chain in self.layout.chains)
         found = "; ".join([*guesses, *self.layout.remarks]) or "none of its joints make a body"
         return (
             f"no character was recognised in {self.source}: {found}. For steps of your own begin with: "

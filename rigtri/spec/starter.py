@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.changes.turns import axis_words
 from rigtri.formats import Options, read
 from rigtri.inputs import opened, title
+from rigtri.plain import a
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.rig import Rig
@@ -177,7 +178,7 @@ class _Limbs:
     def _left_out(self) -> Iterator[str]:
         """What is neither sure nor asked for, as comments."""
         for chain in [*left_out(self.layout), *([] if self.open_places else unsure(self.layout))]:
-            words = f"perhaps a {chain.name}, {chain.confidence:.2f}: left out"
+            words = f"perhaps {a(chain.name)}, {chain.confidence:.2f}: left out"
             yield f"      # - [{self._names(chain)}]  # {words}"
 
     def _names(self, chain: Chain) -> str:
