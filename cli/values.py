@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rigtri.bounds import fits, unfit
+
+if TYPE_CHECKING:
+    ParamType = click.ParamType[int]
+else:  # in older versions of click it is not said of what type values are
+    ParamType = click.ParamType
 
 
 class Tolerance(click.FloatRange):
@@ -38,7 +43,7 @@ class Number(click.FloatRange):
         return number
 
 
-class Bytes(click.ParamType[int]):
+class Bytes(ParamType):
     """A size: 2G, 500M, 1.5GiB."""
 
     name = "size"
