@@ -124,7 +124,8 @@ def end(ctx: click.Context | None, error: Exception, code: int | None = None) ->
 
 def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
     """Tell what click does not understand in one line, as all else is told, and end with its exit code."""
-    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+    # Versions of click before 8.2 show the help themselves.
+    if isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())):
         raise error  # it shows the help
     message = " ".join(plain(error.format_message()).split())
     at = error.ctx if isinstance(error, click.UsageError) and error.ctx is not None else ctx
