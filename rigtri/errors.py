@@ -44,7 +44,6 @@ class FileError(RigtriError):
 # So many names are listed where none of them is like the one that was given.
 _FEW = 6
 
-
 # What is advised at the end of errors that many files, or many faults of a spec, may have.
 LIST_NAMES = "List what is there with: rigtri inspect FILE"
 SEE_LIMBS = "See what is there, and why, with: rigtri recognise FILE"
@@ -118,10 +117,15 @@ def _range(name: str, known: Sequence[str]) -> str:
     return f" There are {len(numbers)} nodes, #{min(numbers)} to #{max(numbers)}."
 
 
+def did_you_mean(word: str, known: Iterable[object], most: int = 1) -> str:
+    """A question after an unknown word, with a space before it: which of these it is like; "" for none."""
+    close = get_close_matches(word, [str(each) for each in known], n=most)
+    return f" Did you mean {_quoted(close)}?" if close else ""
+
+
 def _meant(name: str, known: Sequence[str]) -> str:
-    close = get_close_matches(name, known, n=3)
-    if close:
-        return f" Did you mean {_quoted(close)}?"
+    if close := did_you_mean(name, known, most=3):
+        return close
     if 0 < len(known) <= _FEW:
         return f" There {'are' if len(known) > 1 else 'is'} {_quoted(known)}."
     return ""

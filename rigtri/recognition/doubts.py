@@ -42,7 +42,7 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
 
 
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
-    by_name = draft.reading is not None and each.joints in draft.reading.limbs.values()
+    by_name = _is_named(draft, each)
     return (
         _other_limb(draft, each)
         or _other_side(draft, each)

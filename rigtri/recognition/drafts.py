@@ -16,10 +16,13 @@ from rigtri.recognition.vector import Vector
 
 @dataclass
 class Draft:
-    """shape; reading: what names say, None where nothing. certain: bones of a humanoid map.
-    controls: joints that are known to be none of the body. up, facing,
-    left: unit directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1
-    where unknown. ways: from each limb's first joint on, by its start. bones: node, confidence, evidence."""
+    """What is known of a character so far.
+
+    reading: what names say, None where nothing. certain: bones of a humanoid map, bones: those found so
+    far, both by their names. controls: joints that are known to be none of the body. up, facing, left:
+    unit directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1 where
+    unknown. four: whether it stands on four legs. remarks: sentences for users.
+    """
 
     shape: Shape
     poses: Poses

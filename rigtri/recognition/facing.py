@@ -34,17 +34,23 @@ def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) ->
     if body.form == "quadruped" and body.legs and body.arms and body.lead > 0.02:
         along = (body.arms.starts - body.legs.starts).unit.dot(ahead)
         yield 3.0 * along, "the front legs are ahead of the hind legs"
-    moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
     if body.legs:
         yield 2.0 * _toes(tree, body.legs, ahead), "the feet point there"
-        if body.form == "biped":
-            sure = 0.3 if _goes_on(tree, body.legs) else 1.0
-            yield sure * _bent(body, body.legs, plane.normal, moments), "the knees bend there"
-    if body.arms and body.form == "biped":
-        yield -0.5 * _bent(body, body.arms, plane.normal, moments), "the elbows bend away from there"
+    if body.form == "biped":
+        yield from _bends(tree, body, plane, poses)
     said = tree.rig.facing
     if said is not None:
         yield 0.4 * Vector(*said).dot(ahead), "the format says so"
+
+
+def _bends(tree: Tree, body: Body, plane: Plane, poses: Poses) -> Iterator[tuple[float, str]]:
+    """As `_votes`, of knees and elbows."""
+    moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
+    if body.legs:
+        sure = 0.3 if _goes_on(tree, body.legs) else 1.0
+        yield sure * _bent(body, body.legs, plane.normal, moments), "the knees bend there"
+    if body.arms:
+        yield -0.5 * _bent(body, body.arms, plane.normal, moments), "the elbows bend away from there"
 
 
 def _goes_on(tree: Tree, legs: Limbs) -> bool:

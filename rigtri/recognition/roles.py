@@ -41,7 +41,7 @@ def _role(
     """A node's role, how sure, and why."""
     rig, chain = draft.tree.rig, chains.get(node)
     names = [role for role in _SAID if role in said_roles(rig.names[node])]
-    if chain is not None and _is_within(chain, node) and node not in bones:
+    if chain is not None and node not in bones and _is_within(chain, node):
         return "twist", chain.confidence, [f"stands within the {chain.name}"]
     if chain is not None:
         return "deform", chain.confidence, [f"{chain.name}: {chain.evidence[0]}"]
@@ -63,7 +63,7 @@ def _is_within(chain: Chain, node: int) -> bool:
     if chain.kind not in ("arm", "leg") or len(chain.bend) < 3 or node in chain.bend:
         return False
     start, end = (chain.joints.index(k) if k in chain.joints else -1 for k in (chain.bend[0], chain.bend[2]))
-    return node in chain.joints and 0 <= start < chain.joints.index(node) < end
+    return 0 <= start < chain.joints.index(node) < end
 
 
 def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]]:

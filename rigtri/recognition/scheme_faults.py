@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any
 
+from rigtri.errors import did_you_mean
 from rigtri.recognition.layout import BENDS, MIDDLE, SIDED
 
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
@@ -61,8 +61,7 @@ def _of_words(
 
 
 def _near(word: str, known: Collection[str]) -> str:
-    close = get_close_matches(word, known, n=1)
-    return f" Did you mean '{close[0]}'?" if close else f" There are {', '.join(known)}"
+    return did_you_mean(word, known) or f" There are {', '.join(known)}"
 
 
 def _kind(value: object) -> str:

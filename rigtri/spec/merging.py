@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, did_you_mean
 from rigtri.spec.faults import Fault, Place, SpecError
 from rigtri.spec.parsing import parse
 from rigtri.spec.tree import MOST_VALUES, Keys, Label, Spot, Tree
@@ -121,7 +120,11 @@ def _unset(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     said = tree.values.get("variables", {})
     known = said if isinstance(said, Mapping) else {}
     return [
-        Fault(tree.place(()), "", f"--set {name}: the spec has no such variable.{_near(name, known)}")
+        Fault(
+            tree.place(()),
+            "",
+            f"--set {name}: the spec has no such variable.{did_you_mean(name, known)}",
+        )
         for name in given
         if name not in known
     ]
@@ -148,7 +151,13 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
         return value
     for escaped, name in _VARIABLE.findall(value):
         if not escaped and name not in known:
-            faults.append(Fault(tree.place(keys), "", f"there is no variable '{name}'.{_near(name, known)}"))
+            faults.append(
+                Fault(
+                    tree.place(keys),
+                    "",
+                    f"there is no variable '{name}'.{did_you_mean(name, known)}",
+                )
+            )
             return value
         other = None if escaped else _VARIABLE.search(str(known[name]))
         if other and not other[1]:
@@ -269,8 +278,3 @@ def _way(value: Any, spot: Spot, number: int) -> tuple[Any, Spot]:
 
 def _word(text: str, number: int) -> str:
     return _BRACES.sub(lambda m: m[1].split(",")[number].strip() if "," in m[1] else m[0], text)
-
-
-def _near(name: str, known: Any) -> str:
-    close = get_close_matches(name, [str(word) for word in known], n=1)
-    return f" Did you mean '{close[0]}'?" if close else ""

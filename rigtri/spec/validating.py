@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Iterator, Sequence
-from difflib import get_close_matches
+from collections.abc import Container, Iterator
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from rigtri.errors import did_you_mean
 from rigtri.spec.faults import Fault
 from rigtri.spec.tree import Keys, Tree
 from rigtri.steps import STEPS
@@ -74,7 +74,7 @@ def _wrong_defaults(tree: Tree) -> Iterator[tuple[Keys, Fault]]:
     for do, own in defaults.items() if isinstance(defaults, dict) else ():
         keys: Keys = ("defaults", do)
         if do not in STEPS:
-            text = f"there is no operation '{do}'.{_hint(do, STEPS)}"
+            text = f"there is no operation '{do}'.{did_you_mean(do, STEPS)}"
             yield keys, Fault(tree.place(keys), "defaults", text)
         elif isinstance(own, dict):
             if "do" in own:
@@ -105,7 +105,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[
     elif kind == "union_tag_not_found":
         text = "'do' is missing: the name of an operation, e.g. orient-joints"
     elif kind == "union_tag_invalid":
-        hint = _hint(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
+        hint = did_you_mean(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
     elif kind == "string_type" and told["input"] is None:
         text = f"{option}: this place is open: name what belongs there, or leave it out"
@@ -165,12 +165,7 @@ def _near(tree: Tree, loc: tuple[str | int, ...]) -> str:
     if loc[-1] == "auto" in model.model_fields:  # what the option is called inside, and its only value
         return " Did you mean 'limbs: auto'?"
     known = [str(field.alias or name) for name, field in model.model_fields.items()]
-    return _hint(str(loc[-1]), known) or f" There are {', '.join(known)}."
-
-
-def _hint(word: str, known: Sequence[str]) -> str:
-    close = get_close_matches(word, known, n=1)
-    return f" Did you mean '{close[0]}'?" if close else ""
+    return did_you_mean(str(loc[-1]), known) or f" There are {', '.join(known)}."
 
 
 @cache
