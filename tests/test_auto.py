@@ -44,20 +44,20 @@ def kinds(rig: Rig) -> list[str]:
     return [f"{note['type']} {note.get('kind', '')}".strip() for note in rig.notes.values()]
 
 
-@pytest.fixture
-def unsure(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Recognition that doubts every right arm."""
+@pytest.fixture(params=["right arm"])
+def unsure(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Recognition that doubts every right arm, or whatever its parameter is part of the name of."""
 
     def doubting(rig: Rig, own: Sequence[Scheme] = ()) -> Layout:
         layout = recognise(rig, own=own)
-        return replace(layout, characters=tuple(map(_doubted, layout.characters)))
+        return replace(layout, characters=tuple(_doubted(one, request.param) for one in layout.characters))
 
     for module in ("automatic", "starter"):
         monkeypatch.setattr(f"rigtri.spec.{module}.recognise", doubting)
 
 
-def _doubted(one: Character) -> Character:
-    chains = (replace(c, confidence=0.6) if c.name == "right arm" else c for c in one.chains)
+def _doubted(one: Character, which: str) -> Character:
+    chains = (replace(c, confidence=0.6) if which in c.name else c for c in one.chains)
     return replace(one, chains=tuple(chains))
 
 
@@ -129,6 +129,17 @@ def test_a_limb_that_is_not_sure_is_asked_for_and_its_place_in_the_spec_is_open(
     spec.write_text(text, "utf-8")
     run(app, "build", source, "--spec", spec, "-o", out)
     assert kinds(read(out)).count("poleVector") == 4
+
+
+@pytest.mark.usefixtures("unsure")
+@pytest.mark.parametrize("unsure", [""], indirect=True, ids=["everything"])
+def test_where_nothing_is_sure_there_is_a_spec_with_open_places_too(app: click.Group, tmp_path: Path) -> None:
+    source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
+    result = run(app, "auto", source, "-o", out, code=5)
+    assert (
+        f"nothing of {source} is sure to be a character's: the left arm is not sure" in result.stderr
+    )
+    assert out.with_suffix(".rig.yaml").read_text("utf-8").count("[null, null, null]") == 4
 
 
 @pytest.mark.usefixtures("unsure")

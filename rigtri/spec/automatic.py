@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rigtri import scratch
@@ -37,6 +37,11 @@ class Proposal:
 
     @property
     def is_character(self) -> bool:
+        """Whether there is something to build, or to ask for."""
+        return self.is_sure or bool(unsure(self.layout))
+
+    @property
+    def is_sure(self) -> bool:
         """Whether anything in it is sure."""
         return any(chain.is_sure for chain in self.layout.chains)
 
@@ -79,10 +84,11 @@ def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], option
     need_extra()
     rig = read(at, options).rig
     layout = recognise(rig, own=own)
-    text = ""
-    if any(chain.is_sure for chain in layout.chains):
-        text = starter(rig, title(source), layout, preset=preset, open_places=True, options=options)
-    return Proposal(source, rig, layout, text)
+    found = Proposal(source, rig, layout, "")
+    if not found.is_character:
+        return found
+    text = starter(rig, title(source), layout, preset=preset, open_places=True, options=options)
+    return replace(found, text=text)
 
 
 def auto(
@@ -142,6 +148,8 @@ def auto(
 
 def _asked(found: Proposal, place: Path | None, target: Path | str) -> str:
     words = "; ".join(found.questions)
+    if not found.is_sure:
+        words = f"nothing of {found.source} is sure to be a character's: {words}"
     if place is None:
         return words
     return (
