@@ -15,8 +15,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rigtri.matrices import compose, inverse, multiply
-from rigtri.quaternions import conjugate, from_axes, norm, rotate, slerp, slerp_rows, unit
+from rigtri.matrices import compose, multiply
+from rigtri.quaternions import conjugate, from_axes, norm, rotate, shown, slerp, slerp_rows, unit
 from rigtri.quaternions import multiply as product
 from rigtri.records import Clip, Integers, Interpolation, Mesh, Path, Skin, Track
 from rigtri.rig import Rig
@@ -39,6 +39,8 @@ def worlds(rig: Rig, local: Floats | None = None) -> Floats:
 
 def world_of(rig: Rig, node: int) -> Floats:
     """The world matrix of one node at rest, (4, 4), from it and those above it alone; −1: the world's own."""
+    if node >= 0 and "world" in vars(rig):  # all are known, and the same
+        return np.asarray(rig.world[node])
     line = []
     while node >= 0:
         line.append(node)
@@ -54,9 +56,8 @@ def world_of(rig: Rig, node: int) -> Floats:
 
 
 def rest(rig: Rig, *, normalised: bool = True) -> Floats:
-    """Local matrices at rest, (n, 4, 4); see `locals_at` for ``normalised``."""
-    composed = compose(rig.translation, _as_shown(rig.rotation, normalised), rig.scale)
-    return np.where(rig.has_matrix[:, np.newaxis, np.newaxis], rig.matrix, composed)
+    """Local matrices at rest, (n, 4, 4), not to be changed; see `locals_at` for ``normalised``."""
+    return rig.shown if normalised else rig.local
 
 
 def locals_at(rig: Rig, clip: Clip, times: ArrayLike, *, normalised: bool = True) -> Floats:
@@ -100,7 +101,7 @@ class Motion:
             else:
                 parts[pack.path][:, pack.columns] = pack.sample(times)
         by_node = {path: values.swapaxes(0, 1) for path, values in parts.items()}  # as they lie in memory
-        rotation = _as_shown(by_node["rotation"], normalised)
+        rotation = shown(by_node["rotation"]) if normalised else by_node["rotation"]
         composed = compose(by_node["translation"], rotation, by_node["scale"])
         local[:, self.driven] = composed.swapaxes(0, 1)
         return local
@@ -175,7 +176,7 @@ def bind_frames(rig: Rig, skin: Skin) -> Floats:
     # What holds a joint's axes is not where the skin begins: its place came with a split.
     top = min(set(joints) - rig.holders, default=min(joints))
     to_world = multiply(skin.inverse_bind[joints.index(top)], world_of(rig, top))
-    return multiply(inverse(skin.inverse_bind), to_world)
+    return multiply(skin.bind, to_world)
 
 
 def morph_weights(mesh: Mesh, clip: Clip | None, times: Floats) -> Floats:
@@ -329,13 +330,6 @@ def _held(values: Floats, count: int) -> Floats:
     held: Floats = np.empty((values.shape[1], len(values), count)).transpose()
     held[:] = values
     return held
-
-
-def _as_shown(rotation: Floats, normalised: bool) -> Floats:
-    if not normalised:
-        return rotation
-    size = norm(rotation)[..., np.newaxis]
-    return rotation / np.where(size == 0, 1.0, size)
 
 
 def _together(tracks: list[Track]) -> list[list[Track]]:

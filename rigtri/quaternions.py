@@ -70,6 +70,13 @@ def unit(q: ArrayLike) -> Floats:
         return q / norm(q)[..., np.newaxis]
 
 
+def shown(q: ArrayLike) -> Floats:
+    """Rotations, (..., 4), as formats mean them: of length 1, whatever was stored; zero stays zero."""
+    q = as_quaternions(q)
+    size = norm(q)[..., np.newaxis]
+    return np.asarray(q / np.where(size == 0, 1.0, size))
+
+
 def meant_unit(q: ArrayLike) -> Floats:
     """Rotations, (..., 4), normalised where they were meant to be unit, within [−1, 1] there."""
     q = as_quaternions(q)

@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rigtri.matrices import inverse
 from rigtri.trigonometry import Floats
 
 Integers = NDArray[np.int64]
@@ -87,6 +88,11 @@ class Skin:
     weigh: Callable[[], Booleans] | None = None
     key: Hashable = None
     drawn: bool = False
+
+    @cached_property
+    def bind(self) -> Floats:
+        """Where each joint stands in the bind pose, seen from the skin, (m, 4, 4); NaN if nothing tells."""
+        return inverse(self.inverse_bind)
 
     @cached_property
     def weighted(self) -> Booleans:

@@ -18,6 +18,7 @@ import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.matrices import compose, multiply
+from rigtri.quaternions import shown
 from rigtri.records import Booleans, Bound, Clip, Constraint, Fold, Integers, Mesh, Skin, Spread, Track
 from rigtri.shapes import Lines, Shape, nothing
 from rigtri.trigonometry import Floats
@@ -141,6 +142,12 @@ class Rig:
         for level in self.levels[1:]:
             world[level] = multiply(self.local[level], world[self.parents[level]])
         return world
+
+    @cached_property
+    def shown(self) -> Floats:
+        """`local` with rotations as they are meant, unit, (n, 4, 4); shared, so not to be changed."""
+        composed = compose(self.translation, shown(self.rotation), self.scale)
+        return np.where(self.has_matrix[:, np.newaxis, np.newaxis], self.matrix, composed)
 
     @cached_property
     def levels(self) -> tuple[Integers, ...]:

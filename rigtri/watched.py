@@ -271,7 +271,7 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
     Meshes that share their bind matrix share their boxes. inf where a joint moves nothing.
     """
     if not meshes:
-        places = inverse(skin.inverse_bind)[:, 3, :3]
+        places = skin.bind[:, 3, :3]
         places = places[np.isfinite(places).all(axis=1)]
         if len(places):
             shape = (len(skin.joints), 3)

@@ -136,9 +136,7 @@ def test_a_limb_that_is_not_sure_is_asked_for_and_its_place_in_the_spec_is_open(
 def test_where_nothing_is_sure_there_is_a_spec_with_open_places_too(app: click.Group, tmp_path: Path) -> None:
     source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
     result = run(app, "auto", source, "-o", out, code=5)
-    assert (
-        f"nothing of {source} is sure to be a character's: the left arm is not sure" in result.stderr
-    )
+    assert f"nothing of {source} is sure to be a character's: the left arm is not sure" in result.stderr
     assert out.with_suffix(".rig.yaml").read_text("utf-8").count("[null, null, null]") == 4
 
 

@@ -97,12 +97,27 @@ def _check_sheared(rig: Rig, moves: Booleans) -> None:
 
 
 def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats]) -> None:
-    """One record per joint: what became of it, why, and how sure that is.
+    """One record per joint, for when somebody asks; and a warning of mirrored ones.
 
     wanted: the turns that were asked for; turns: those that the scales allow, where ``parted``
     joints take theirs by a node of their own.
     """
-    rig, moves = plan.tree.rig, turned(turns)
+    plan.report.tell_joints(lambda: _records(plan, wanted, turns, parted))
+    rig, moves, mirrored = plan.tree.rig, turned(turns), determinant(plan.ref.world) < 0
+    named = [rig.title(j) for j in plan.tree.joints if mirrored[j] and moves[j]]
+    if named:
+        plan.report.warn(
+            "mirrored",
+            f"{len(named)} joints are mirrored and stay so (left-handed axes): "
+            f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
+        )
+
+
+def _records(
+    plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats]
+) -> list[dict[str, Any]]:
+    """What became of each joint, why, and how sure that is."""
+    rig, moves, records = plan.tree.rig, turned(turns), []
     mirrored = determinant(plan.ref.world) < 0
     degrees_of, errors = np.degrees(turn_angle(turns)).tolist(), _aim_errors(plan, turns)
     for joint in plan.tree.joints:
@@ -135,14 +150,8 @@ def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapp
             entry |= {"degrees": round(degrees_of[joint], 6), "turn": turn.tolist()}
             if joint in errors:
                 entry["aim_error_degrees"] = round(errors[joint], 6)
-        plan.report.joints.append(entry)
-    named = [rig.title(j) for j in plan.tree.joints if mirrored[j] and moves[j]]
-    if named:
-        plan.report.warn(
-            "mirrored",
-            f"{len(named)} joints are mirrored and stay so (left-handed axes): "
-            f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
-        )
+        records.append(entry)
+    return records
 
 
 def _left(plan: Plan, joint: int, wanted: Mapping[int, Floats], moves: Booleans) -> bool:
