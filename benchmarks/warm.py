@@ -31,7 +31,7 @@ WARM_UP = 10
 BLENDER = """
 import bpy, sys, time
 source, target, runs = sys.argv[-3], sys.argv[-2], int(sys.argv[-1])
-best, used = [], []
+wall, used = [], []
 for _ in range(runs + 1):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     start, begin = time.perf_counter(), time.process_time()
@@ -44,9 +44,9 @@ for _ in range(runs + 1):
             bone.tail = bone.children[0].head
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.export_scene.gltf(filepath=target)
-    best.append(time.perf_counter() - start)
+    wall.append(time.perf_counter() - start)
     used.append(time.process_time() - begin)
-print("SECONDS", sorted(best[1:])[runs // 2], sorted(used[1:])[runs // 2])
+print("SECONDS", sum(wall[1:]) / runs, sum(used[1:]) / runs)
 """
 
 # Seconds a file, and seconds of processors a file.

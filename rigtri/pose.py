@@ -153,10 +153,15 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
     directions of the world mean the same as at rest. Nodes outside the skin
     follow their parents. NaN for joints whose inverse bind matrix is singular.
 
-    A scale that a file hides in all inverse binds alike (dequantisation) cancels.
+    A scale that a file hides in all inverse binds alike (dequantisation) cancels. Found once for a skin;
+    not to be changed.
     """
-    if not len(skin.joints):
-        return worlds(rig)
+    if skin not in rig.posed:
+        rig.posed[skin] = _bind_worlds(rig, skin) if len(skin.joints) else worlds(rig)
+    return rig.posed[skin]
+
+
+def _bind_worlds(rig: Rig, skin: Skin) -> Floats:
     world = rig.local.copy()
     world[skin.joints] = bind_frames(rig, skin)
     outside = np.ones(len(rig), dtype=bool)

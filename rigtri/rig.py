@@ -150,6 +150,11 @@ class Rig:
         return np.where(self.has_matrix[:, np.newaxis, np.newaxis], self.matrix, composed)
 
     @cached_property
+    def posed(self) -> dict[Skin, Floats]:
+        """The bind poses that `rigtri.pose.bind_worlds` has found."""
+        return {}
+
+    @cached_property
     def levels(self) -> tuple[Integers, ...]:
         """Node indices by depth, roots first: each level's parents lie in the level before."""
         levels: list[list[int]] = [[] for _ in range(max(self.depth, default=-1) + 1)]

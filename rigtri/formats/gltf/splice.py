@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from rigtri.formats.gltf.spelling import Spelling
 
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]  # of C, without a call around it
+_NUMBERS = frozenset([float, int])
 _BLANK = re.compile(r"[ \t\n\r]*")
 _BLANKS = " \t\n\r"
 _BLANK_SOMEWHERE = re.compile(f"[{_BLANKS}]")
@@ -127,7 +128,7 @@ class _Splicer:
         return "".join([*pieces, ending, "}"]), at
 
     def _list(self, at: int, old: list[Any], new: list[Any], depth: int) -> int:
-        if all(type(item) is float or type(item) is int for item in old):
+        if _NUMBERS.issuperset(map(type, old)):
             told, end = self._numbers(at, old, new, depth)
         elif _in_order(old, new):
             return self._items(at, old, new, depth)
