@@ -69,7 +69,8 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
         f"what files have not (of {found['files']})",
         [(row["files"], row["what"], row["example"]) for row in found["missing"]],
     )
-    yield from _table("warnings", [(row["files"], row["code"], row["example"]) for row in found["warnings"]])
+    warned = [(row["files"], row["code"], f"e.g. {row['example']}") for row in found["warnings"]]
+    yield from _table("warnings", warned)
     yield from _axes(found["axes"])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -113,20 +114,22 @@ def _run(values: dict[str, Any], spec: Spec) -> None:
         return built.outcome
 
     options = {"spec": values["spec"], "variables": assigned(values["variables"])}
-    run("build", values, done, options, lambda _: told_of(made[0]), more=lambda: {"steps": steps_of(made[0])})
+    run("build", values, done, options, lambda _: told_of(made[0]), more=lambda: {"steps": _steps(made[0])})
+
+
+def _steps(built: Built) -> list[dict[str, Any]]:
+    return [
+        step | {"place": str(one.step.place)} for step, one in zip(steps_of(built), built.done, strict=True)
+    ]
 
 
 def steps_of(built: Built) -> list[dict[str, Any]]:
     """The steps of a build for its report."""
-    return [
-        {
-            "step": one.step.number,
-            "do": one.step.do,
-            "options": one.step.said,
-            "summary": summary(one.step.do, one.report),
-        }
-        for one in built.done
-    ]
+    return [_said(one.step) | {"summary": summary(one.step.do, one.report)} for one in built.done]
+
+
+def _said(one: PlannedStep) -> dict[str, Any]:
+    return {"step": one.number, "do": one.do, "options": one.said}
 
 
 def told_of(built: Built) -> str:
@@ -149,13 +152,18 @@ def summary(do: str, report: Report) -> str:
 def _explain(values: dict[str, Any], spec: Spec) -> None:
     """The steps as text; with IN, what each does there, measured but not written."""
     alone = values["source"] is None
-    if alone and (values["report_path"] or values["target"] or values["as_json"]):
-        raise UsageError("--explain without IN builds nothing: give IN, or leave out --report, --json and -o")
-    for one in spec.steps:  # beside a report on standard output they would be no JSON
+    if alone and (values["report_path"] or values["target"]):
+        raise UsageError("--explain without IN builds nothing: give IN, or leave out --report and -o")
+    for one in spec.steps:  # beside JSON on standard output they would be none
         click.echo(plain(_line(one), one_line=True), err=values["as_json"])
-    if alone:
-        return
-    _run(with_target(values) | {"dry_run": True, "unnamed": True}, spec)
+    if not alone:
+        _run(with_target(values) | {"dry_run": True}, spec)
+    elif values["as_json"]:
+        steps = [_said(one) | {"place": str(one.place)} for one in spec.steps]
+        from rigtri import __version__
+
+        document = {"rigtri": __version__, "command": "build", "spec": values["spec"], "steps": steps}
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
 
 
 def _line(one: PlannedStep) -> str:

@@ -30,7 +30,7 @@ def command(name: str, as_json: bool) -> None:
     """Print a JSON Schema: of rig specs, or of what rigtri writes.
 
     NAME is spec unless given; others are batch, batch-report, check, diff, draw, error, explain, frames,
-    mirror, node, pose, recognise, report and rig.
+    mirror, node, pose, recognise, report, rig and steps.
 
     \b
     Examples:

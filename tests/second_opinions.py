@@ -32,6 +32,7 @@ SCHEMAS = (
     "recognise",
     "report",
     "rig",
+    "steps",
 )
 _SCRIPT = Path(__file__).parent / "validate.mjs"
 

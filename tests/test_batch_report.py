@@ -125,7 +125,7 @@ def test_words_say_the_same(app: click.Group, tmp_path: Path) -> None:
     assert "4 files: 2 ok, 1 warned, 1 crashed; 2.0 s of work" in told
     assert "1.00e-07  in/a.glb" in told
     assert "1  crash  it crashed (SIGSEGV)  in/d.glb" in told
-    assert "1  straight  arm_L is straight" in told
+    assert "1  straight  e.g. arm_L is straight" in told
     assert "one skeleton of 2 joints, different axes (3 files)" in told
     assert "2  the axes of most  in/a.glb" in told
     assert "1  spine 90.0° off   in/c.glb" in told

@@ -452,6 +452,36 @@ def test_explain_writes_the_report_that_it_is_asked_for(tmp_path: Path) -> None:
     assert (result.exit_code, "only with --overwrite" in result.stderr) == (2, True)
 
 
+def test_explain_tells_machines_what_would_be_done_and_where_it_stands(tmp_path: Path) -> None:
+    spec = write(tmp_path, WHOLE)
+    line = ["build", "--spec", str(spec), "--explain", "--json"]
+    alone = json.loads(CliRunner().invoke(program, line).stdout)
+    validator("steps").validate(alone)
+    line.insert(1, str(SAMPLES / "biped.glb"))
+    whole = json.loads(CliRunner().invoke(program, line).stdout)
+    validator("report").validate(whole)
+    assert [step["place"] for step in alone["steps"]] == [step["place"] for step in whole["steps"]]
+    assert alone["steps"][1]["place"] == f"{spec}:6:5"
+
+
+def test_explain_refuses_an_output_as_the_build_would(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    out.write_bytes(b"mine")
+    line = [
+        "build",
+        str(SAMPLES / "biped.glb"),
+        "--spec",
+        str(write(tmp_path, WHOLE)),
+        "--explain",
+        "-o",
+        str(out),
+    ]
+    refused = CliRunner().invoke(program, line)
+    assert (refused.exit_code, "only with --overwrite" in refused.stderr) == (2, True)
+    assert CliRunner().invoke(program, [*line, "--overwrite"]).exit_code == 0
+    assert out.read_bytes() == b"mine"
+
+
 def test_explain_tells_limbs_apart(tmp_path: Path) -> None:
     limbs = "[[upper_arm_L, forearm_L, hand_L], [thigh_L, shin_L, foot_L]]"
     spec = write(tmp_path, f"steps:\n- {{do: add-twist, limb: {limbs}}}\n")
