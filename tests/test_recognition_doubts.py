@@ -7,8 +7,10 @@ from dataclasses import replace
 import pytest
 from recognition.skeletons import MAN, Joint, both, line, rig_with
 
+from rigtri.ops.polevector import Options, add_polevector
 from rigtri.recognition.engine import recognise
 from rigtri.recognition.layout import Layout
+from rigtri.report import Report
 from rigtri.spec.starter import left_out, starter, unsure
 
 
@@ -130,3 +132,22 @@ def test_joints_at_one_place_but_for_one_beside_them_come_to_an_end() -> None:
     joints += [(f"a{k}", "a", (0.0, 0.0, 0.0)) for k in range(8)]
     joints.insert(8, ("beside", "a", (1e-6, 0.3, 1e-6)))
     assert not recognise(rig_with(joints)).characters
+
+
+def test_an_arm_with_named_fingers_is_one_although_nothing_else_of_a_body_is_there() -> None:
+    arm = line(
+        "root upper_arm forearm hand", "", (0, 0, 0), (0.2, 1.4, 0), (0.48, 1.4, -0.03), (0.73, 1.4, 0)
+    )
+    for k, finger in enumerate(("thumb", "index", "middle", "ring")):
+        places = [(0.8 + 0.03 * joint, 1.4 - 0.004 * joint, 0.04 - 0.02 * k) for joint in range(3)]
+        arm += line(" ".join(f"{finger}_{joint}" for joint in (1, 2, 3)), "hand", *places)
+    layout = recognise(rig_with(arm))
+    assert [chain.name for chain in layout.chains if chain.is_sure and chain.bend] == ["arm"]
+
+
+def test_joints_without_names_are_not_told_to_share_one() -> None:
+    rig = rig_with(MAN)
+    report = Report()
+    add_polevector(replace(rig, names=("",) * len(rig)), options=Options(auto=True), report=report)
+    assert report.limbs
+    assert [notice.text for notice in report.warnings if notice.code == "limb-left-out"] == []

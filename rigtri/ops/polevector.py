@@ -115,7 +115,7 @@ def _limbs(rig: Rig, options: Options, report: Report) -> list[Limb]:
 def _tell_left_out(rig: Rig, limbs: list[Limb], report: Report) -> None:
     """Warn where joints of the same names as a limb's are in no limb: siblings that share names."""
     inside = {node for limb in limbs for node in limb.triple}
-    names = {rig.names[limb.middle] for limb in limbs}
+    names = {rig.names[limb.middle] for limb in limbs} - {""}
     for name in sorted(names):
         others = [k for k in range(len(rig)) if rig.names[k] == name and k not in inside]
         if others and rig.is_joint[others].any():

@@ -8,6 +8,7 @@ from dataclasses import replace
 from rigtri.recognition.arms_legs import AGREED, Found
 from rigtri.recognition.body import Limbs
 from rigtri.recognition.drafts import Draft
+from rigtri.recognition.ends import finger_said
 from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.schemes import limb_said, said, said_roles
 from rigtri.recognition.vector import Vector
@@ -18,7 +19,7 @@ _UNSURE = 0.6
 _TWINS = 0.15
 # Bones of one limb are at least so long a part of each other.
 _BALANCE = 0.4
-# Of a body without legs and without a second arm, so many bones beside the arm's own are named.
+# Of a body without legs and without a second arm, so many bones beside the arm's own, or fingers, are named.
 _ENOUGH = 3
 # A further chain at the chest that is so long a part of the arms may be an arm as well.
 _RIVAL = 0.2
@@ -163,13 +164,19 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         and not each.side
         and len(draft.tree.nodes) > len(each.joints) + 1
     )
-    if alone and len(beside) < _ENOUGH:
+    if alone and len(beside) < _ENOUGH and not _has_fingers(draft, each):
         return "it stands alone: nothing else of a body is named"
     body = draft.shape.body
     four = len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips"} & set(bones)
     if four and body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above:
         return "no trunk stands between its front and its hind legs"
     return ""
+
+
+def _has_fingers(draft: Draft, arm: Found) -> bool:
+    """Whether several joints below an arm's end are called as fingers are."""
+    below = draft.tree.branch(arm.joints[-1])
+    return len({finger for node in below if (finger := finger_said(draft.tree.rig.names[node]))}) >= _ENOUGH
 
 
 def _rival(draft: Draft, each: Found) -> str:
