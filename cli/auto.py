@@ -107,7 +107,7 @@ class _Job:
         self.built: Built
 
     def done(self, report: Report) -> Outcome:
-        from rigtri.recognition.schemes import own_scheme
+        from rigtri.recognition.schemes import own_schemes
         from rigtri.spec.automatic import auto
 
         values = self.values
@@ -118,7 +118,7 @@ class _Job:
                 values["target"],
                 **{word: values[word] for word in words},
                 preset=values["preset"] or "",
-                own=tuple(map(own_scheme, values["own"])),
+                own=own_schemes(values["own"]),
                 options=read_options(values),
                 overwrite=values["overwrite"] or values["unnamed"],
                 side_files=side_files(values),

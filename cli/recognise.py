@@ -40,9 +40,9 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
     from rigtri.inputs import opened
     from rigtri.recognition.described import as_json, text
     from rigtri.recognition.engine import recognise
-    from rigtri.recognition.schemes import own_scheme
+    from rigtri.recognition.schemes import own_schemes
 
-    schemes = [own_scheme(path) for path in own]
+    schemes = own_schemes(own)
     with opened(source) as path:
         document = read(path, read_options({**values, "empty": True}))
         layout = recognise(document.rig, own=schemes)

@@ -421,6 +421,10 @@ def test_a_scheme_of_ones_own_is_asked_first(tmp_path: Path, monkeypatch: pytest
         ('title = "A"\n[sides]\nHand = "joint"', "no name can say 'joint': sides and words like joint"),
         ('title = "A"\nmarks = "XX"', "'marks': no name can say 'XX': write 'xx'"),
         ('title = "A"\nlike = "unrael"', "no scheme 'unrael' to be like. Did you mean 'unreal'"),
+        (
+            'title = "A"\n[sides]\nUpperArm = "arm"\nLowerArm = "fore arm"',
+            r"\[sides\] LowerArm: 'arm' means UpperArm already",
+        ),
         ('like = 1\nbones = "b"', "'like' is a number.*; there is no 'bones'.*; 'title' is missing"),
     ],
 )
@@ -429,6 +433,19 @@ def test_what_is_no_scheme_is_refused(text: str, words: str, tmp_path: Path) -> 
     path.write_text(text, "utf-8")
     with pytest.raises(FileError, match=words):
         own_scheme(path)
+
+
+def test_all_schemes_that_are_none_are_told_at_once(tmp_path: Path, app: click.Group) -> None:
+    words: list[str] = []
+    for name, text in (("a", "title = 1"), ("b", "marks = 2"), ("c", "\ufefftitle = 'Fine'")):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(text, "utf-8")
+        words += ["--scheme", str(path)]
+    result = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb"), *words])
+    assert result.exit_code == 3
+    assert "a.toml is no naming scheme: 'title' is a number" in result.stderr
+    assert "b.toml is no naming scheme: 'marks' is a number" in result.stderr
+    assert "c.toml" not in result.stderr
 
 
 def test_rigtris_own_schemes_have_no_faults() -> None:

@@ -40,6 +40,7 @@ def _of_table(name: str, value: object, read: Callable[[str, str], tuple[bool, s
     if not isinstance(value, dict):
         yield f"'{name}' is {_kind(value)}: make it a table, [{name}] with a line for each bone"
         return
+    taken: dict[str, str] = {}
     for bone, said in value.items():
         where = f"[{name}] {bone}"
         if bone not in _TABLES[name]:
@@ -48,6 +49,9 @@ def _of_table(name: str, value: object, read: Callable[[str, str], tuple[bool, s
             yield f"{where} is {_kind(said)}: {_TO_DO}"
         else:
             yield from _of_words(where, name, said, read)
+            for word in said.split():
+                if taken.setdefault(word, bone) != bone:
+                    yield f"{where}: '{word}' means {taken[word]} already, and a word means one bone"
 
 
 def _of_words(

@@ -137,7 +137,20 @@ def _found(folders: str) -> tuple[Scheme, ...]:
     for folder in named:
         if not folder.is_dir():
             raise FileError(f"{FOLDERS} names {folder}, which is no folder: make it, or name another")
-    return tuple(own_scheme(path) for folder in named for path in sorted(folder.glob("*.toml")))
+    return own_schemes([path for folder in named for path in sorted(folder.glob("*.toml"))])
+
+
+def own_schemes(paths: Sequence[Path]) -> tuple[Scheme, ...]:
+    """`own_scheme` of each file. Raises FileError with all that is wrong in any of them."""
+    found, wrong = [], []
+    for path in paths:
+        try:
+            found.append(own_scheme(path))
+        except FileError as error:
+            wrong.append(str(error))
+    if wrong:
+        raise FileError("; ".join(wrong))
+    return tuple(found)
 
 
 def own_scheme(path: Path) -> Scheme:
@@ -145,7 +158,7 @@ def own_scheme(path: Path) -> Scheme:
     if not path.is_file():
         raise FileError(f"{path} is no naming scheme: it is not there, or no plain file")
     try:
-        table = tomllib.loads(path.read_text("utf-8"))
+        table = tomllib.loads(path.read_text("utf-8-sig"))
     except OSError as error:
         raise FileError(f"{path} cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
