@@ -151,3 +151,15 @@ def test_joints_without_names_are_not_told_to_share_one() -> None:
     add_polevector(replace(rig, names=("",) * len(rig)), options=Options(auto=True), report=report)
     assert report.limbs
     assert [notice.text for notice in report.warnings if notice.code == "limb-left-out"] == []
+
+
+def test_of_very_many_joints_without_names_it_is_said_that_their_shape_is_not_read() -> None:
+    hair = [
+        joint
+        for k in range(1001)
+        for joint in line(f"h{k}_0 h{k}_1 h{k}_2", "", *((k, y, 0.0) for y in range(3)))
+    ]
+    (remark,) = recognise(
+        rig_with(line("root", "", (0, 0, 0)) + [(n, a or "root", p) for n, a, p in hair])
+    ).remarks
+    assert "of more than 3000 only names are read" in remark

@@ -10,6 +10,7 @@ from rigtri.recognition.drafts import Draft
 from rigtri.recognition.ends import finger_chains, finger_said, lay_fingers
 from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.schemes import said, said_roles
+from rigtri.recognition.shape import MOST
 from rigtri.recognition.vector import Vector
 
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
@@ -106,6 +107,8 @@ def why_none(draft: Draft) -> str:
     count = f"{len(joints)} joint{'s' * (len(joints) != 1)}"
     if len(joints) < 5:
         return f"{count} are too few for a character"
+    if len(tree.nodes) > MOST:
+        return f"{count} without names of limbs: of more than {MOST} only names are read, not their shape"
     if not branching:
         return f"{count} in one chain without branches: no limbs in pairs"
     if not draft.shape.pairs:
