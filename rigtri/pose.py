@@ -158,6 +158,7 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
     """
     if skin not in rig.posed:
         rig.posed[skin] = _bind_worlds(rig, skin) if len(skin.joints) else worlds(rig)
+        rig.posed[skin].flags.writeable = False
     return rig.posed[skin]
 
 

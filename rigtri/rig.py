@@ -131,9 +131,8 @@ class Rig:
 
     @cached_property
     def local(self) -> Floats:
-        """Rest matrices seen from the parents, (n, 4, 4)."""
-        composed = compose(self.translation, self.rotation, self.scale)
-        return np.where(self.has_matrix[:, np.newaxis, np.newaxis], self.matrix, composed)
+        """Rest matrices seen from the parents, (n, 4, 4); shared, so not to be changed."""
+        return self._locals(self.rotation)
 
     @cached_property
     def world(self) -> Floats:
@@ -141,13 +140,19 @@ class Rig:
         world = self.local.copy()
         for level in self.levels[1:]:
             world[level] = multiply(self.local[level], world[self.parents[level]])
+        world.flags.writeable = False
         return world
 
     @cached_property
     def shown(self) -> Floats:
         """`local` with rotations as they are meant, unit, (n, 4, 4); shared, so not to be changed."""
-        composed = compose(self.translation, shown(self.rotation), self.scale)
-        return np.where(self.has_matrix[:, np.newaxis, np.newaxis], self.matrix, composed)
+        return self._locals(shown(self.rotation))
+
+    def _locals(self, rotation: Floats) -> Floats:
+        composed = compose(self.translation, rotation, self.scale)
+        found = np.where(self.has_matrix[:, np.newaxis, np.newaxis], self.matrix, composed)
+        found.flags.writeable = False
+        return found
 
     @cached_property
     def posed(self) -> dict[Skin, Floats]:
