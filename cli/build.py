@@ -129,7 +129,7 @@ def steps_of(built: Built) -> list[dict[str, Any]]:
 
 
 def _said(one: PlannedStep) -> dict[str, Any]:
-    return {"step": one.number, "do": one.do, "options": one.said}
+    return {"step": one.number, "do": one.do, "options": one.said, "optional": one.optional}
 
 
 def told_of(built: Built) -> str:
@@ -168,7 +168,8 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
 
 def _line(one: PlannedStep) -> str:
     said = "; ".join(f"{name} {_short(value)}" for name, value in one.said.items())
-    return f"{one.number}. {one.do}{': ' if said else ''}{said} ({one.place})"
+    can_miss = ", optional" if one.optional else ""
+    return f"{one.number}. {one.do}{can_miss}{': ' if said else ''}{said} ({one.place})"
 
 
 def _short(value: Any) -> str:

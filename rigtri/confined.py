@@ -195,6 +195,11 @@ class Confined:
                 code = signal.Signals(-code).name
         if code == "SIGKILL":
             return "the process that read it was killed (SIGKILL), as systems do that run out of memory"
+        if self._memory is not None:
+            return (
+                f"the library that reads it crashed ({code}): it needs more memory than it may have, or the "
+                "file is damaged. Allow it more, or export it anew with the program that wrote it"
+            )
         return (
             f"the library that reads it crashed ({code}). The file is damaged; export it anew with the "
             "program that wrote it"

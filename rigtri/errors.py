@@ -109,6 +109,14 @@ def kind_of(error: type[RigtriError]) -> str:
     return " ".join(words).lower()
 
 
+def kind_told(error: RigtriError) -> str:
+    """`kind_of` an error; of a spec that does not fit a character, of what it was that did not."""
+    cause = error.__cause__
+    if isinstance(cause, RigtriError) and cause.exit_code == error.exit_code:
+        return kind_of(type(cause))
+    return kind_of(type(error))
+
+
 def _range(name: str, known: Sequence[str]) -> str:
     """For the index of a node those that there are: how it is spelled says nothing."""
     numbers = [int(word[1:]) for word in known if re.fullmatch(r"#[0-9]+", word)]

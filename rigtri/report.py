@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -33,30 +33,19 @@ class Report:
 
     driven: morph targets whose weights are other ones on purpose, by the key of the node
     that shows them; the self-check compares all but these. reposed: joints move in another way
-    on purpose; the self-check compares with the rig as it was to be written.
+    on purpose; the self-check compares with the rig as it was to be written. records: whether joints are
+    told; a batch, of which nobody reads them, has warnings alone.
     """
 
+    joints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[dict[str, Any]] = field(default_factory=list)
     added: list[dict[str, Any]] = field(default_factory=list)
     removed: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
     driven: dict[Hashable, set[int]] = field(default_factory=dict)
     reposed: bool = False
-    _joints: list[dict[str, Any]] = field(default_factory=list)
-    _untold: list[Callable[[], Sequence[dict[str, Any]]]] = field(default_factory=list)
+    records: bool = True
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
-
-    @property
-    def joints(self) -> list[dict[str, Any]]:
-        """A record of each joint that was looked at."""
-        untold, self._untold = self._untold, []
-        for tell in untold:
-            self._joints.extend(tell())
-        return self._joints
-
-    def tell_joints(self, tell: Callable[[], Sequence[dict[str, Any]]]) -> None:
-        """``tell`` has further records; it is asked when somebody looks, which no batch does."""
-        self._untold.append(tell)
 
     def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:
         """Note something that the user should know; the same words only once."""
@@ -79,8 +68,7 @@ class Report:
 
     def take(self, other: Report) -> None:
         """Add what another report tells."""
-        self.tell_joints(lambda: other.joints)
-        for name in ("limbs", "added", "removed"):
+        for name in ("joints", "limbs", "added", "removed"):
             getattr(self, name).extend(getattr(other, name))
         self.hear(other.warnings)
         for key, columns in other.driven.items():

@@ -239,7 +239,9 @@ def _main_skins(tree: Skeleton) -> dict[int, tuple[Skin, list[int], Floats]]:
         more = [root for root in held if root not in best or len(held[root]) > len(best[root][1])]
         posed = bind_worlds(tree.rig, skin) if more else worlds(tree.rig)
         for root in more:
-            if _is_pose(posed[held[root]], worlds(tree.rig)[held[root]]):
+            # Joints of ours have places in skins whose own joints have none.
+            told = [joint for joint in held[root] if joint not in tree.rig.own] or held[root]
+            if _is_pose(posed[told], worlds(tree.rig)[told]):
                 best[root] = skin, held[root], posed
     return {root: best[root] for root in tree.roots if root in best}
 

@@ -249,3 +249,15 @@ def test_what_is_no_manifest_is_refused(app: click.Group, tmp_path: Path) -> Non
     code, told = refused(path)
     assert code == 2
     assert "version 7" in told
+
+
+def test_a_manifest_in_a_folder_that_only_others_may_write_to_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = wrote(tmp_path, {"a.glb": Record("ok")})
+    for log in tmp_path.glob("*.sqlite-*"):
+        log.unlink()
+    # Root may write anywhere: what a folder without that right does to SQLite is told by its files.
+    monkeypatch.setattr("rigtri.batch.manifest_file.os.access", lambda *_: False)
+    assert summarise([path])["statuses"]["ok"] == 1
+    assert [file.name for file in tmp_path.glob("*.sqlite*")] == [path.name]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import json
 import os
+import pickle
 import shutil
 import weakref
 from dataclasses import replace
@@ -13,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import sample_files
+from places import SAMPLES, sample_files
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.formats import Options, read
@@ -315,3 +316,13 @@ def test_who_is_told_can_still_prevent_it(samples: Path, tmp_path: Path) -> None
 
 def test_nobody_is_told_of_what_is_only_tried(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.glb", tmp_path / "out.glb", lambda rig, _: rig, dry_run=True, ready=pytest.fail)
+
+
+def test_a_report_travels_to_other_processes_and_a_batch_has_none_of_joints() -> None:
+    rig, report, bare = read(SAMPLES / "biped.glb").rig, Report(), Report(records=False)
+    for one in (report, bare):
+        orient_joints(rig, aim="x", up="y", report=one)
+    assert report.joints
+    assert pickle.loads(pickle.dumps(report)) == report
+    assert bare.joints == []
+    assert bare.warnings == report.warnings

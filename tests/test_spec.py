@@ -21,8 +21,9 @@ from second_opinions import validator
 from rigtri.cli.main import program
 from rigtri.compare import verify
 from rigtri.errors import FileError, UsageError
-from rigtri.formats import read
+from rigtri.formats import Options, read
 from rigtri.pipeline import edit
+from rigtri.report import Notice
 from rigtri.rig import Rig
 from rigtri.spec.building import build
 from rigtri.spec.faults import SpecError
@@ -636,3 +637,28 @@ def test_spec_init_and_build_are_two_commands_from_a_character_to_its_rig(tmp_pa
     assert again.exit_code == 2
     assert "--overwrite" in again.stderr
     assert any(note["type"] == "control" for note in read(out).rig.notes.values())
+
+
+def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None:
+    source = tmp_path / "odd.glb"
+    source.write_bytes((SAMPLES / "biped.glb").read_bytes())
+    spec = load(write(tmp_path, "steps:\n- {do: orient-joints}\n- {do: orient-joints, aim: -x}\n"))
+
+    def doubting(path: Path, options: Options | None = None) -> Any:
+        document = read(path, options)
+        notices = [Notice("mesh-unread", f"{path}: a mesh cannot be read")]
+        patch.setattr(type(document), "warnings", property(lambda _: notices))
+        return document
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rigtri.pipeline.read", doubting)
+        built = build(source, tmp_path / "out.glb", spec)
+    told = [notice.text for notice in built.outcome.report.warnings if notice.code == "mesh-unread"]
+    assert told == [f"{source}: a mesh cannot be read"]
+
+
+def test_a_build_tells_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
+    spec = write(tmp_path, "steps:\n- {do: orient-joints, joints: nobody}\n")
+    line = ["build", str(SAMPLES / "biped.glb"), "--spec", str(spec), "-o", str(tmp_path / "o.glb"), "--json"]
+    told = json.loads(CliRunner().invoke(program, line).stdout)["error"]
+    assert (told["kind"], told["exit_code"]) == ("name not found", 4)

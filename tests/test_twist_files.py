@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Golden
+from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
-from places import NO_LIMB, files_of_all_kinds, leave_out, leave_out_refused
+from places import NO_LIMB, SAMPLES, files_of_all_kinds, leave_out, leave_out_refused
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.compare import verify
@@ -19,6 +20,7 @@ from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
 from rigtri.limbs import recognise
 from rigtri.matrices import nearest_rotation
+from rigtri.ops.orient import orient_joints
 from rigtri.ops.twist import Options, add_twist
 from rigtri.pipeline import edit
 from rigtri.pose import key_times, locals_at
@@ -183,3 +185,16 @@ def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
         assert_allclose(
             local[:, nodes, 3], np.broadcast_to(rig.local[nodes, 3], (len(local), len(nodes), 4)), atol=1e-6
         )
+
+
+def test_joints_keep_their_axes_beside_twist_joints_of_a_skin_without_bind_matrices(tmp_path: Path) -> None:
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    for skin in gltf["skins"]:
+        del skin["inverseBindMatrices"]
+    source, turned, twisted = (tmp_path / f"{name}.glb" for name in ("bare", "turned", "twisted"))
+    source.write_bytes(glb_bytes(gltf, binary))
+    edit(source, turned, lambda rig, report: orient_joints(rig, preset="maya", report=report))
+    edit(turned, twisted, lambda rig, report: add_twist(rig, options=Options(auto=True), report=report))
+    report = Report()
+    orient_joints(read(twisted).rig, preset="maya", report=report)
+    assert [entry["joint"] for entry in report.joints if entry["status"] == "turned"] == []

@@ -59,8 +59,11 @@ def opened(path: Path, *, empty: bool = False) -> Iterator[sqlite3.Connection]:
     """
     if not path.is_file():
         raise FileError(f"There is no manifest {path}")
-    # Who may only read cannot tidy up what reading a WAL leaves beside it.
-    mode = "rw" if os.access(path, os.W_OK) and os.access(path.resolve().parent, os.W_OK) else "ro"
+    # Who may only read can neither lay out nor tidy up what reading a WAL needs beside it; where there is
+    # none, nobody writes, either.
+    mode = "ro" if _written(path) else "ro&immutable=1"
+    if os.access(path, os.W_OK) and os.access(path.resolve().parent, os.W_OK):
+        mode = "rw"
     with sqlite_errors(path):
         base = sqlite3.connect(f"{path.resolve().as_uri()}?mode={mode}", uri=True, check_same_thread=False)
         try:
@@ -69,6 +72,12 @@ def opened(path: Path, *, empty: bool = False) -> Iterator[sqlite3.Connection]:
             yield base
         finally:
             base.close()
+
+
+def _written(path: Path) -> bool:
+    """Whether something stands in the write-ahead log of a manifest."""
+    log = path.resolve().with_name(f"{path.resolve().name}-wal")
+    return log.is_file() and log.stat().st_size > 0
 
 
 def place(path: Path, shard: Shard | None) -> Path:

@@ -17,7 +17,7 @@ from rigtri.batch.axes import Axes, axes_of
 from rigtri.batch.contents import Hashes, newer, no_file, seen_from
 from rigtri.batch.entries import Entry
 from rigtri.confined import of_memory, tell
-from rigtri.errors import FileError, RigtriError, kind_of
+from rigtri.errors import FileError, RigtriError, kind_told
 from rigtri.outputs import Written
 from rigtri.pipeline import Outcome
 from rigtri.report import Report
@@ -162,7 +162,7 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
         os.chdir(at)
     adopt(scratch)
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
-    report, told = Report(), []
+    report, told = Report(records=False), []
 
     def ready(outcome: Outcome, written: Written) -> None:
         told.append(_record(outcome, folder, moment, written))
@@ -229,9 +229,7 @@ def _told(report: Report) -> tuple[dict[str, Any], ...]:
 def _refused(error: RigtriError | OSError, report: Report) -> Record:
     if isinstance(error, RigtriError):
         text = "; ".join(map(str, error.faults)) or str(error)
-        # Of a spec that does not fit: what it was that did not.
-        cause = error.__cause__ if isinstance(error.__cause__, RigtriError) else error
-        return Record("error", kind_of(type(cause)), text, error.exit_code, warnings=_told(report))
+        return Record("error", kind_told(error), text, error.exit_code, warnings=_told(report))
     text = f"{error.filename or 'the output'}: {error.strerror or error}"
     return Record("error", "file", text, 3, warnings=_told(report))
 

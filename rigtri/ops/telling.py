@@ -97,12 +97,13 @@ def _check_sheared(rig: Rig, moves: Booleans) -> None:
 
 
 def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats]) -> None:
-    """One record per joint, for when somebody asks; and a warning of mirrored ones.
+    """One record per joint, where the report has records; and a warning of mirrored ones.
 
     wanted: the turns that were asked for; turns: those that the scales allow, where ``parted``
     joints take theirs by a node of their own.
     """
-    plan.report.tell_joints(lambda: _records(plan, wanted, turns, parted))
+    if plan.report.records:
+        plan.report.joints.extend(_records(plan, wanted, turns, parted))
     rig, moves, mirrored = plan.tree.rig, turned(turns), determinant(plan.ref.world) < 0
     named = [rig.title(j) for j in plan.tree.joints if mirrored[j] and moves[j]]
     if named:

@@ -11,7 +11,7 @@ from typing import Any
 from rigtri import scratch
 from rigtri.delivery import same_file
 from rigtri.errors import DeviationError, GeometryError, NameNotFoundError, NoLimbError, RigtriError
-from rigtri.inputs import opened
+from rigtri.inputs import called, opened
 from rigtri.outputs import Written, spare
 from rigtri.pipeline import Outcome, check_target, edit
 from rigtri.report import Report
@@ -70,7 +70,7 @@ def build(
         "dry_run": dry_run,
         "side_files": tuple(side_files),
     }
-    work = _Work(spec, verify, report if report is not None else Report(), spared)
+    work = _Work(spec, verify, report if report is not None else Report(), spared, str(source))
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     with (
@@ -108,6 +108,7 @@ class _Work:
     verify: bool
     report: Report
     spared: tuple[Path, ...]
+    source: str
     at: Path = Path()
     spooled: bool = False
     done: list[Done] = field(default_factory=list)
@@ -166,7 +167,7 @@ class _Work:
 
     def edit(self, step: Step, target: Path | str, **last: Any) -> Report:
         """Apply a step to the character as it is, and note what came of it."""
-        reading, model, report = self.spec.reading, self.spec.model, Report()
+        reading, model, report = self.spec.reading, self.spec.model, Report(records=self.report.records)
         if self.outcomes:  # what a step has written may refer to files of the source
             reading = replace(reading, allow_external_paths=True)
         elif self.spooled:
@@ -175,21 +176,29 @@ class _Work:
             reading = replace(reading, override="", relink=False)
             last = {"side_files": () if self.outcomes else self.spared}
         try:
-            outcome = edit(
-                self.at,
-                target,
-                step,
-                options=reading,
-                report=report,
-                verify=self.verify,
-                tolerance=model.tolerance,
-                strict=model.strict,
-                **last,
-            )
+            with called({str(self.at): self.source} if self.outcomes else {}):
+                outcome = edit(
+                    self.at,
+                    target,
+                    step,
+                    options=reading,
+                    report=report,
+                    verify=self.verify,
+                    tolerance=model.tolerance,
+                    strict=model.strict,
+                    **last,
+                )
         finally:
+            self._call(report)
             self.report.take(report)
         self.outcomes.append(outcome)
         return report
+
+    def _call(self, report: Report) -> None:
+        """Let warnings speak of the user's file, not of the one that a step before has written."""
+        if self.outcomes:
+            told = [replace(n, text=n.text.replace(str(self.at), self.source)) for n in report.warnings]
+            report.warnings[:] = told
 
     def tell_lost(self) -> None:
         """SpecError where steps could not be done; all of them, for names that are not there."""
@@ -206,8 +215,9 @@ class _Work:
         outcomes = [*self.outcomes, *([] if last is None else [last])]
         report = self.report
         if last is not None:
-            report = Report()
+            report = Report(records=self.report.records)
             report.take(self.report)
+            self._call(last.report)
             report.take(last.report)
         for outcome in outcomes:
             for name, value in outcome.seconds.items():
