@@ -17,9 +17,8 @@ from gltf_files import small
 from second_opinions import schema, validator
 
 from rigtri.cli import main
-from rigtri.cli.failures import kind_of
 from rigtri.confined import CrashError
-from rigtri.errors import RigtriError
+from rigtri.errors import RigtriError, kind_of
 from rigtri.formats import read
 
 
