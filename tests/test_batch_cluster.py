@@ -50,7 +50,7 @@ class Machines:
         self.folder, self.workers = folder, list[subprocess.Popen[bytes]]()
         self.scheduler = self._start("scheduler", "--port", "0", "--host", "127.0.0.1")
         known = folder / "scheduler.json"
-        wait(known.exists)
+        wait(lambda: _is_whole(known))
         self.address = str(json.loads(known.read_text())["address"])
 
     def add_worker(self, *words: str) -> None:
@@ -77,6 +77,14 @@ class Machines:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+
+
+def _is_whole(path: Path) -> bool:
+    """Whether a JSON file is there to its end; the scheduler opens it before it writes."""
+    try:
+        return bool(json.loads(path.read_text()))
+    except (OSError, ValueError):
+        return False
 
 
 def free_port() -> int:
