@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.matrices import from_frame, inverse, orthonormal_axes
+from rigtri.matrices import from_frame, orthonormal_axes
 from rigtri.rig import Rig
 from rigtri.solve.reference import Reference
 from rigtri.trigonometry import Floats
@@ -178,6 +178,6 @@ def _binds(rig: Rig) -> dict[int, Floats]:
         joint: matrix
         for skin in rig.skins
         if skin.stored
-        for joint, matrix in zip(skin.joints.tolist(), inverse(skin.inverse_bind), strict=True)
+        for joint, matrix in zip(skin.joints.tolist(), skin.bind, strict=True)
         if np.isfinite(matrix).all()
     }

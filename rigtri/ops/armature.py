@@ -56,7 +56,7 @@ def bind_poses(rig: Rig) -> dict[int, Floats]:
     found: dict[int, Floats] = {}
     for skin in rig.skins:
         if skin.stored:
-            for joint, matrix in zip(skin.joints.tolist(), inverse(skin.inverse_bind), strict=True):
+            for joint, matrix in zip(skin.joints.tolist(), skin.bind, strict=True):
                 if np.isfinite(matrix).all():
                     found.setdefault(joint, matrix)
     return found

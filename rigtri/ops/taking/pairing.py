@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rigtri.matrices import inverse
 from rigtri.ops.taking.fitting import OTHER_SHAPE, fitted
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -70,7 +69,7 @@ def why_apart(rig: Rig, other: Rig) -> str:
 def _bones(rig: Rig) -> Floats:
     """The places of all joints in the bind poses of their skins, (j, 3)."""
     stored = [skin for skin in rig.skins if skin.stored]
-    rows = [inverse(skin.inverse_bind)[:, 3, :3] for skin in stored]
+    rows = [skin.bind[:, 3, :3] for skin in stored]
     return np.concatenate([*rows, np.zeros((0, 3))])
 
 
