@@ -165,4 +165,4 @@ class _Job:
 
         found = self.proposal
         characters = as_json(found.rig, found.layout)["characters"]
-        return {"recognised": characters, "spec": found.text, "steps": steps_of(self.built)}
+        return {"recognised": characters, "spec": found.text, "steps": steps_of(self.built, places=False)}

@@ -114,22 +114,17 @@ def _run(values: dict[str, Any], spec: Spec) -> None:
         return built.outcome
 
     options = {"spec": values["spec"], "variables": assigned(values["variables"])}
-    run("build", values, done, options, lambda _: told_of(made[0]), more=lambda: {"steps": _steps(made[0])})
+    run("build", values, done, options, lambda _: told_of(made[0]), more=lambda: {"steps": steps_of(made[0])})
 
 
-def _steps(built: Built) -> list[dict[str, Any]]:
-    return [
-        step | {"place": str(one.step.place)} for step, one in zip(steps_of(built), built.done, strict=True)
-    ]
+def steps_of(built: Built, *, places: bool = True) -> list[dict[str, Any]]:
+    """The steps of a build for its report. places: where they stand in the spec is told, too."""
+    return [_said(one.step, places) | {"summary": summary(one.step.do, one.report)} for one in built.done]
 
 
-def steps_of(built: Built) -> list[dict[str, Any]]:
-    """The steps of a build for its report."""
-    return [_said(one.step) | {"summary": summary(one.step.do, one.report)} for one in built.done]
-
-
-def _said(one: PlannedStep) -> dict[str, Any]:
-    return {"step": one.number, "do": one.do, "options": one.said, "optional": one.optional}
+def _said(one: PlannedStep, places: bool) -> dict[str, Any]:
+    said = {"step": one.number, "do": one.do, "options": one.said, "optional": one.optional}
+    return said | ({"place": str(one.place)} if places else {})
 
 
 def told_of(built: Built) -> str:
@@ -159,9 +154,9 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
     if not alone:
         _run(with_target(values) | {"dry_run": True}, spec)
     elif values["as_json"]:
-        steps = [_said(one) | {"place": str(one.place)} for one in spec.steps]
         from rigtri import __version__
 
+        steps = [_said(one, places=True) for one in spec.steps]
         document = {"rigtri": __version__, "command": "build", "spec": values["spec"], "steps": steps}
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
 

@@ -68,7 +68,7 @@ class Report:
 
     def take(self, other: Report) -> None:
         """Add what another report tells."""
-        for name in ("joints", "limbs", "added", "removed"):
+        for name in (*(("joints",) if self.records else ()), "limbs", "added", "removed"):
             getattr(self, name).extend(getattr(other, name))
         self.hear(other.warnings)
         for key, columns in other.driven.items():

@@ -59,13 +59,8 @@ def opened(path: Path, *, empty: bool = False) -> Iterator[sqlite3.Connection]:
     """
     if not path.is_file():
         raise FileError(f"There is no manifest {path}")
-    # Who may only read can neither lay out nor tidy up what reading a WAL needs beside it; where there is
-    # none, nobody writes, either.
-    mode = "ro" if _written(path) else "ro&immutable=1"
-    if os.access(path, os.W_OK) and os.access(path.resolve().parent, os.W_OK):
-        mode = "rw"
     with sqlite_errors(path):
-        base = sqlite3.connect(f"{path.resolve().as_uri()}?mode={mode}", uri=True, check_same_thread=False)
+        base = sqlite3.connect(f"{path.resolve().as_uri()}?{_mode(path)}", uri=True, check_same_thread=False)
         try:
             base.execute("PRAGMA query_only=1")
             check(base, path, empty=empty)
@@ -74,10 +69,15 @@ def opened(path: Path, *, empty: bool = False) -> Iterator[sqlite3.Connection]:
             base.close()
 
 
-def _written(path: Path) -> bool:
-    """Whether something stands in the write-ahead log of a manifest."""
-    log = path.resolve().with_name(f"{path.resolve().name}-wal")
-    return log.is_file() and log.stat().st_size > 0
+def _mode(path: Path) -> str:
+    """How SQLite is to open a manifest for reading."""
+    path = path.resolve()
+    if os.access(path, os.W_OK) and os.access(path.parent, os.W_OK):
+        return "mode=rw"
+    # Who may only read can neither lay out nor tidy up what reading a write-ahead log needs beside it; where
+    # nothing stands in one, nobody writes, either.
+    log = path.with_name(f"{path.name}-wal")
+    return "mode=ro" if log.is_file() and log.stat().st_size > 0 else "mode=ro&immutable=1"
 
 
 def place(path: Path, shard: Shard | None) -> Path:

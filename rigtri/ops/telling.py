@@ -102,9 +102,9 @@ def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapp
     wanted: the turns that were asked for; turns: those that the scales allow, where ``parted``
     joints take theirs by a node of their own.
     """
-    if plan.report.records:
-        plan.report.joints.extend(_records(plan, wanted, turns, parted))
     rig, moves, mirrored = plan.tree.rig, turned(turns), determinant(plan.ref.world) < 0
+    if plan.report.records:
+        plan.report.joints.extend(_records(plan, wanted, turns, parted, mirrored))
     named = [rig.title(j) for j in plan.tree.joints if mirrored[j] and moves[j]]
     if named:
         plan.report.warn(
@@ -115,11 +115,10 @@ def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapp
 
 
 def _records(
-    plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats]
+    plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats], mirrored: Booleans
 ) -> list[dict[str, Any]]:
     """What became of each joint, why, and how sure that is."""
     rig, moves, records = plan.tree.rig, turned(turns), []
-    mirrored = determinant(plan.ref.world) < 0
     degrees_of, errors = np.degrees(turn_angle(turns)).tolist(), _aim_errors(plan, turns)
     for joint in plan.tree.joints:
         aim, up = plan.aims.get(joint), plan.ups.get(joint)

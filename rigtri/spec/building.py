@@ -70,13 +70,14 @@ def build(
         "dry_run": dry_run,
         "side_files": tuple(side_files),
     }
-    work = _Work(spec, verify, report if report is not None else Report(), spared, str(source))
+    work = _Work(spec, verify, report if report is not None else Report(), spared)
     if ready is not None:
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     with (
         opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
         scratch.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
+        work.source = work.at
         work.spooled = from_stream or str(source) == "-"
         if folder:  # else the only step asks it, before anything is read
             check_target(work.at, target, overwrite=overwrite, options=spec.reading)
@@ -98,7 +99,8 @@ def _of_root(tree: Tree, error: RigtriError) -> Fault:
 @dataclass
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
-    build will write, which must be no file that the source refers to. spooled: the source was a stream.
+    build will write, which must be no file that the source refers to. source: the file as it came.
+    spooled: it was a stream.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
@@ -108,7 +110,7 @@ class _Work:
     verify: bool
     report: Report
     spared: tuple[Path, ...]
-    source: str
+    source: Path = Path()
     at: Path = Path()
     spooled: bool = False
     done: list[Done] = field(default_factory=list)
@@ -176,7 +178,7 @@ class _Work:
             reading = replace(reading, override="", relink=False)
             last = {"side_files": () if self.outcomes else self.spared}
         try:
-            with called({str(self.at): self.source} if self.outcomes else {}):
+            with called({str(self.at): str(self.source)}):
                 outcome = edit(
                     self.at,
                     target,
@@ -196,9 +198,9 @@ class _Work:
 
     def _call(self, report: Report) -> None:
         """Let warnings speak of the user's file, not of the one that a step before has written."""
-        if self.outcomes:
-            told = [replace(n, text=n.text.replace(str(self.at), self.source)) for n in report.warnings]
-            report.warnings[:] = told
+        if self.at != self.source:
+            at, source = str(self.at), str(self.source)
+            report.warnings[:] = [replace(n, text=n.text.replace(at, source)) for n in report.warnings]
 
     def tell_lost(self) -> None:
         """SpecError where steps could not be done; all of them, for names that are not there."""
@@ -215,7 +217,7 @@ class _Work:
         outcomes = [*self.outcomes, *([] if last is None else [last])]
         report = self.report
         if last is not None:
-            report = Report(records=self.report.records)
+            report = Report()
             report.take(self.report)
             self._call(last.report)
             report.take(last.report)

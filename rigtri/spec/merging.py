@@ -120,11 +120,7 @@ def _unset(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     said = tree.values.get("variables", {})
     known = said if isinstance(said, Mapping) else {}
     return [
-        Fault(
-            tree.place(()),
-            "",
-            f"--set {name}: the spec has no such variable.{did_you_mean(name, known)}",
-        )
+        Fault(tree.place(()), "", f"--set {name}: the spec has no such variable.{did_you_mean(name, known)}")
         for name in given
         if name not in known
     ]
@@ -152,11 +148,7 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
     for escaped, name in _VARIABLE.findall(value):
         if not escaped and name not in known:
             faults.append(
-                Fault(
-                    tree.place(keys),
-                    "",
-                    f"there is no variable '{name}'.{did_you_mean(name, known)}",
-                )
+                Fault(tree.place(keys), "", f"there is no variable '{name}'.{did_you_mean(name, known)}")
             )
             return value
         other = None if escaped else _VARIABLE.search(str(known[name]))
