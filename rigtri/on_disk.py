@@ -21,6 +21,7 @@ from rigtri.rig import Rig
 def read(path: Path | str, options: Options | None = None) -> Rig:
     """The rig in a file; its suffix says the format. It knows its file, so that `write` can write it.
 
+    Its arrays are read-only: an edit is a new rig with arrays of its own (`dataclasses.replace`).
     Raises FileError for anything unreadable, NameNotFoundError for a root that is not there.
     """
     options = options or Options()
@@ -32,7 +33,17 @@ def known(document: Document, path: Path, options: Options, content: bytes | Non
     """The rig of a document that was read from ``path``, or from ``content``, able to be written."""
     told = Report()
     told.hear(document.warnings)
+    _protect(document.rig)
     return replace(document.rig, origin=Origin(path, document, options, told, content))
+
+
+def _protect(rig: Rig) -> None:
+    """Let nobody write over numbers of a file: what is compared with them would not see it."""
+    numbers = [rig.parents, rig.translation, rig.rotation, rig.scale, rig.matrix, rig.has_matrix]
+    numbers += [each for skin in rig.skins for each in (skin.joints, skin.inverse_bind)]
+    numbers += [each for clip in rig.clips for track in clip.tracks for each in (track.times, track.values)]
+    for each in numbers:
+        each.flags.writeable = False
 
 
 def write(

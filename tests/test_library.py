@@ -213,6 +213,15 @@ def test_what_operations_tell_comes_with_what_is_written(tmp_path: Path) -> None
     assert not rigtri.write(first, tmp_path / "same.glb").report.joints
 
 
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_numbers_of_a_file_cannot_be_written_over(name: str) -> None:
+    rig = rigtri.read(SAMPLES / name)
+    clips = [values for clip in rig.clips for track in clip.tracks for values in (track.times, track.values)]
+    for numbers in (rig.translation, rig.rotation, rig.scale, rig.skins[0].inverse_bind, *clips):
+        with pytest.raises(ValueError, match="read-only"):
+            numbers[0] = 0.0
+
+
 def test_a_rig_that_nobody_changed_is_written_as_it_was(tmp_path: Path) -> None:
     rig = rigtri.read(BIPED)
     outcome = rigtri.write(rigtri.strip(rig), tmp_path / "out.glb")

@@ -147,6 +147,8 @@ class _Work:
                 self._give_up(one, error)
             self.tell_lost()
             raise
+        for record in (*report.joints, *report.limbs, *report.added, *report.removed):
+            record["by_step"] = one.number
         self.done.append(Done(one, report))
         return True
 
