@@ -172,7 +172,10 @@ def test_the_report_tells_what_was_recognised_and_done(app: click.Group, tmp_pat
     assert [step["do"] for step in report["steps"]] == ["orient-joints", "add-twist", "add-controls"]
     assert {record["by_step"] for record in report["joints"]} == {1}
     # Joints and controls that steps have added, by the step.
-    assert {(record["type"] == "twist", record["by_step"]) for record in report["added"]} == {(True, 2), (False, 3)}
+    assert {(record["type"] == "twist", record["by_step"]) for record in report["added"]} == {
+        (True, 2),
+        (False, 3),
+    }
     assert [one["form"] for one in report["recognised"]] == ["biped"]
     assert report["spec"] == (tmp_path / "out.rig.yaml").read_text("utf-8")
 

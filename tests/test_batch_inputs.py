@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,10 @@ def test_what_is_named_twice_is_one_entry(tree: Path) -> None:
     assert pairs("in/*.glb", "in/a.*", "@list") == pairs("in/*.glb")
 
 
+def test_one_file_in_two_spellings_is_one_entry(tree: Path) -> None:
+    assert pairs("in/a.glb", "./in/a.glb", "in//a.glb", str(tree / "in/a.glb")) == {"in/a.glb": "out/a.glb"}
+
+
 def write_list(*lines: str) -> None:
     Path("list").write_text("\n".join(lines) + "\n\n", encoding="utf-8")
 
@@ -134,7 +139,7 @@ def test_a_job_file_says_more_for_each_file(tree: Path) -> None:
 def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> None:
     job = Path("job.jsonl")
     lines = [
-        '{"input": "in/a.glb"}',
+        '{"input": "in/in/a.glb"}',
         "{",
         '{"file": "a.glb"}',
         "[]",
@@ -145,8 +150,8 @@ def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> Non
     with pytest.raises(UsageError) as told:
         entries([], job=job, out_dir=Path("out"))
     text = str(told.value)
-    assert all(f"job.jsonl:{line}: " in text for line in (2, 3, 4, 5, 6))
-    assert "job.jsonl:1:" not in text
+    assert re.findall(r"job\.jsonl:(\d):", text) == ["1", "2", "3", "4", "5", "6"]
+    assert "job.jsonl:1: there is no such file to read: in/in/a.glb" in text
     assert "'file' is no key" in text
 
 

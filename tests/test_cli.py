@@ -186,6 +186,13 @@ def test_an_output_of_another_format_is_told_before_anything_is_read(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(("suffix", "lacks"), [(".vrm", "VRM or VRMC_vrm"), (".vrma", "VRMC_vrm_animation")])
+def test_a_suffix_makes_no_avatar(suffix: str, lacks: str, run: Any, samples: Path, tmp_path: Path) -> None:
+    result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / f"out{suffix}", code=2)
+    assert f"out{suffix}: biped.glb has no extension {lacks}" in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_override_is_a_layer_whatever_it_is_for(run: Any, samples: Path, tmp_path: Path) -> None:
     arguments = ["orient-joints", samples / "biped.usdz", "--override", "-o"]
     assert "an override is a layer" in run(*arguments, tmp_path / "out.usdz", code=2).stderr

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 
 from rigtri.batch import jobs, urls
@@ -77,8 +78,23 @@ def entries(
         raise UsageError("name the files to work on: paths, patterns in quotes, @LIST, or --job FILE.jsonl")
     if base is not None:
         inputs = [_below(item, base) for item in inputs]
-    each = dict.fromkeys(_entry(item, out_dir, layers) for item in inputs)
-    return Found(tuple(sorted(each, key=lambda entry: (entry.source, entry.target))), left_out)
+    each: dict[tuple[object, ...], Entry] = {}
+    for entry in (_entry(item, out_dir, layers) for item in inputs):  # a file may be spelled in two ways
+        each.setdefault((located(entry.source), located(entry.target), entry.variables), entry)
+    return Found(tuple(sorted(each.values(), key=lambda entry: (entry.source, entry.target))), left_out)
+
+
+def located(path: str) -> str:
+    """A path without links in its folder, which is looked up once for all of its files."""
+    if urls.is_url(path):
+        return path
+    folder, name = os.path.split(os.path.abspath(path))
+    return os.path.join(_real_folder(folder), name)
+
+
+@cache
+def _real_folder(folder: str) -> str:
+    return os.path.realpath(folder)
 
 
 @contextmanager

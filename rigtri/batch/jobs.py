@@ -35,6 +35,11 @@ class Input:
     found: bool = False
     line: str = ""
 
+    @property
+    def number(self) -> int:
+        """Of the line."""
+        return int(self.line.rpartition(":")[2])
+
 
 def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> list[Input]:
     """The lines of a job file, seen from its folder; ``faults`` gets what is wrong with them.
@@ -43,34 +48,35 @@ def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> l
     """
     found: list[Input] = []
     lines = text_of(path, "--job").splitlines()
-    before = len(faults)
+    wrong: list[tuple[int, RigtriError]] = []
     for number, line in enumerate(lines, 1):
         if line.strip():
             try:
                 found.append(replace(_input(_values(line), path.parent), line=f"{path}:{number}"))
             except (ValueError, RecursionError) as error:
-                faults.append(UsageError(f"{path}:{number}: {error}"))
+                wrong.append((number, UsageError(f"{path}:{number}: {error}")))
     if fits is not None:
-        faults += _misfits(found, fits)
-    if len(faults) > before:  # else it is told of all files together
-        faults += (
-            FileError(f"{one.line}: there is no such file to read: {one.source}")
+        wrong += _misfits(found, fits)
+    if wrong:  # else it is told of all files together
+        wrong += (
+            (one.number, FileError(f"{one.line}: there is no such file to read: {one.source}"))
             for one in found
             if not (urls.is_url(one.source) or os.path.lexists(one.source))
         )
+        faults += (fault for _, fault in sorted(wrong, key=lambda each: each[0]))
     elif not found:
         faults.append(UsageError(f"{path} names no files"))
     return found
 
 
-def _misfits(found: list[Input], fits: Fits) -> Iterator[UsageError]:
+def _misfits(found: list[Input], fits: Fits) -> Iterator[tuple[int, UsageError]]:
     """Variables that cannot be, each choice at its first line; not what is wrong with the spec itself."""
     own: list[str] | None = None
     for variables, first in {one.variables: one for one in reversed(found) if one.variables}.items():
         if told := _refused(fits, variables):
             own = _refused(fits, ()) if own is None else own
             if lost := [text for text in told if text not in own]:
-                yield UsageError(f"{first.line}: {first.source}: {'; '.join(lost)}")
+                yield first.number, UsageError(f"{first.line}: {first.source}: {'; '.join(lost)}")
 
 
 def _refused(fits: Fits, variables: Variables) -> list[str]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rigtri.batch import urls
 from rigtri.batch.contents import no_file
-from rigtri.batch.entries import MOST, Entry
+from rigtri.batch.entries import MOST, Entry, located
 from rigtri.batch.fetched import is_elsewhere
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
@@ -52,9 +52,9 @@ def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequ
     kept: what it writes besides outputs, by the option that says where. needed: what it reads besides inputs.
     """
     reads = {os.path.realpath(file): file for file in needed}
-    lost = [entry.target for entry in entries if _real(entry.target) in reads]
+    lost = [entry.target for entry in entries if located(entry.target) in reads]
     _refuse(lost, "the spec, a file that it names or a list of inputs would be replaced", UsageError)
-    taken = set(reads).union(*((_real(entry.source), _real(entry.target)) for entry in entries))
+    taken = set(reads).union(*((located(entry.source), located(entry.target)) for entry in entries))
     for option, path in kept.items():
         if os.path.realpath(path) in taken:
             raise UsageError(f"{option} {path} names a file that is needed for something else")
@@ -106,7 +106,7 @@ def _clashes(entries: Sequence[Entry]) -> list[str]:
     for entry in entries:
         other = first.setdefault(_folded(entry.target), entry)
         if other is not entry and (
-            _real(other.target) == _real(entry.target)
+            located(other.target) == located(entry.target)
             or (not urls.is_url(entry.target) and _folds(_standing(entry.target)))
         ):
             found.append(f"{entry.target} (of {other.source} and {entry.source})")
@@ -114,20 +114,7 @@ def _clashes(entries: Sequence[Entry]) -> list[str]:
 
 
 def _folded(path: str) -> str:
-    return unicodedata.normalize("NFC", _real(path)).casefold()
-
-
-def _real(path: str) -> str:
-    """A path without links in its folder, which is looked up once for all of its files."""
-    if urls.is_url(path):
-        return path
-    folder, name = os.path.split(os.path.abspath(path))
-    return os.path.join(_real_folder(folder), name)
-
-
-@cache
-def _real_folder(folder: str) -> str:
-    return os.path.realpath(folder)
+    return unicodedata.normalize("NFC", located(path)).casefold()
 
 
 @cache
@@ -142,12 +129,12 @@ def _folds(folder: str) -> bool:
 
 
 def _inputs_written(entries: Sequence[Entry]) -> list[str]:
-    targets = {_real(entry.target) for entry in entries}
+    targets = {located(entry.target) for entry in entries}
     # An input may be a link to what would be written.
     return [
         entry.source
         for entry in entries
-        if _real(entry.source) in targets
+        if located(entry.source) in targets
         or (not urls.is_url(entry.source) and os.path.realpath(entry.source) in targets)
     ]
 

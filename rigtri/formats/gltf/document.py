@@ -47,6 +47,9 @@ from rigtri.rig import Rig, illegible
 from rigtri.scenery import Scenery
 from rigtri.trigonometry import Floats
 
+# What files of these suffixes have, by the specifications of VRM 0.0, VRM 1.0 and VRMA 1.0.
+_AVATARS = {".vrm": ("VRM", "VRMC_vrm"), ".vrma": ("VRMC_vrm_animation",)}
+
 
 class GltfDocument:
     """A .glb, .gltf, .vrm or .vrma file. Its node keys are the node's index in the file."""
@@ -157,7 +160,18 @@ class GltfDocument:
                 f"{target.name}: the output has the format of the input; give it the suffix "
                 f"{' or '.join(allowed)}"
             )
+        self._check_avatar(target)
         return write_file(self, rig, part, target)
+
+    def _check_avatar(self, target: Path) -> None:
+        """UsageError for a suffix that promises an avatar where the file is none: viewers would refuse it."""
+        suffix, used = target.suffix.lower(), self.container.gltf.get("extensions", {})
+        marks = _AVATARS.get(suffix, ())
+        if marks and suffix != self.container.path.suffix.lower() and not any(mark in used for mark in marks):
+            raise UsageError(
+                f"{target.name}: {self.container.path.name} has no extension {' or '.join(marks)}, and a "
+                f"{suffix} without is refused by viewers; give the output the suffix .glb"
+            )
 
     def _read_rig(self, gltf: Value) -> Rig:
         tree, rest, options = self.tree, self.rest, self.options
