@@ -146,6 +146,12 @@ def test_gltf_means_unit_rotations_whatever_their_length_and_says_what_else_is_s
     assert any(notice.code == "rotation-not-unit" for notice in outcome.report.warnings)
 
 
+def test_a_rotation_that_float32_holds_too_few_digits_of_is_refused(tmp_path: Path) -> None:
+    source = made(tmp_path, stretched(1e-42, "elbow"), ".glb")
+    with pytest.raises(FileError, match="as good as 0 0 0 0, which is no rotation"):
+        read(source)
+
+
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_rotation_of_no_length_is_refused_by_name(suffix: str, tmp_path: Path) -> None:
     source = made(tmp_path, stretched(0.0, "elbow"), suffix)

@@ -23,6 +23,8 @@ from rigtri.trigonometry import Floats
 WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
 INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 POINTER = "KHR_animation_pointer"
+# Below this length float32 has too few digits left for a direction (2⁻¹²⁶, its smallest normal number).
+_LEAST = float(np.finfo(np.float32).tiny)
 _NODE_POINTER = re.compile(r"/nodes/(0|[1-9]\d{0,8})/(translation|rotation|scale|weights)")
 
 
@@ -250,8 +252,9 @@ class ClipReader:
             return
         keys = [t.values[:, 1] if t.interpolation == "CUBICSPLINE" else t.values for t in turns]
         size = norm(np.concatenate(keys))
-        if (size == 0).any():
-            self._refuse(turns, "is 0 0 0 0, which is no rotation", _is_zero)
+        if (size < _LEAST).any():
+            like = "is" if (size == 0).any() else "is as good as"
+            self._refuse(turns, f"{like} 0 0 0 0, which is no rotation", _is_zero)
         off = float(np.abs(size - 1.0).max())
         if off > NON_UNIT:
             name = f"animation '{clip.name}' (#{clip.key})"
@@ -272,6 +275,6 @@ class ClipReader:
 
 
 def _is_zero(values: Floats) -> Any:
-    zero = (values == 0).all(axis=-1)
+    zero = norm(values) < _LEAST
     # Tangents may well be zero.
     return zero[:, 1] if zero.ndim == 2 else zero
