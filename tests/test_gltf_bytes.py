@@ -104,7 +104,8 @@ def test_the_output_is_of_the_kind_of_the_input(tmp_path: Path) -> None:
             document.write(document.rig, tmp_path / "part", tmp_path / name)
     with pytest.raises(UsageError, match=r"\.glb"):
         document.write(document.rig, tmp_path / "part", tmp_path / "b.usda")
-    document.write(document.rig, tmp_path / "part", tmp_path / "b.vrm")
+    with pytest.raises(UsageError, match="no extension VRM"):
+        document.write(document.rig, tmp_path / "part", tmp_path / "b.vrm")
     text = GltfDocument.read(small().gltf_file(tmp_path / "a.gltf"))
     with pytest.raises(UsageError, match=r"\.gltf"):
         text.write(text.rig, tmp_path / "part", tmp_path / "b.glb")

@@ -394,6 +394,9 @@ def test_a_zip64_entry_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.usdz"
     with zipfile.ZipFile(path, "w") as file, file.open("a.usda", "w", force_zip64=True) as entry:
         entry.write(LAYER.encode())
+    content = bytearray(path.read_bytes())
+    content[18:26] = b"\xff" * 8  # the sizes of the entry's own header, which Python 3.11.2 does not set so
+    path.write_bytes(content)
     assert error_of(path)
 
 
