@@ -11,7 +11,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from places import SAMPLES, USD, asset_files, leave_out_refused, sample_files, slow
+from places import KINDS, SAMPLES, USD, asset_files, leave_out_refused, sample_files, slow
 from second_opinions import validator
 
 from rigtri import pose
@@ -326,16 +326,17 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
 
 
 def moving() -> list[Any]:
-    """Files with joints, which a .vrma has not; those with many clips or joints are slow."""
+    """Files with joints, which a .vrma has not; one of each kind, with --slow all."""
     suffixes = (".glb", ".gltf", ".vrm", *USD)
-    slow = [pytest.mark.slow]
-    long = dict.fromkeys(("kaykit_Barbarian.glb", "raylib_robot.glb", "mayausd_HIK_Export.usda"), slow)
-    files = [*sample_files(*suffixes), *asset_files(*suffixes)]
-    return [pytest.param(path, id=path.name, marks=long.get(path.name, [])) for path in files]
+    quick = (KINDS | {"gdquest_mannequiny-0.3.0.glb"}) - {"mayausd_HIK_Export.usda"}
+    real = [
+        pytest.param(p, marks=() if p.name in quick else pytest.mark.slow) for p in asset_files(*suffixes)
+    ]
+    return [*sample_files(*suffixes), *real]
 
 
 @pytest.mark.large
-@pytest.mark.parametrize("path", moving())
+@pytest.mark.parametrize("path", moving(), ids=lambda path: path.name)
 def test_real_motion_comes_home(path: Path) -> None:
     try:
         rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))

@@ -191,7 +191,7 @@ def test_loose_nodes_of_every_kind_leave_blender_the_bones_and_vertices_it_had(
 
 @pytest.mark.parametrize(
     ("step", "more"),
-    [(poles, 0), (poles_as_joints, 4), (tail, 3), (twists, 16)],
+    [(poles, 0), (poles_as_joints, 4), slow(tail, 3), (twists, 16)],
     ids=["poles", "poles_as_joints", "tail", "twists"],
 )
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usdz")])
