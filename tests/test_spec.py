@@ -490,24 +490,6 @@ def test_explain_tells_limbs_apart(tmp_path: Path) -> None:
     assert "limb upper_arm_L forearm_L hand_L, thigh_L shin_L foot_L" in result.stdout
 
 
-@pytest.mark.parametrize(
-    ("source", "steps", "advice"),
-    [
-        ("arm.usda", "{do: orient-joints}", "name the topmost with root:, e.g. root: /arm"),
-        ("arm.gltf", "{do: orient-joints}", "name its top node with root: NAME"),
-        ("biped.glb", "{do: add-polevector}", "say which limbs: limb: ROOT MIDDLE END, chain: START END"),
-    ],
-)
-def test_errors_of_builds_speak_of_options_as_specs_do(
-    source: str, steps: str, advice: str, tmp_path: Path
-) -> None:
-    spec = write(tmp_path, f"steps:\n- {steps}\n")
-    line = ["build", str(SAMPLES / source), "--spec", str(spec), "-o", str(tmp_path / source)]
-    result = CliRunner().invoke(program, line)
-    assert result.exit_code in (2, 3)
-    assert advice in result.output
-
-
 def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:
     line = [
         "build",

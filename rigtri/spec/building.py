@@ -20,7 +20,6 @@ from rigtri.spec.faults import Fault, SpecError
 from rigtri.spec.loading import PlannedStep, Spec, load
 from rigtri.spec.missing import fault_of, named
 from rigtri.spec.tree import Tree
-from rigtri.spec.validating import as_specs_say
 from rigtri.steps import step
 from rigtri.steps.request import Step
 
@@ -94,7 +93,7 @@ def build(
 
 
 def _of_root(tree: Tree, error: RigtriError) -> Fault:
-    return Fault(tree.place(("root",)), "", as_specs_say(str(error)))
+    return Fault(tree.place(("root",)), "", str(error))
 
 
 @dataclass
@@ -147,7 +146,6 @@ class _Work:
             if len(seen) == 1 or (seen and isinstance(error, GeometryError | DeviationError)):
                 self._give_up(one, error)
             self.tell_lost()
-            error.args = (as_specs_say(str(error)),)
             raise
         for record in (*report.joints, *report.limbs, *report.added, *report.removed):
             record["by_step"] = one.number
@@ -156,7 +154,7 @@ class _Work:
 
     def _leave_out(self, one: PlannedStep, error: RigtriError) -> bool:
         report = Report()
-        report.warn("step-left-out", as_specs_say(f"step {one.number} ({one.do}) is left out: {error}"))
+        report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
         if self.spec.model.strict:
             try:
                 report.refuse_warnings()
@@ -201,12 +199,10 @@ class _Work:
         return report
 
     def _call(self, report: Report) -> None:
-        """Let warnings speak of the user's file, not of the one that a step before has written, and of the
-        spec's options, not of a command's."""
-        at, source = str(self.at), str(self.source)
-        report.warnings[:] = [
-            replace(notice, text=as_specs_say(notice.text.replace(at, source))) for notice in report.warnings
-        ]
+        """Let warnings speak of the user's file, not of the one that a step before has written."""
+        if self.at != self.source:
+            at, source = str(self.at), str(self.source)
+            report.warnings[:] = [replace(n, text=n.text.replace(at, source)) for n in report.warnings]
 
     def tell_lost(self) -> None:
         """SpecError where steps could not be done; all of them, for names that are not there."""

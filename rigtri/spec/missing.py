@@ -14,7 +14,7 @@ from rigtri.report import Report
 from rigtri.rig import Rig
 from rigtri.spec.faults import Fault
 from rigtri.spec.tree import Keys, Tree
-from rigtri.spec.validating import as_specs_say, step_models, value_at, where_of
+from rigtri.spec.validating import step_models, value_at, where_of
 from rigtri.steps import step
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def fault_of(tree: Tree, number: int, text: str) -> Fault:
             found = text.find(f"'{name}'", 0, first)
             if found >= 0:
                 first, at = found, place
-    return Fault(at, where_of(tree, keys), as_specs_say(text))
+    return Fault(at, where_of(tree, keys), text)
 
 
 def _names(value: object, keys: Keys) -> set[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Container, Iterator
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from rigtri.spec.models.spec import SpecModel
 
 
-_OPTION = re.compile(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)\b(?!-)")
 # What pydantic calls values, and what they are called in a spec, by the type of its error.
 _PLAIN = {
     "tuple_type": ("a valid tuple", "a list"),
@@ -179,21 +177,6 @@ def step_models() -> dict[str, type[StepModel]]:
 
     models = get_args(get_args(AnyStep)[0])
     return {get_args(model.model_fields["do"].annotation)[0]: model for model in models}
-
-
-def as_specs_say(text: str) -> str:
-    """What a command says, with its options as specs have them: ``root:`` for ``--root``."""
-    return _OPTION.sub(lambda found: f"{found[1]}:" if found[1] in _options() else found[0], text)
-
-
-@cache
-def _options() -> frozenset[str]:
-    """What specs and steps can say, but for what `build` and `batch` have options for themselves."""
-    from rigtri.spec.models.spec import SpecModel
-
-    models: list[type[BaseModel]] = [SpecModel, *step_models().values()]
-    fields = (field for model in models for field in model.model_fields.items())
-    return frozenset(field.alias or name for name, field in fields) - {"strict", "tolerance"}
 
 
 def _short(value: Any) -> str:
