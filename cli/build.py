@@ -124,14 +124,13 @@ def steps_of(built: Built, *, places: bool = True) -> list[dict[str, Any]]:
 
 def _said(one: PlannedStep, places: bool) -> dict[str, Any]:
     said = {"step": one.number, "do": one.do, "options": one.said, "optional": one.optional}
+    said |= {"word": one.label.word} if one.label.word else {}
     return said | ({"place": str(one.place)} if places else {})
 
 
 def told_of(built: Built) -> str:
     """A line for each step of a build."""
-    return "\n".join(
-        f"{one.step.number}. {one.step.do}: {summary(one.step.do, one.report)}" for one in built.done
-    )
+    return "\n".join(f"{_title(one.step)}: {summary(one.step.do, one.report)}" for one in built.done)
 
 
 def summary(do: str, report: Report) -> str:
@@ -161,10 +160,14 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
 
 
+def _title(one: PlannedStep) -> str:
+    return f"{one.number}. {one.do}{f' ({one.label.word})' if one.label.word else ''}"
+
+
 def _line(one: PlannedStep) -> str:
     said = "; ".join(f"{name} {_short(value)}" for name, value in one.said.items())
     can_miss = ", optional" if one.optional else ""
-    return f"{one.number}. {one.do}{can_miss}{': ' if said else ''}{said} ({one.place})"
+    return f"{_title(one)}{can_miss}{': ' if said else ''}{said} ({one.place})"
 
 
 def _short(value: Any) -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
 from importlib.resources import files
+from typing import Any
 
 import click
 
@@ -11,6 +14,7 @@ from rigtri.errors import UsageError
 from .options import json_option
 
 _SUFFIX = ".schema.json"
+_REFERENCE = re.compile(r'"urn:rigtri:schema:([a-z-]+):1#')
 
 
 def _known() -> list[str]:
@@ -40,4 +44,19 @@ def command(name: str, as_json: bool) -> None:
     known = _known()
     if name not in known:
         raise UsageError(f"there is no schema '{name}'; choose of {', '.join(known)}")
-    click.echo((files("rigtri.schemas") / f"{name}{_SUFFIX}").read_text(encoding="utf-8"), nl=False)
+    click.echo(_whole(name), nl=False)
+
+
+def _whole(name: str) -> str:
+    """A schema as it is; with those that it refers to in it, so that validators need no others."""
+    text = _text(name)
+    others = sorted(set(_REFERENCE.findall(text)))
+    if not others:
+        return text
+    schema: dict[str, Any] = json.loads(text)
+    schema.setdefault("$defs", {}).update({other: json.loads(_text(other)) for other in others})
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+
+
+def _text(name: str) -> str:
+    return (files("rigtri.schemas") / f"{name}{_SUFFIX}").read_text(encoding="utf-8")

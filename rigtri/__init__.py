@@ -128,6 +128,11 @@ if TYPE_CHECKING:
     from rigtri.viewer.shown import view
 
 
+def __dir__() -> list[str]:
+    """What consoles complete."""
+    return [*__all__, "__version__"]
+
+
 def __getattr__(name: str) -> Any:
     if name in _WHERE:
         return getattr(import_module(_WHERE[name]), name)

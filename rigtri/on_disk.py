@@ -39,7 +39,8 @@ def known(document: Document, path: Path, options: Options, content: bytes | Non
 
 def _protect(rig: Rig) -> None:
     """Let nobody write over numbers of a file: what is compared with them would not see it."""
-    numbers = [rig.parents, rig.translation, rig.rotation, rig.scale, rig.matrix, rig.has_matrix]
+    numbers = [rig.parents, rig.translation, rig.rotation, rig.scale, rig.matrix, rig.has_matrix, rig.payload]
+    numbers += [bound.vector for bound in rig.bound]
     numbers += [each for skin in rig.skins for each in (skin.joints, skin.inverse_bind)]
     numbers += [each for clip in rig.clips for track in clip.tracks for each in (track.times, track.values)]
     for each in numbers:

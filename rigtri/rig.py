@@ -450,10 +450,11 @@ class Rig:
     def reordered(self, order: Sequence[int]) -> Rig:
         """This rig with its nodes in another order: the k-th is what was ``order[k]``.
 
-        Parents must still come first; rows of skins keep their order.
+        Parents must still come first; rows of skins keep their order. A node may be left out that is no
+        parent, no joint, and moved by no track.
         """
         old = np.asarray(order, dtype=np.int64)
-        place = np.empty(len(old), dtype=np.int64)
+        place = np.full(len(self), -1)
         place[old] = np.arange(len(old))
         new = place.tolist()
 
@@ -487,7 +488,7 @@ class Rig:
             shapes={new[k]: shape for k, shape in self.shapes.items()},
             morphed={new[k]: weights for k, weights in self.morphed.items()},
             drawn=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.drawn()],
-            removed=frozenset(new[k] for k in self.removed),
+            removed=frozenset(new[k] for k in self.removed if new[k] >= 0),
             read_meshes=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.meshes],
             shelf=new[self.shelf] if self.shelf >= 0 else self.shelf,
         )

@@ -195,7 +195,8 @@ def test_variables_of_a_job_file_are_told_with_its_other_lines(tree: Path) -> No
     Path("job.jsonl").write_text("\n".join(lines))
     result = CliRunner().invoke(program, ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"])
     assert result.exit_code == 2
-    assert "job.jsonl:1: in/a.glb: rig.yaml:1:1 --set sied: the spec has no such variable" in result.stderr
+    wrong = "rig.yaml:1:1 the spec has no variable 'sied'. Did you mean 'side'?"
+    assert f"job.jsonl:1: in/a.glb: {wrong}" in result.stderr
     assert "job.jsonl:2: there is no such file to read: gone.glb" in result.stderr
     assert "job.jsonl:4: " in result.stderr
     assert "job.jsonl:3: " not in result.stderr

@@ -132,6 +132,17 @@ def test_a_bucket_is_worked_through_and_a_second_run_does_nothing(
     assert bucket.exists("studio/out/sub/biped.bin")
 
 
+def test_what_is_wrong_with_files_that_were_fetched_is_told_of_where_they_are(
+    batch: Batch, bucket: Any, samples: Path
+) -> None:
+    for name in ("x", "y"):
+        bucket.pipe_file(f"studio/in/cut/{name}.glb", (samples / "biped.glb").read_bytes()[:900])
+    done = batch("-O", "s3://studio/out/", "--log", "log.jsonl", inputs=("s3://studio/in/cut/*.glb",))
+    assert done.exit_code in (3, 7)
+    told = [json.loads(line)["message"] for line in Path("log.jsonl").read_text().splitlines()]
+    assert [text.split(": ")[0] for text in sorted(told)] == [f"s3://studio/in/cut/{k}.glb" for k in "xy"]
+
+
 def test_outputs_of_others_are_not_replaced(batch: Batch, bucket: Any) -> None:
     bucket.pipe_file("studio/out/a.glb", b"theirs")
     lost = batch("-O", "s3://studio/out")

@@ -217,7 +217,7 @@ def test_what_operations_tell_comes_with_what_is_written(tmp_path: Path) -> None
 def test_numbers_of_a_file_cannot_be_written_over(name: str) -> None:
     rig = rigtri.read(SAMPLES / name)
     clips = [values for clip in rig.clips for track in clip.tracks for values in (track.times, track.values)]
-    for numbers in (rig.translation, rig.rotation, rig.scale, rig.skins[0].inverse_bind, *clips):
+    for numbers in (rig.payload, rig.translation, rig.rotation, rig.scale, rig.skins[0].inverse_bind, *clips):
         with pytest.raises(ValueError, match="read-only"):
             numbers[0] = 0.0
 
@@ -227,6 +227,17 @@ def test_a_rig_that_nobody_changed_is_written_as_it_was(tmp_path: Path) -> None:
     outcome = rigtri.write(rigtri.strip(rig), tmp_path / "out.glb")
     assert not outcome.changed
     assert (tmp_path / "out.glb").read_bytes() == BIPED.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+def test_what_is_taken_out_before_it_was_ever_written_leaves_the_file_as_it_was(
+    name: str, tmp_path: Path
+) -> None:
+    rig = everything(rigtri.read(SAMPLES / name), Report())
+    stripped = rigtri.strip(rigtri.bake(rig, to="controls"))
+    assert len(stripped) == len(rigtri.read(SAMPLES / name))
+    rigtri.write(stripped, tmp_path / name)
+    assert (tmp_path / name).read_bytes() == (SAMPLES / name).read_bytes()
 
 
 def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
@@ -306,6 +317,10 @@ def test_public_names_are_what_they_say() -> None:
         assert getattr(rigtri, name) is not None
         assert find_spec(f"rigtri.{name}") is None
     assert sorted(rigtri.__all__) == sorted(rigtri._WHERE)
+
+
+def test_consoles_complete_the_library_and_nothing_else() -> None:
+    assert dir(rigtri) == sorted([*rigtri.__all__, "__version__"])
 
 
 def test_help_shows_all_keywords() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from importlib.resources import files
@@ -9,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 from places import ROOT, SAMPLES
 from second_opinions import SCHEMAS, schema, validator
+
+from rigtri.cli.main import program
 
 POLE: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": ["shoulder", "elbow", "wrist"]}
 
@@ -94,6 +98,15 @@ def test_a_report_has_exactly_its_keys() -> None:
     turned = {"joint": "a", "address": "a", "path": "/a", "status": "turned"}
     assert not check.is_valid(report | {"joints": [turned]})
     assert not check.is_valid(report | {"limbs": [report["limbs"][0] | {"source": "noise"}]})
+
+
+def test_a_schema_that_is_printed_needs_no_other() -> None:
+    told = CliRunner().invoke(program, ["schema", "report"])
+    alone = Draft202012Validator(json.loads(told.stdout))
+    limb = {"limb": ["a", "b", "c"], "polevector": "p", "position": [0, 0, 0], "bend_degrees": 3}
+    errors = [error.message for error in alone.iter_errors({"limbs": [limb | {"source": "guessed"}]})]
+    assert any("'guessed'" in error for error in errors)
+    assert json.loads(CliRunner().invoke(program, ["schema", "node"]).stdout) == schema("node")
 
 
 def test_the_usd_schema_is_what_the_node_schema_says() -> None:

@@ -435,7 +435,7 @@ def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path)
     before = sorted(tmp_path.iterdir())
     result = CliRunner().invoke(program, ["build", str(source), "--spec", str(spec), "--explain"])
     assert result.exit_code == 0, result.output
-    assert f"2. add-twist: limb upper_arm_L forearm_L hand_L ({spec}:6:5)" in result.stdout
+    assert f"2. add-twist (L): limb upper_arm_L forearm_L hand_L ({spec}:6:5)" in result.stdout
     assert "4 twist joints along 2 bones" in result.stderr
     assert "Nothing was written (--explain)." in result.stderr
     assert sorted(tmp_path.iterdir()) == before
@@ -488,6 +488,36 @@ def test_explain_tells_limbs_apart(tmp_path: Path) -> None:
     spec = write(tmp_path, f"steps:\n- {{do: add-twist, limb: {limbs}}}\n")
     result = CliRunner().invoke(program, ["build", "--spec", str(spec), "--explain"])
     assert "limb upper_arm_L forearm_L hand_L, thigh_L shin_L foot_L" in result.stdout
+
+
+def test_steps_of_braces_are_told_with_their_words(tmp_path: Path) -> None:
+    text = (
+        "steps:\n- {do: orient-joints}\n"
+        '- {do: add-twist, limb: ["thigh_{L,R}", "shin_{L,R}", "foot_{L,R}"]}\n'
+        '- {do: constrain, type: orient, child: "nope_{L,R}", driver: {chest: 1}, optional: true}\n'
+    )
+    spec = write(tmp_path, text)
+    line = [
+        "build",
+        str(SAMPLES / "biped.glb"),
+        "--spec",
+        str(spec),
+        "-o",
+        str(tmp_path / "out.glb"),
+        "--json",
+    ]
+    result = CliRunner().invoke(program, line)
+    assert result.exit_code == 0, result.output
+    told = json.loads(result.stdout)
+    validator("report").validate(told)
+    assert [(one["step"], one.get("word")) for one in told["steps"][:3]] == [(1, None), (2, "L"), (2, "R")]
+    made = {(record["node"][-1], record["by_word"]) for record in told["added"]}
+    assert all(record["by_step"] == 2 for record in told["added"])
+    assert {word for _, word in made} == {"L", "R"}
+    left = [notice["text"] for notice in told["warnings"] if notice["code"] == "step-left-out"]
+    assert [text.split(" is left")[0] for text in left] == ["step 3 (constrain, L)", "step 3 (constrain, R)"]
+    explained = CliRunner().invoke(program, ["build", "--spec", str(spec), "--explain"]).stdout
+    assert "2. add-twist (L): limb thigh_L shin_L foot_L" in explained
 
 
 def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:

@@ -66,7 +66,7 @@ class Fetched:
             except CrashError:
                 raise
             except RigtriError as error:
-                return Record("error", kind_of(type(error)), str(error), error.exit_code)
+                return Record("error", kind_of(type(error)), self._text(str(error)), error.exit_code)
 
     def _source(self, source: str) -> str:
         """Where the source is here, with the files that it refers to; reading tells of what is missing."""

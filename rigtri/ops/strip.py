@@ -53,7 +53,7 @@ def strip(rig: Rig, *, options: Options, report: Report) -> Rig:
     if not report.removed:
         return rig
     names = tuple("" if node in gone else name for node, name in enumerate(rig.names))
-    return replace(
+    stripped = replace(
         rig,
         names=names,
         notes=notes,
@@ -66,14 +66,19 @@ def strip(rig: Rig, *, options: Options, report: Report) -> Rig:
             else clip
             for clip in rig.clips
         ),
+        spreads=(),  # each is among joints of ours
         folds=_folds(rig, gone),
         skins=tuple(
             replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
             if not (stays := _stays(skin, gone)).all()
             else skin
             for skin in rig.skins
+            if skin.key is not None or not gone.issuperset(skin.joints.tolist())  # new, and all of it goes
         ),
     )
+    # What no file has yet need not be taken out of one.
+    stay = [node for node in range(len(rig)) if node not in gone or rig.keys[node] is not None]
+    return stripped.reordered(stay) if len(stay) < len(rig) else stripped
 
 
 def _stays(skin: Skin, gone: frozenset[int]) -> Booleans:
@@ -85,7 +90,8 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
     found = []
     for number, skin in enumerate(rig.skins):
         stays = _stays(skin, gone)
-        if stays.all() or not (stays.any() or skin.drawn):
+        new = all(rig.keys[joint] is None for joint in skin.joints[~stays].tolist())  # no file has any
+        if new or not (stays.any() or skin.drawn):
             continue
         rows, at = np.cumsum(stays) - 1, np.zeros(len(stays))
         lost, weighted = np.flatnonzero(~stays), _weighted(rig, number)

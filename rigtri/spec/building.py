@@ -20,6 +20,7 @@ from rigtri.spec.faults import Fault, SpecError
 from rigtri.spec.loading import PlannedStep, Spec, load
 from rigtri.spec.missing import fault_of, named
 from rigtri.spec.tree import Tree
+from rigtri.spec.validating import where_of
 from rigtri.steps import step
 from rigtri.steps.request import Step
 
@@ -148,13 +149,13 @@ class _Work:
             self.tell_lost()
             raise
         for record in (*report.joints, *report.limbs, *report.added, *report.removed):
-            record["by_step"] = one.number
+            record |= {"by_step": one.number, **({"by_word": one.label.word} if one.label.word else {})}
         self.done.append(Done(one, report))
         return True
 
     def _leave_out(self, one: PlannedStep, error: RigtriError) -> bool:
         report = Report()
-        report.warn("step-left-out", f"step {one.number} ({one.do}) is left out: {error}")
+        report.warn("step-left-out", f"{where_of(self.spec.tree, ('steps', one.index))} is left out: {error}")
         if self.spec.model.strict:
             try:
                 report.refuse_warnings()

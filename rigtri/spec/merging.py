@@ -119,8 +119,9 @@ def _unset(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     """Variables that the user sets and the spec has not."""
     said = tree.values.get("variables", {})
     known = said if isinstance(said, Mapping) else {}
+    has = f" It has {', '.join(map(str, known))}." if known else " It has none."
     return [
-        Fault(tree.place(()), "", f"--set {name}: the spec has no such variable.{did_you_mean(name, known)}")
+        Fault(tree.place(()), "", f"the spec has no variable '{name}'.{did_you_mean(name, known) or has}")
         for name in given
         if name not in known
     ]

@@ -165,12 +165,12 @@ class GltfDocument:
 
     def _check_avatar(self, target: Path) -> None:
         """UsageError for a suffix that promises an avatar where the file is none: viewers would refuse it."""
-        suffix, used = target.suffix.lower(), self.container.gltf.get("extensions", {})
-        marks = _AVATARS.get(suffix, ())
-        if marks and suffix != self.container.path.suffix.lower() and not any(mark in used for mark in marks):
+        source, suffix = self.container.path, target.suffix.lower()
+        used, marks = self.container.gltf.get("extensions", {}), _AVATARS.get(suffix, ())
+        if marks and suffix != source.suffix.lower() and not any(mark in used for mark in marks):
             raise UsageError(
-                f"{target.name}: {self.container.path.name} has no extension {' or '.join(marks)}, and a "
-                f"{suffix} without is refused by viewers; give the output the suffix .glb"
+                f"{target.name}: {source.name} has no extension {' or '.join(marks)}, and a {suffix} "
+                f"without is refused by viewers; give the output the suffix {source.suffix}"
             )
 
     def _read_rig(self, gltf: Value) -> Rig:
