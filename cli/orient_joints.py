@@ -21,6 +21,7 @@ from .options import (
     target_option,
     turn_options,
 )
+from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -200,7 +201,8 @@ def summary(report: Report) -> str:
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1
-    words = f"{counts['turned']} joints turned, {counts['unchanged']} already stood so, {counts['kept']} kept"
+    turned = counted(counts["turned"], "joint")
+    words = f"{turned} turned, {counts['unchanged']} already stood so, {counts['kept']} kept"
     return "\n".join([words, *_splits(report)])
 
 

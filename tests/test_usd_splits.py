@@ -339,7 +339,7 @@ def test_frames_for_several_libraries_of_the_same_joints_say_which_and_how_to_na
         app, ["orient-joints", str(library), "-o", str(one), "--frames", str(stored), "--skin", "Run"]
     )
     assert alone.exit_code == 0, alone.output
-    assert "1 joints turned" in alone.output
+    assert "1 joint turned" in alone.output
     before, after = (Usd.Stage.Open(str(path)) for path in (library, one))
     for name, same in (("Walk", True), ("Run", False)):
         rotations = [
