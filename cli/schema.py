@@ -14,7 +14,7 @@ from rigtri.errors import UsageError
 from .options import json_option
 
 _SUFFIX = ".schema.json"
-_REFERENCE = re.compile(r'"urn:rigtri:schema:([a-z-]+):1#')
+_REFERENCE = re.compile(r'"\$ref": *"urn:rigtri:schema:([a-z-]+):1[#"]')
 
 
 def _known() -> list[str]:
@@ -54,7 +54,9 @@ def _whole(name: str) -> str:
     if not others:
         return text
     schema: dict[str, Any] = json.loads(text)
-    schema.setdefault("$defs", {}).update({other: json.loads(_text(other)) for other in others})
+    for other in others:
+        inner = json.loads(_text(other))
+        schema.setdefault("$defs", {})[inner["$id"]] = inner
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 

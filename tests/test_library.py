@@ -240,6 +240,31 @@ def test_what_is_taken_out_before_it_was_ever_written_leaves_the_file_as_it_was(
     assert (tmp_path / name).read_bytes() == (SAMPLES / name).read_bytes()
 
 
+LIMB = {"points": [(0.0, 1.0, 0.0), (0.0, 0.5, 0.1), (0.0, 0.0, 0.0)], "parent": "hips", "name": "tail"}
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_what_is_left_of_a_rig_goes_on(name: str, tmp_path: Path) -> None:
+    added = rigtri.add_twist(rigtri.read(SAMPLES / name), auto=True, split_weights=True)
+    rigtri.write(rigtri.add_controls(rigtri.strip(added), whole_character=True), tmp_path / f"new-{name}")
+    rigtri.write(added, tmp_path / name)
+    rig = rigtri.read(tmp_path / name)
+    rigtri.write(rigtri.strip(rigtri.make_limb(rig, **LIMB)), tmp_path / f"bare-{name}")
+    assert rigtri.verify(SAMPLES / name, tmp_path / f"bare-{name}").passes()
+    left = rigtri.strip(rig)
+    assert list(left.skins[0].weighted) == list(rigtri.read(SAMPLES / name).skins[0].weighted)
+    with pytest.raises(UsageError, match="write what strip has left, read that"):
+        rigtri.write(rigtri.make_limb(left, **LIMB), tmp_path / f"more-{name}")
+
+
+def test_joints_are_not_turned_where_a_skeleton_of_usd_is_made_shorter(tmp_path: Path) -> None:
+    rigtri.write(rigtri.add_twist(rigtri.read(SAMPLES / "biped.usda"), auto=True), tmp_path / "in.usda")
+    rig = rigtri.orient_joints(rigtri.read(tmp_path / "in.usda"))
+    with pytest.raises(UsageError, match="others of it were changed in the same edit"):
+        rigtri.write(rigtri.strip(rig), tmp_path / "out.usda")
+    assert not (tmp_path / "out.usda").exists()
+
+
 def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
     source = tmp_path / "hero.glb"
     source.write_bytes(BIPED.read_bytes())

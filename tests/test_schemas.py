@@ -106,6 +106,8 @@ def test_a_schema_that_is_printed_needs_no_other() -> None:
     limb = {"limb": ["a", "b", "c"], "polevector": "p", "position": [0, 0, 0], "bend_degrees": 3}
     errors = [error.message for error in alone.iter_errors({"limbs": [limb | {"source": "guessed"}]})]
     assert any("'guessed'" in error for error in errors)
+    told = CliRunner().invoke(program, ["schema", "rig"])
+    assert list(Draft202012Validator(json.loads(told.stdout)).iter_errors({"nodes": []}))
     assert json.loads(CliRunner().invoke(program, ["schema", "node"]).stdout) == schema("node")
 
 

@@ -52,6 +52,7 @@ def strip(rig: Rig, *, options: Options, report: Report) -> Rig:
         report.removed.append({"node": rig.address(node), "type": kind, "kept": False})
     if not report.removed:
         return rig
+    folds = _folds(rig, gone)
     names = tuple("" if node in gone else name for node, name in enumerate(rig.names))
     stripped = replace(
         rig,
@@ -67,18 +68,32 @@ def strip(rig: Rig, *, options: Options, report: Report) -> Rig:
             for clip in rig.clips
         ),
         spreads=(),  # each is among joints of ours
-        folds=_folds(rig, gone),
+        folds=folds,
         skins=tuple(
-            replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
-            if not (stays := _stays(skin, gone)).all()
-            else skin
-            for skin in rig.skins
+            _without(skin, gone, next((fold for fold in folds if fold.skin == number), None))
+            for number, skin in enumerate(rig.skins)
             if skin.key is not None or not gone.issuperset(skin.joints.tolist())  # new, and all of it goes
         ),
     )
     # What no file has yet need not be taken out of one.
     stay = [node for node in range(len(rig)) if node not in gone or rig.keys[node] is not None]
     return stripped.reordered(stay) if len(stay) < len(rig) else stripped
+
+
+def _without(skin: Skin, gone: frozenset[int], fold: Fold | None) -> Skin:
+    stays = _stays(skin, gone)
+    if stays.all():
+        return skin
+
+    def weigh() -> Booleans:
+        if fold is None:
+            return skin.weighted[stays]
+        weighted = np.zeros(int(stays.sum()), dtype=bool)
+        weighted[fold.rows[skin.weighted[: len(fold.rows)]]] = True
+        return weighted
+
+    lost = replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
+    return lost if skin.weigh is None else replace(lost, weigh=weigh)
 
 
 def _stays(skin: Skin, gone: frozenset[int]) -> Booleans:
@@ -89,9 +104,12 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
     """What the points of each skin that loses joints have of them goes to the bones of those."""
     found = []
     for number, skin in enumerate(rig.skins):
-        stays = _stays(skin, gone)
-        new = all(rig.keys[joint] is None for joint in skin.joints[~stays].tolist())  # no file has any
-        if new or not (stays.any() or skin.drawn):
+        # Joints that no file has yet come last, and have no points there.
+        filed = (
+            sum(rig.keys[joint] is not None for joint in skin.joints.tolist()) if skin.key is not None else 0
+        )
+        stays = _stays(skin, gone)[:filed]
+        if stays.all() or not (stays.any() or skin.drawn):
             continue
         rows, at = np.cumsum(stays) - 1, np.zeros(len(stays))
         lost, weighted = np.flatnonzero(~stays), _weighted(rig, number)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Vt
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, UsageError
 from rigtri.formats import Options
 from rigtri.formats.usd import notes
 from rigtri.formats.usd.edited import edited
@@ -26,7 +26,7 @@ from rigtri.formats.usd.stage import why_instanced
 from rigtri.formats.usd.values import Edit, define, kind, parts, set_value
 from rigtri.formats.usd.variants import Trial
 from rigtri.matrices import inverse
-from rigtri.records import Booleans, Skin
+from rigtri.records import Booleans, Integers, Skin
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
 
@@ -81,11 +81,24 @@ def shortened(source: Source, rig: Rig) -> tuple[Rig, list[Edit]]:
         keep = np.isin(old.joints, rig.skins[number].joints)
         if kind(old.key) == "root" or keep.all():
             continue
-        skins[number] = replace(rig.skins[number], joints=old.joints, inverse_bind=old.inverse_bind)
         skeleton = source.skeletons[parts(old.key)[1]]
+        if not _alike(
+            source.rig, rig, old.joints[keep], old.inverse_bind[keep], rig.skins[number].inverse_bind
+        ):
+            raise UsageError(
+                f"strip has taken joints out of <{skeleton.path}>, and others of it were changed in the same "
+                "edit: write what strip has left, read that, and go on with it"
+            )
+        skins[number] = replace(rig.skins[number], joints=old.joints, inverse_bind=old.inverse_bind)
         _check(source, skeleton)
         edits += list(_shorten(source, skeleton, keep)) if keep.any() else [_remove(skeleton.path)]
     return (replace(rig, skins=tuple(skins)) if edits else rig), edits
+
+
+def _alike(before: Rig, after: Rig, joints: Integers, bind: Floats, now: Floats) -> bool:
+    """Whether joints stand and are bound as before; else a skeleton that is made shorter would lose that."""
+    pairs = ((before.local[joints], after.local[joints]), (bind, now))
+    return all(np.array_equal(one, other, equal_nan=True) for one, other in pairs)
 
 
 def _shorten(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edit]:
