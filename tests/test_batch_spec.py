@@ -76,6 +76,23 @@ def test_a_spec_decides_by_what_it_does_and_not_by_how_it_is_spelled(app: click.
     assert set(statuses(batch(app, "--json", "--set", "side=_R")).values()) == {"ok"}
 
 
+def test_what_is_added_and_taken_out_again_leaves_a_file_unchanged(app: click.Group, here: Path) -> None:
+    Path("rig.yaml").write_text("steps: [{do: add-controls, limbs: auto}, {do: strip}]")
+    assert set(statuses(batch(app, "--json")).values()) == {"unchanged"}
+
+
+def test_files_that_are_cut_off_failed_alike(app: click.Group, here: Path) -> None:
+    for number, path in enumerate(sorted(Path("in").glob("*.glb")), 3):
+        path.write_bytes(path.read_bytes()[: 400 * number])
+    batch(app)
+    told = CliRunner().invoke(app, ["batch-report", "out", "--json"])
+    cut = [one for one in json.loads(told.stdout)["errors"] if "cut off" in one["reason"]]
+    assert [one["reason"] for one in cut] == [
+        "the GLB is cut off: it should have N bytes and ends at offset N. Copy or export it again"
+    ]
+    assert cut[0]["files"] > 1
+
+
 def test_what_a_like_file_is_made_of_counts(app: click.Group, here: Path, samples: Path) -> None:
     for name in ("biped.gltf", "biped.bin"):
         shutil.copy(samples / name, ".")

@@ -30,6 +30,7 @@ FAILED = ("error", "crashed")
 _NAMES = ("name not found", "ambiguous name")
 # What a file has not, or not just one of, as these errors say it.
 _NOT_THERE = re.compile(r"No \w+ (?:is named|matches) '.*'|\d+ \w+s are named '.*?'")
+_COUNT = re.compile(r"(?<= )\d+(?=[ ,.;]|$)")
 _HINT = re.compile(r"(?<=')\. .*")
 _MEANT = re.compile(r"Did you mean [^?]*\?")
 Ready = Callable[[Outcome, Written], None]
@@ -133,6 +134,8 @@ def faults(record: Record, entry: Entry) -> Sequence[tuple[str, str]]:
         text = text.replace(name, "FILE").replace(os.path.basename(name), "FILE")
     first = text.strip().splitlines()[-1] if text and record.kind == "bug" else text
     first = first.removeprefix("FILE: ")
+    if record.kind == "file":
+        first = _COUNT.sub("N", first)  # so that files that are cut off are, wherever that is
     if record.kind not in _NAMES:
         return [(first, first)] if first else ()
     found = ((_HINT.sub("", fault), _MEANT.search(fault)) for fault in first.split("; "))
@@ -203,13 +206,14 @@ def _place(entry: Entry, dry_run: bool) -> Iterator[Path]:
 
 def _record(outcome: Outcome, folder: str, moment: int, written: Written | None) -> Record:
     """What an edit did; with ``written`` also what it wrote, under the names that it will have."""
-    warnings = outcome.report.warnings
-    status = "warned" if warnings else "ok" if outcome.changed else "unchanged"
     read = {} if newer(outcome.files, moment) else _hashes.of_all(outcome.files, folder)
     made: dict[str, str] = {}
     if written is not None:
         made = _hashes.of_all(written.beside, folder)
         made[seen_from(folder, os.fspath(written.final))] = _hashes.of(written.part)
+    # What steps add and take out again leaves a file as it was, too.
+    same = written is not None and {*made.values()} == {*read.values()}
+    status = "warned" if outcome.report.warnings else "ok" if outcome.changed and not same else "unchanged"
     verification = outcome.verification
     return Record(
         status,
