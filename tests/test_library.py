@@ -308,6 +308,8 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("add_polevector", {"bends": [("a", "x")]}, UsageError, "give a mapping"),
         ("add_polevector", {"auto": True, "bends": {"a": "b"}}, UsageError, "no direction"),
         ("take_pose", {"at": "run@1"}, NameNotFoundError, "'run'"),
+        ("add_posereader", {"driver": "head", "targets": ["a=b@1"]}, UsageError, "a mapping with name, dir"),
+        ("orient_joints", {"like": "other.glb"}, UsageError, "give a rig"),
     ],
 )
 def test_what_cannot_be_is_told_by_its_keyword(

@@ -111,11 +111,17 @@ def _fitted(hint: Any, value: Any, rig: Rig, word: str) -> Any:
         value = given(rig, *value) if fits_it else value
     elif is_dataclass(hint) and isinstance(value, Mapping):
         return from_keywords(typing.cast(type, hint), rig, value, word)
+    elif is_dataclass(hint):
+        fits_it, wanted = isinstance(value, typing.cast(type, hint)), _parts(typing.cast(type, hint))
     else:
         fits_it, wanted = _plain(hint, value)
     if not fits_it:
         raise UsageError(f"{word}={value!r}: give {wanted}")
     return value
+
+
+def _parts(kind: type) -> str:
+    return "a rig" if kind is Rig else f"a mapping with {', '.join(known(kind))}"
 
 
 def _three(value: Any) -> bool:
