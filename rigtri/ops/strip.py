@@ -88,7 +88,7 @@ def _without(skin: Skin, gone: frozenset[int], fold: Fold | None) -> Skin:
     def weigh() -> Booleans:
         if fold is None:
             return skin.weighted[stays]
-        weighted = np.zeros(int(stays.sum()), dtype=bool)
+        weighted = np.zeros(np.count_nonzero(stays), dtype=bool)
         weighted[fold.rows[skin.weighted[: len(fold.rows)]]] = True
         return weighted
 
