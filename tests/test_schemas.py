@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from importlib.resources import files
@@ -98,6 +99,13 @@ def test_a_report_has_exactly_its_keys() -> None:
     turned = {"joint": "a", "address": "a", "path": "/a", "status": "turned"}
     assert not check.is_valid(report | {"joints": [turned]})
     assert not check.is_valid(report | {"limbs": [report["limbs"][0] | {"source": "noise"}]})
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_a_schema_that_is_printed_refers_to_none_but_itself(name: str) -> None:
+    text = CliRunner().invoke(program, ["schema", name]).stdout
+    named = {address.partition("#")[0] for address in re.findall(r'"\$ref": *"(urn:[^"]*)"', text)}
+    assert named <= set(re.findall(r'"\$id": *"([^"]*)"', text))
 
 
 def test_a_schema_that_is_printed_needs_no_other() -> None:
