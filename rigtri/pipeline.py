@@ -108,6 +108,7 @@ def edit(
         clock.lap("read")
         rig = step(document.rig, report)
         _check_numbers(document.rig, rig)
+        _check_order(rig)
         _hear(document, report, strict)
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
@@ -164,6 +165,15 @@ def _check_numbers(before: Rig, after: Rig) -> None:
         raise GeometryError(
             f"'{after.names[node] or after.labels[node]}' gets no place that is a number: a scale at or "
             "above it is zero, or numbers there are too large. Leave it out with --exclude"
+        )
+
+
+def _check_order(rig: Rig) -> None:
+    """UsageError where nodes were taken out of the file and others added: no writer does both at once."""
+    if rig.removed and any(key is None and node not in rig.removed for node, key in enumerate(rig.keys)):
+        raise UsageError(
+            "strip has taken nodes out of the file, and others were added after it: write what strip has "
+            "left, read that, and add to it"
         )
 
 

@@ -255,6 +255,11 @@ def test_what_is_left_of_a_rig_goes_on(name: str, tmp_path: Path) -> None:
     assert list(left.skins[0].weighted) == list(rigtri.read(SAMPLES / name).skins[0].weighted)
     with pytest.raises(UsageError, match="write what strip has left, read that"):
         rigtri.write(rigtri.make_limb(left, **LIMB), tmp_path / f"more-{name}")
+    with pytest.raises(UsageError, match="write what strip has left, read that"):
+        rigtri.edit(
+            tmp_path / name, tmp_path / f"more-{name}", lambda r, _: rigtri.make_limb(rigtri.strip(r), **LIMB)
+        )
+    assert not (tmp_path / f"more-{name}").exists()
 
 
 def test_joints_are_not_turned_where_a_skeleton_of_usd_is_made_shorter(tmp_path: Path) -> None:

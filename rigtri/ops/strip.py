@@ -104,10 +104,10 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
     """What the points of each skin that loses joints have of them goes to the bones of those."""
     found = []
     for number, skin in enumerate(rig.skins):
+        if skin.key is None:
+            continue
         # Joints that no file has yet come last, and have no points there.
-        filed = (
-            sum(rig.keys[joint] is not None for joint in skin.joints.tolist()) if skin.key is not None else 0
-        )
+        filed = sum(rig.keys[joint] is not None for joint in skin.joints.tolist())
         stays = _stays(skin, gone)[:filed]
         if stays.all() or not (stays.any() or skin.drawn):
             continue
