@@ -11,10 +11,11 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.boxes import boxes, corners
 from rigtri.errors import FileError
 from rigtri.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.pose import Motion, between_keys, key_times, rest, worlds
-from rigtri.records import Integers, Mesh, Track, key_values
+from rigtri.records import Integers, Mesh, Skin, Track, key_values
 from rigtri.rig import Rig
 from rigtri.size import fits, size_at_least, size_of
 from rigtri.trigonometry import Floats
@@ -52,7 +53,7 @@ class Reach:
     def exact(self) -> Floats:
         """As `reaches`, (n,)."""
         rig, world, size = self._rig, self._world, size_of(self._rig, self._meshes, self._world)
-        own = self._own(size)
+        own = self._own(size, self._of_points)
         reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
         for posed in _stretched(rig):
             reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
@@ -62,7 +63,7 @@ class Reach:
     def at_most(self) -> Floats:
         """No less than `exact`, (n,), from each node's own numbers; infinite where these do not tell."""
         rig, size = self._rig, size_at_least(self._rig, self._meshes, self._world)
-        own = self._own(size)
+        own = self._own(size, self._of_boxes)
         (low, high), (least, most), bones = _sizes_of_nodes(rig)
         for level in rig.levels[1:]:
             parents = rig.parents[level]
@@ -86,7 +87,7 @@ class Reach:
         except FileError:
             return []
 
-    @cached_property
+    @property
     def _of_points(self) -> Floats:
         """How far at rest the points of each node reach, (n,), in file units."""
         reach = np.zeros(len(self._rig))
@@ -94,10 +95,21 @@ class Reach:
             _own(self._rig, self._world, mesh, reach)
         return reach
 
-    def _own(self, size: float) -> Floats:
+    @property
+    def _of_boxes(self) -> Floats:
+        """No less than `_of_points`: how far the corners reach of the box of what each joint moves."""
+        reach = np.zeros(len(self._rig))
+        for mesh in self._meshes:
+            if mesh.skin is None or mesh.morphs.size:
+                _own(self._rig, self._world, mesh, reach)
+            else:
+                skin = self._rig.skins[mesh.skin]
+                _raise_boxes(reach, skin, mesh.bind, boxes(mesh, len(skin.joints)), self._world)
+        return reach
+
+    def _own(self, size: float, own: Floats) -> Floats:
         """How far each node's own things reach at rest, (n,), in file units; frames as far as ``size``."""
         framed = frames_shown(self._rig, self._meshes)
-        own = self._of_points.copy()
         own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * size)
         return own
 
@@ -228,10 +240,14 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
         starts = np.flatnonzero(np.diff(joints, prepend=-1))
         np.maximum.at(reach, skin.joints[joints[starts]], np.maximum.reduceat(far, starts))
     if mesh.box is not None:
-        corners = np.broadcast_to(mesh.box.reshape(2, -1, 3), (2, len(skin.joints), 3))
-        for picked in np.ndindex(2, 2, 2):
-            corner = np.stack([corners[low, :, axis] for axis, low in enumerate(picked)], axis=1)
-            _raise(reach, skin.joints, transform_points(corner, into), world)
+        _raise_boxes(reach, skin, mesh.bind, boxes(mesh, len(skin.joints)), world)
+
+
+def _raise_boxes(reach: Floats, skin: Skin, bind: Floats, box: tuple[Floats, Floats], world: Floats) -> None:
+    """Raise ``reach`` to the corners of the box that each joint moves, (m, 3) twice, before ``bind``."""
+    with np.errstate(invalid="ignore", over="ignore"):  # a joint that moves nothing has no box
+        ends = transform_points(corners(*box), multiply(bind, skin.inverse_bind)[:, np.newaxis])
+    _raise(reach, np.repeat(skin.joints, ends.shape[1]), ends.reshape(-1, 3), world)
 
 
 def _raise(reach: Floats, node: Integers, points: Floats, world: Floats, more: Floats | None = None) -> None:

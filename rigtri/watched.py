@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Protocol
 
 import numpy as np
 
 from rigtri import pose
+from rigtri.boxes import boxes, corners, extent
 from rigtri.matching import Matching, same_array
 from rigtri.matrices import inverse
 from rigtri.reach import frames_shown
@@ -290,48 +290,9 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
         yield group[0].bind, low, high
 
 
-def boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
-    """The boxes of the points that each of ``count`` joints moves, lows and highs, (count, 3)."""
-    if mesh.box is not None:
-        return np.broadcast_to(mesh.box[0], (count, 3)), np.broadcast_to(mesh.box[1], (count, 3))
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    near, far = extent(mesh)
-    joints, points = mesh.moved
-    if not np.isfinite(near).all():
-        live = np.asarray(np.isfinite(near).all(axis=1))[points]
-        joints, points = joints[live], points[live]
-    if not len(joints):
-        return low, high
-    starts = np.flatnonzero(np.diff(joints, prepend=-1))
-    for axis in range(3):
-        low[joints[starts], axis] = np.minimum.reduceat(near[:, axis][points], starts)
-        high[joints[starts], axis] = np.maximum.reduceat(far[:, axis][points], starts)
-    return low, high
-
-
-def extent(mesh: Mesh) -> tuple[Floats, Floats]:
-    """How far morphs can carry each point, (v, 3) twice: every target from 0 to 1, all at once.
-
-    The corners of its box where a mesh has one.
-    """
-    if mesh.box is not None:
-        return mesh.box[:1], mesh.box[1:]
-    if not mesh.morphs.size:
-        return mesh.points, mesh.points
-    lows = np.minimum(mesh.morph_weights, 0.0) if len(mesh.morph_weights) else np.zeros(len(mesh.morphs))
-    highs = np.maximum(mesh.morph_weights, 1.0) if len(mesh.morph_weights) else np.ones(len(mesh.morphs))
-    near, far = mesh.points.copy(), mesh.points.copy()
-    for low, high, offsets in zip(lows, highs, mesh.morphs, strict=True):
-        near += np.minimum(low * offsets, high * offsets)
-        far += np.maximum(low * offsets, high * offsets)
-    return near, far
-
-
 def _corners(low: Floats, high: Floats) -> Floats:
     """The corners of boxes, (r, 3) twice → (r, 8, 4) homogeneous."""
-    pick = np.array(list(product((False, True), repeat=3)))
-    points = np.where(pick, high[:, np.newaxis], low[:, np.newaxis])
-    return np.concatenate([points, np.ones((len(low), 8, 1))], axis=2)
+    return np.concatenate([corners(low, high), np.ones((len(low), 8, 1))], axis=2)
 
 
 def rigid_corners(before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans) -> Iterator[Rows]:

@@ -29,6 +29,7 @@ vectors
 quaternions
 matrices
 euler triangle shapes records
+boxes
 rig
 pose constraints rules spread twist
 following size timelines insertion fitting triangles

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rigtri.boxes import boxes, extent
 from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.nodes import Tree
@@ -22,7 +23,6 @@ from rigtri.formats.gltf.values import Value
 from rigtri.records import Booleans, Integers, Mesh, Skin, Surface
 from rigtri.report import Notice
 from rigtri.trigonometry import Floats
-from rigtri.watched import boxes, extent
 
 DRACO = "KHR_draco_mesh_compression"
 # What a primitive draws, by its mode (§5.24.4).
