@@ -45,9 +45,9 @@ class Reach:
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
 
-    @cached_property
+    @property
     def _world(self) -> Floats:
-        return worlds(self._rig, rest(self._rig))
+        return self._rig.shown_world
 
     @cached_property
     def exact(self) -> Floats:

@@ -144,7 +144,7 @@ def reference(tree: Skeleton, pose: str | None) -> Reference:
     if pose not in (None, "bind", "nodes"):
         world = _clip_pose(rig, str(pose))
         return _reference(tree, world, at_rest, dict.fromkeys(tree.joints, str(pose)), 0.0)
-    world, kind = at_rest.copy(), dict.fromkeys(tree.joints, "nodes")
+    world, kind = at_rest, dict.fromkeys(tree.joints, "nodes")
     bind = at_rest.copy()
     rounding = 0.0
     same: dict[int, bool] = {}
@@ -156,6 +156,7 @@ def reference(tree: Skeleton, pose: str | None) -> Reference:
         if pose != "nodes":
             kind.update(dict.fromkeys(held, "bind"))
             if not same[id(skin)]:
+                world = world.copy() if world is at_rest else world
                 world[inside] = posed[inside]
                 rounding = 2.4e-7  # two float32 roundings of a position in the inverse binds
     if pose == "bind" and "bind" not in kind.values():
@@ -256,10 +257,8 @@ def _is_pose(bind: Floats, at_rest: Floats) -> bool:
 
 def _same_pose(rig: Rig, skin: Skin, posed: Floats) -> bool:
     """Whether bind and rest pose are one up to rounding, joint for joint in the parents' spaces."""
-    at_rest = worlds(rig)
     nodes = [int(j) for j in skin.joints if rig.parents[j] >= 0]
-    parents = rig.parents[nodes]
-    a, b = local(posed[nodes], posed[parents]), local(at_rest[nodes], at_rest[parents])
+    a, b = local(posed[nodes], posed[rig.parents[nodes]]), rig.local[nodes]
     size = np.maximum(np.abs(b[:, :3, :3]).max(axis=(1, 2)), 1e-30)
     reach = max(float(np.abs(b[:, 3, :3]).max(initial=0.0)), 1e-30)
     turned = np.abs(a - b)[:, :3, :3].max(axis=(1, 2)) > 10 * SAME_POSE * size

@@ -283,7 +283,7 @@ def _tell(rig: Rig, rule: Rule, report: Report) -> None:
             "constraint-weightless",
             f"all drivers of '{rig.title(rule.child)}' have weight 0, so it keeps its own place",
         )
-    world = worlds(rig, rest(rig))
+    world = rig.shown_world
     for driver in rule.drivers:
         size = length(world[driver, :3, :3])
         uneven = size.max() - size.min() > SKEW * size.max() or skew(world[driver]) > SKEW

@@ -105,7 +105,7 @@ def _why_no_frame(rig: Rig, rule: Rule) -> str:
     if not (rig.scale[[child, driver]] > 0).all() or not (scales > 0).all():
         return "one of the nodes is mirrored"
     compared = rule.kind == "aim" or rule.space == "world"
-    world = worlds(rig, rest(rig))
+    world = rig.shown_world
     above = [int(rig.parents[node]) for node in (child, driver) if rig.parents[node] >= 0]
     if compared and not all(_even(world[node]) for node in above):
         return "a node above is mirrored, or stretched unlike along its axes"
