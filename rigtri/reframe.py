@@ -66,7 +66,7 @@ def reframe(rig: Rig, turn: Floats, *, scales: Scales | None = None) -> Rig:
         names = [rig.title(constraint.node) for constraint in lost]
         raise ValueError(f"the constraints of {names} compare axes that would not turn alike")
     above = np.where((rig.parents >= 0)[:, np.newaxis], turn[rig.parents], IDENTITY)
-    fold = scales.fold(own & ~_permutes(to_axes(turn)))
+    fold = scales.fold(turn)
     rig = _turn_rest(rig, turn, above, fold, scales)
     rig = _turn_skins(rig, turn)
     rig = _turn_clips(rig, turn, above, fold, scales)
@@ -165,7 +165,8 @@ class Scales:
         rows, owner = np.concatenate([rest, *keys]), np.repeat(nodes, counts)
         unsigned = rows * sign[owner]
         # Of each node's rest and each of its tracks, and then of each node.
-        sizes = np.abs(np.stack([*unsigned.T, *(unsigned - unsigned[:, [1, 2, 0]]).T]))
+        x, y, z = unsigned.T
+        sizes = np.abs(np.stack([x, y, z, x - y, y - z, z - x]))
         most = np.zeros((6, len(rig)))
         np.maximum.at(most.T, nodes, np.maximum.reduceat(sizes, np.cumsum(counts) - counts, axis=1).T)
         largest = most[:3].max(axis=0)
@@ -214,17 +215,32 @@ class Scales:
         off = sum(products[:, k] * rows[:, k, np.newaxis] for k in range(3))
         return bool((np.abs(off) <= limit).all())
 
-    def fold(self, where: Booleans) -> Floats:
-        """Half turns (n, 4) that a uniform scale of mixed signs stands for: S = ±|S|·half turn."""
-        parity = self.sign.prod(axis=1, keepdims=True)
-        half = np.concatenate([(self.sign * parity > 0).astype(float), np.zeros((len(parity), 1))], 1)
-        mixed = where & (self.sign != self.sign[:, :1]).any(axis=1) & ~self.uneven
-        return np.where(mixed[:, np.newaxis], half, IDENTITY)
+    @cached_property
+    def mixed(self) -> Booleans:
+        """Which nodes, (n,), have a scale at rest that mirrors some of their axes and not all."""
+        return np.asarray((self.sign != self.sign[:, :1]).any(axis=1))
+
+    def fold(self, turn: Floats) -> Floats:
+        """Half turns (n, 4) that a uniform scale of mixed signs stands for: S = ±|S|·half turn.
+
+        Only of nodes whose turn, (n, 4), does not map axes to axes.
+        """
+        half, nodes = (
+            np.tile(IDENTITY, (len(turn), 1)),
+            np.flatnonzero(self.mixed & ~self.uneven & turned(turn)),
+        )
+        if len(nodes):
+            nodes = nodes[~_permutes(to_axes(turn[nodes]))]
+            sign = self.sign[nodes]
+            half[nodes, :3], half[nodes, 3] = sign * sign.prod(axis=1, keepdims=True) > 0, 0.0
+        return half
 
 
 def _signs(rig: Rig) -> Floats:
     """The signs of each node's scale at rest, (n, 3), ±1; three alike where only a matrix tells."""
     sign = np.where(rig.scale < 0, -1.0, 1.0)
+    if not rig.has_matrix.any():
+        return sign
     mirrored = np.where(determinant(rig.matrix) < 0, -1.0, 1.0)[:, np.newaxis]
     unsaid = rig.has_matrix[:, np.newaxis] & (sign.prod(axis=1, keepdims=True) != mirrored)
     return np.where(unsaid, mirrored, sign)
@@ -250,6 +266,11 @@ def _permutes(axes: Floats) -> Booleans:
     return np.asarray((np.abs(axes - np.rint(axes)) < SAME_AXIS).all(axis=(-1, -2)))
 
 
+def _rescaled(turn: Floats, fold: Floats, scales: Scales) -> Booleans:
+    """Which nodes, (n,), may have other scales after their turns; the others keep theirs to the bit."""
+    return np.asarray(turned(turn) & (scales.uneven | scales.mixed) | turned(fold))
+
+
 def _turned_scale(scale: Floats, node: Integers | int, turn: Floats, fold: Floats, scales: Scales) -> Floats:
     """Scales, (..., 3), of nodes after their turns: permuted, unsigned, or untouched to the bit."""
     squares = to_axes(turn[node]) ** 2
@@ -257,10 +278,7 @@ def _turned_scale(scale: Floats, node: Integers | int, turn: Floats, fold: Float
     folded = turned(fold[node])[..., np.newaxis]
     parity = scales.sign[node].prod(axis=-1, keepdims=True)
     unsigned = scale * scales.sign[node] * parity
-    moves = turned(turn[node])[..., np.newaxis] & (
-        scales.uneven[node][..., np.newaxis]
-        | (scales.sign[node] != scales.sign[node][..., :1]).any(-1, keepdims=True)
-    )
+    moves = turned(turn[node])[..., np.newaxis] & (scales.uneven[node] | scales.mixed[node])[..., np.newaxis]
     return np.where(folded, unsigned, np.where(moves, mixed, scale))
 
 
@@ -268,13 +286,18 @@ def _turn_rest(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: Scal
     own, parents = turned(turn)[:, np.newaxis], turned(above)[:, np.newaxis]
     translation = np.where(parents, rotate(conjugate(above), rig.translation), rig.translation)
     rotation = np.where(own | parents, _sandwich(above, rig.rotation, fold, turn), rig.rotation)
-    moved = turn_after(turn_before(turn, rig.matrix), conjugate(above))
+    scale, rescaled = rig.scale.copy(), np.flatnonzero(_rescaled(turn, fold, scales))
+    if len(rescaled):
+        scale[rescaled] = _turned_scale(scale[rescaled], rescaled, turn, fold, scales)
+    matrix, held = rig.matrix.copy(), np.flatnonzero(rig.has_matrix & (own | parents)[:, 0])
+    if len(held):
+        matrix[held] = turn_after(turn_before(turn[held], matrix[held]), conjugate(above[held]))
     return replace(
         rig,
         translation=translation,
         rotation=rotation,
-        scale=_turned_scale(rig.scale, np.arange(len(rig)), turn, fold, scales),
-        matrix=np.where((own | parents)[:, :, np.newaxis], moved, rig.matrix),
+        scale=scale,
+        matrix=matrix,
     )
 
 
@@ -301,7 +324,8 @@ def _turn_clips(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: Sca
     own, parents = turned(turn), turned(above)
     tracks = [track for clip in rig.clips for track in clip.tracks]
     changed: dict[int, Track] = {}
-    for path, moves in (("translation", parents), ("rotation", own | parents), ("scale", own)):
+    rescaled = _rescaled(turn, fold, scales)
+    for path, moves in (("translation", parents), ("rotation", own | parents), ("scale", rescaled)):
         mine = [k for k, t in enumerate(tracks) if t.path == path and moves[t.node]]
         if not mine:
             continue

@@ -80,8 +80,11 @@ def _check_sheared(rig: Rig, moves: Booleans) -> None:
 
     The rest of its values would come from a matrix that translation, rotation and scale cannot say.
     """
-    sheared = rig.has_matrix & moves & (skew(rig.matrix) > SKEW)
-    for clip in rig.clips if sheared.any() else ():
+    sheared = rig.has_matrix & moves
+    if not sheared.any():
+        return
+    sheared[sheared] = skew(rig.matrix[sheared]) > SKEW
+    for clip in rig.clips:
         driven: dict[int, set[str]] = {}
         for track in clip.tracks:
             if sheared[track.node] and track.path != "weights":
