@@ -10,8 +10,6 @@ matrix", J. Guidance and Control 1 (1978).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -120,40 +118,18 @@ def from_axes(axes: ArrayLike) -> Floats:
     """
     m = np.asarray(axes, dtype=np.float64)
     xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
-    yz, zx, xy = (
-        m[..., 1, 2] - m[..., 2, 1],
-        m[..., 2, 0] - m[..., 0, 2],
-        m[..., 0, 1] - m[..., 1, 0],
-    )
-    ys, zs, xs = (
-        m[..., 1, 2] + m[..., 2, 1],
-        m[..., 2, 0] + m[..., 0, 2],
-        m[..., 0, 1] + m[..., 1, 0],
-    )
-    squares = (1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz, 1 + xx + yy + zz)
-    candidates = (
-        (squares[0], xs, zs, yz),
-        (xs, squares[1], ys, zx),
-        (zs, ys, squares[2], xy),
-        (yz, zx, xy, squares[3]),
-    )
-    best = _largest(squares)
+    # Each row is the turn times four of one of its components: (4, 4, ...).
+    rows = np.empty((4, 4, *m.shape[:-2]))
+    rows[0, 0], rows[1, 1] = 1 + xx - yy - zz, 1 - xx + yy - zz
+    rows[2, 2], rows[3, 3] = 1 - xx - yy + zz, 1 + xx + yy + zz
+    for one, next_, other in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        rows[one, next_] = rows[next_, one] = m[..., one, next_] + m[..., next_, one]
+        rows[other, 3] = rows[3, other] = m[..., one, next_] - m[..., next_, one]
+    best = np.argmax(rows[range(4), range(4)], axis=0)  # the first of equals, NaN before all
     q = by_component((*m.shape[:-2], 4))
-    for k in range(4):
-        q[..., k] = candidates[3][k]
-        for row in (0, 1, 2):
-            np.copyto(q[..., k], candidates[row][k], where=best == row)
+    q[...] = np.moveaxis(np.take_along_axis(rows, best[np.newaxis, np.newaxis], axis=0)[0], 0, -1)
     q = unit(q)
     return np.where(q[..., 3:] < 0, -q, q)
-
-
-def _largest(numbers: Sequence[Floats]) -> NDArray[np.int8]:
-    """Which of some arrays, (...) each, has the largest number: the first of equals, NaN before all."""
-    most, best = numbers[0], np.zeros(np.shape(numbers[0]), dtype=np.int8)
-    for k, each in enumerate(numbers[1:], start=1):
-        larger = ((each > most) | np.isnan(each)) & ~np.isnan(most)
-        most, best = np.where(larger, each, most), np.where(larger, np.int8(k), best)
-    return best
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
