@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from rigtri.records import Mesh
+from rigtri.records import Mesh, runs
 from rigtri.trigonometry import Floats
 
 # Which of low and high each corner takes, along each axis.
@@ -25,10 +25,12 @@ def boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
         joints, points = joints[live], points[live]
     if not len(joints):
         return low, high
-    starts = np.flatnonzero(np.diff(joints, prepend=-1))
+    starts = runs(joints)
     for axis in range(3):
-        low[joints[starts], axis] = np.minimum.reduceat(near[:, axis][points], starts)
-        high[joints[starts], axis] = np.maximum.reduceat(far[:, axis][points], starts)
+        lows = near[:, axis][points]
+        highs = lows if far is near else far[:, axis][points]
+        low[joints[starts], axis] = np.minimum.reduceat(lows, starts)
+        high[joints[starts], axis] = np.maximum.reduceat(highs, starts)
     return low, high
 
 

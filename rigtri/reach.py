@@ -15,7 +15,7 @@ from rigtri.boxes import boxes, corners
 from rigtri.errors import FileError
 from rigtri.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.pose import Motion, between_keys, key_times, rest, worlds
-from rigtri.records import Integers, Mesh, Skin, Track, key_values
+from rigtri.records import Integers, Mesh, Skin, Track, key_values, runs
 from rigtri.rig import Rig
 from rigtri.size import fits, size_at_least, size_of
 from rigtri.trigonometry import Floats
@@ -110,7 +110,8 @@ class Reach:
     def _own(self, size: float, own: Floats) -> Floats:
         """How far each node's own things reach at rest, (n,), in file units; frames as far as ``size``."""
         framed = frames_shown(self._rig, self._meshes)
-        own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * size)
+        if framed:
+            own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * size)
         return own
 
 
@@ -237,7 +238,7 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
             longest = _longest([seen[k].T for k in range(3)])
             far += np.where(np.isfinite(longest), longest, 0.0)[joints] * morphed[rows]
     if len(joints):
-        starts = np.flatnonzero(np.diff(joints, prepend=-1))
+        starts = runs(joints)
         np.maximum.at(reach, skin.joints[joints[starts]], np.maximum.reduceat(far, starts))
     if mesh.box is not None:
         _raise_boxes(reach, skin, mesh.bind, boxes(mesh, len(skin.joints)), world)

@@ -176,6 +176,13 @@ class Constraint:
     key: Hashable = None
 
 
+def runs(numbers: Integers) -> Integers:
+    """Where each run of the same number begins in sorted ones, (w,)."""
+    first = np.ones(len(numbers), dtype=bool)
+    np.not_equal(numbers[1:], numbers[:-1], out=first[1:])
+    return np.flatnonzero(first)
+
+
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Points that skins or nodes move; read only to measure, never written.
@@ -208,8 +215,8 @@ class Mesh:
     @cached_property
     def moved(self) -> tuple[Integers, Integers]:
         """Joint and point of each weight that is not 0, (w,) each, joint by joint."""
-        points, columns = np.nonzero(self.weights)
-        joints = self.joints[points, columns]
+        weights = np.flatnonzero(self.weights != 0)
+        joints, points = self.joints.ravel()[weights], weights // max(self.weights.shape[1], 1)
         few = len(joints) and 0 <= int(joints.min()) <= int(joints.max()) < 1 << 16
         # Of so few joints a sort counts, which is far faster.
         order = np.argsort(joints.astype(np.uint16) if few else joints, kind="stable")
