@@ -122,7 +122,8 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
     """
     local = rest(rig)
     rows = [local[:, k, :3] for k in range(3)]
-    high, (square, aside) = _longest(rows), _squares(rows)
+    square, aside = _squares(rows)
+    high = np.sqrt(np.maximum.reduce([a + b for a, b in zip(square, aside, strict=True)]))
     low = np.sqrt(np.maximum(np.minimum.reduce([a - b for a, b in zip(square, aside, strict=True)]), 0.0))
     least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
     moved, scaled = (
