@@ -180,6 +180,9 @@ def test_all_that_is_wrong_with_inputs_is_told_at_once(tree: Path) -> None:
     for said in ("'nope/*.glb'", "'nope2/*'", "@gone:", "@empty names", "without a name", "job.jsonl:2: "):
         assert said in text
     assert "job.jsonl:1: there is no such file to read: gone.glb" in text
+    Path("list").write_text("in/a.glb\n\nnope/*.glb\n")
+    with pytest.raises(UsageError, match=r"^@list:3: 'nope/\*\.glb' matches no file"):
+        entries(["@list"], out_dir=Path("out"))
     with pytest.raises(FileError, match=r"@a: .*; @b: "):
         entries(["@a", "@b"], out_dir=Path("out"))
 

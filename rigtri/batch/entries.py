@@ -28,7 +28,7 @@ MOST = 10
 class Entry:
     """One file of a batch: what is read, what is written, and the variables that hold for it alone.
 
-    found: by a pattern, and not named. line: of the job file that names it.
+    found: by a pattern, and not named. line: of the job file or list that names it.
     """
 
     source: str
@@ -98,12 +98,12 @@ def _real_folder(folder: str) -> str:
 
 
 @contextmanager
-def _kept(faults: list[RigtriError]) -> Iterator[None]:
-    """Meanwhile an error goes to the faults."""
+def _kept(faults: list[RigtriError], line: str = "") -> Iterator[None]:
+    """Meanwhile an error goes to the faults, with the line of a list that it is of."""
     try:
         yield
     except (FileError, UsageError) as error:
-        faults.append(error)
+        faults.append(type(error)(f"{line}: {error}") if line else error)
 
 
 def _refuse(faults: Sequence[RigtriError]) -> None:
@@ -118,15 +118,16 @@ def _refuse(faults: Sequence[RigtriError]) -> None:
 
 def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
     """The inputs that words name; ``faults`` gets what is wrong with words."""
-    plain, found = [], []
+    plain: list[tuple[str, str]] = []
+    found: list[Input] = []
     for word in words:
-        names = [word]
+        lines = {"": word}
         if word.startswith("@") and not os.path.exists(word):
-            names = []
+            lines = {}
             with _kept(faults):
-                names = _listed(word[1:])
-        for name in names:
-            with _kept(faults):
+                lines = _listed(word[1:])
+        for line, name in lines.items():
+            with _kept(faults, line):
                 if not name:
                     raise UsageError("an input without a name; was a variable of the shell empty?")
                 if urls.is_url(name):
@@ -135,13 +136,13 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
                 if start and not (urls.is_web(name) or _exists(name)):
                     fixed = os.path.dirname(name[: start.start()])
                     every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
-                    found += [Input(path, fixed, found=True) for path in every]
+                    found += [Input(path, fixed, found=True, line=line) for path in every]
                 else:
-                    plain.append(name)
+                    plain.append((name, line))
     base = ""
     with _kept(faults):
-        base = _shared(plain)
-    return [*(Input(name, base) for name in plain), *found]
+        base = _shared([name for name, _ in plain])
+    return [*(Input(name, base, line=line) for name, line in plain), *found]
 
 
 def _of_job(path: Path, faults: list[RigtriError], fits: Fits | None) -> list[Input]:
@@ -151,8 +152,8 @@ def _of_job(path: Path, faults: list[RigtriError], fits: Fits | None) -> list[In
     return [replace(item, base=shared) for item in found]
 
 
-def _listed(name: str) -> list[str]:
-    """The lines of a list of files."""
+def _listed(name: str) -> dict[str, str]:
+    """The lines of a list of files, by where they stand."""
     if not name:
         raise UsageError("@ names no list: give @LIST, or @- for standard input")
     try:
@@ -161,10 +162,10 @@ def _listed(name: str) -> list[str]:
         raise FileError(f"@{name} is no UTF-8 text: {error}") from error
     except FileError as error:
         raise FileError(f"@{name}: {error}") from error
-    names = [line for line in text.splitlines() if line.strip()]
-    if not names:
+    lines = {f"@{name}:{k}": line for k, line in enumerate(text.splitlines(), 1) if line.strip()}
+    if not lines:
         raise UsageError(f"@{name} names no files")
-    return names
+    return lines
 
 
 def _expanded(pattern: str) -> list[str]:

@@ -25,7 +25,7 @@ Fits = Callable[[Variables], object]
 class Input:
     """A file that was named. base: the folder whose tree is kept. output: where a job file says so.
 
-    found: by a pattern, and not named. line: of the job file that names it.
+    found: by a pattern, and not named. line: of the job file or list that names it, and its number.
     """
 
     source: str
@@ -34,11 +34,7 @@ class Input:
     variables: Variables = ()
     found: bool = False
     line: str = ""
-
-    @property
-    def number(self) -> int:
-        """Of the line."""
-        return int(self.line.rpartition(":")[2])
+    number: int = 0
 
 
 def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> list[Input]:
@@ -52,7 +48,8 @@ def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> l
     for number, line in enumerate(lines, 1):
         if line.strip():
             try:
-                found.append(replace(_input(_values(line), path.parent), line=f"{path}:{number}"))
+                one = _input(_values(line), path.parent)
+                found.append(replace(one, line=f"{path}:{number}", number=number))
             except (ValueError, RecursionError) as error:
                 wrong.append((number, UsageError(f"{path}:{number}: {error}")))
     if fits is not None:
