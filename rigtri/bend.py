@@ -15,11 +15,12 @@ import numpy as np
 from rigtri.limbs import Limb
 from rigtri.matrices import inverse, transform_directions
 from rigtri.pose import key_times, locals_at, worlds
+from rigtri.recognition.vector import Vector
 from rigtri.records import Clip
 from rigtri.rig import Rig
-from rigtri.triangle import bend_angle, bend_direction, bend_sine, hinge
+from rigtri.triangle import DEGENERATE_SINE, bend_angle, bend_sine, hinge
 from rigtri.trigonometry import Floats, sin_cos
-from rigtri.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.vectors import cross, dot, length, normalise, perpendicular, unit_of
 
 # A key counts as evidence of the hinge from this bend on (radians): 5 degrees.
 BENT = 0.08726646259971647
@@ -92,12 +93,30 @@ def bend(
 
 def in_pose(limbs: Sequence[Limb], world: Floats) -> list[Bend]:
     """What a pose, (n, 4, 4), says of each limb, however little: a `sine` near 0 says nothing."""
-    points = world[[limb.triple for limb in limbs], 3, :3].reshape(-1, 3, 3)
-    start, middle, end = points[:, 0], points[:, 1], points[:, 2]
-    sides, normals = bend_direction(start, middle, end), hinge(start, middle, end)
-    sines = bend_sine(start, middle, end).tolist()
-    told = zip(sides, normals, sines, strict=True)
-    return [Bend(side, normal, "pose", sine) for side, normal, sine in told]
+    return [_posed(*(Vector(*world[node, 3, :3].tolist()) for node in limb.triple)) for limb in limbs]
+
+
+def _posed(a: Vector, b: Vector, c: Vector) -> Bend:
+    """To the bit as `bend_direction`, `hinge` and `bend_sine`: limbs are few, so plain numbers are faster."""
+    area, sine = area_and_sine(a, b, c)
+    if sine < DEGENERATE_SINE:
+        return Bend(direction_of(Vector()), direction_of(Vector()), "pose", sine)
+    chord = c - a
+    square = chord.dot(chord)
+    off = b - (a + chord * ((b - a).dot(chord) / square)) if square else Vector()
+    far = off.length > DEGENERATE_SINE * ((b - a).length + (c - b).length)
+    return Bend(direction_of(off if far else Vector()), direction_of(area), "pose", sine)
+
+
+def area_and_sine(a: Vector, b: Vector, c: Vector) -> tuple[Vector, float]:
+    """AB × BC of one limb, and the sine of its bend, 0 where it is straight or points coincide."""
+    upper, lower = b - a, c - b
+    return upper.cross(lower), upper.unit.cross(lower.unit).length
+
+
+def direction_of(v: Vector) -> Floats:
+    """As `normalise`, to the bit, of one vector: (3,), NaN where it has no length."""
+    return np.array(unit_of([*v]) or [np.nan] * 3)
 
 
 def _own(rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None) -> Bend | None:

@@ -10,7 +10,7 @@ from typing import Literal
 
 from rigtri.errors import UsageError
 from rigtri.naming import Side, side
-from rigtri.recognition.engine import chains_of
+from rigtri.recognition.engine import sure_limbs
 from rigtri.recognition.layout import MAP, NAMES, Chain
 from rigtri.recognition.schemes import limb_said
 from rigtri.rig import Rig
@@ -72,11 +72,14 @@ def along(rig: Rig, start: int, end: int) -> list[int]:
 def recognise(rig: Rig) -> list[Limb]:
     """The arms and legs of a rig that are sure enough to be acted upon, arms first, left before right."""
     found = [
-        Limb(*chain.bend, kind=chain.kind, side=chain.side, evidence=_source(chain))
-        for chain in chains_of(rig)
-        if chain.kind in ("arm", "leg")
-        and len(chain.bend) == 3
-        and chain.is_sure
+        Limb(
+            *chain.bend,
+            kind="arm" if chain.kind == "arm" else "leg",
+            side=chain.side,
+            evidence=_source(chain),
+        )
+        for chain in sure_limbs(rig)
+        if len(chain.bend) == 3
         # Where all joints hang at one, there is no chain to work on.
         and rig.is_below(chain.bend[1], chain.bend[0])
     ]

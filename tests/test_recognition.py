@@ -36,7 +36,7 @@ from rigtri.formats import read
 from rigtri.limbs import recognise as limbs
 from rigtri.matrices import compose, multiply
 from rigtri.quaternions import from_axis_angle
-from rigtri.recognition.engine import chains_of, recognise
+from rigtri.recognition.engine import recognise, sure_limbs
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.schemes import own_scheme, said, schemes
 from rigtri.records import Skin
@@ -470,8 +470,8 @@ def test_a_name_is_read_whatever_stands_between_its_words() -> None:
 
 def test_a_rig_is_looked_at_once_and_what_is_known_goes_with_it() -> None:
     rig = rig_with(MAN)
-    assert chains_of(rig) is chains_of(rig)
-    assert chains_of(rig) == tuple(recognise(rig).chains)
+    assert sure_limbs(rig) is sure_limbs(rig)
+    assert len(sure_limbs(rig)) == 4
     gone = ref(rig)
     del rig
     assert gone() is None

@@ -15,7 +15,7 @@ from recognition.table import Result, results
 from recognition.truth import files, nameless, truth_of
 
 from rigtri import read
-from rigtri.recognition.engine import recognise
+from rigtri.recognition.engine import recognise, sure_limbs
 from rigtri.recognition.layout import Chain, Layout
 
 
@@ -57,6 +57,13 @@ def test_limbs_of_every_naming_scheme_are_right(tmp_path: Path) -> None:
 
 def test_limbs_of_bodies_that_nobody_has_looked_at_are_right(tmp_path: Path) -> None:
     check(varied_bodies(tmp_path, 25), named=0.95, unnamed=0.85)
+
+
+def test_limbs_asked_for_alone_are_those_of_the_whole_layout(tmp_path: Path) -> None:
+    for one in (*files_here(), *made(tmp_path)):
+        for rig in (one.rig, nameless(one.rig)):
+            chains = [chain for chain in recognise(rig).chains if chain.kind in ("arm", "leg")]
+            assert sure_limbs(rig) == tuple(chain for chain in chains if chain.is_sure), one.name
 
 
 def biped() -> Case:

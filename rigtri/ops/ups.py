@@ -19,17 +19,18 @@ from math import sqrt
 
 import numpy as np
 
-from rigtri.bend import Bend, bend, in_pose
+from rigtri.bend import Bend, area_and_sine, bend, direction_of, in_pose
 from rigtri.errors import UsageError
 from rigtri.limbs import Limb
 from rigtri.naming import twin
 from rigtri.ops.aims import Aim, chain_child, limb_path
 from rigtri.quaternions import between, rotate
+from rigtri.recognition.vector import Vector
 from rigtri.report import Report
 from rigtri.skeleton import ZERO_LENGTH, Reference, Skeleton
-from rigtri.triangle import STRAIGHT_SINE, axis_of, bend_sine
+from rigtri.triangle import STRAIGHT_SINE, axis_of
 from rigtri.trigonometry import Floats, arc_tangent
-from rigtri.vectors import cross, dot, length, normalise, unit_of
+from rigtri.vectors import normalise, unit_of
 
 _STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}
 
@@ -139,41 +140,39 @@ class Hinges:
         nodes = self._points(chain)
         if len(nodes) < 3:
             return
-        points = self.ref.world[nodes, 3, :3]
-        bones = points[1:] - points[:-1]
-        areas = cross(bones[:-1], bones[1:])
-        ways = normalise(bones)
-        sines = length(cross(ways[:-1], ways[1:]))
-        sines = np.where(np.isnan(sines), 0.0, sines)  # as `bend_sine`
-        clear = sines >= STRAIGHT_SINE
-        name = f"{self.tree.rig.title(nodes[0])} … {self.tree.rig.title(nodes[-1])}"
-        if not clear.any():
+        points = [self._place(node) for node in nodes]
+        bends = [area_and_sine(*triple) for triple in zip(points, points[1:], points[2:], strict=False)]
+        areas, sines = [area for area, _ in bends], [sine for _, sine in bends]
+        if max(sines) < STRAIGHT_SINE:
             found = self._moving(nodes)
+            name = f"{self.tree.rig.title(nodes[0])} … {self.tree.rig.title(nodes[-1])}"
             for joint in chain:
-                self.straight[joint] = (name, float(sines.max()))
+                self.straight[joint] = (name, max(sines))
                 if found is not None:
                     self.found[joint] = found
             return
         if self.per_joint:
             self._per_joint(nodes, areas, sines)
             return
-        normal, sine = _area_weighted(areas, sines)
+        normal = _area_weighted(areas)
         for joint in chain:
-            self.found[joint] = Up(normal, 2, "plane of the chain", sine)
+            self.found[joint] = Up(normal, 2, "plane of the chain", max(sines))
 
-    def _per_joint(self, nodes: list[int], areas: Floats, sines: Floats) -> None:
+    def _place(self, node: int) -> Vector:
+        return Vector(*self.ref.places[node])
+
+    def _per_joint(self, nodes: list[int], areas: Sequence[Vector], sines: Sequence[float]) -> None:
         """Each inner joint its own plane; the first and last take their neighbour's."""
         for place, joint in enumerate(nodes):
             k = min(max(place - 1, 0), len(areas) - 1)
             if joint in self.aims and sines[k] >= STRAIGHT_SINE:
-                normal = normalise(areas[k])
-                self.found[joint] = Up(normal, 2, "plane of the joint", float(sines[k]))
+                self.found[joint] = Up(direction_of(areas[k]), 2, "plane of the joint", sines[k])
 
     def _moving(self, nodes: list[int]) -> Up | None:
         """The hinge of a straight chain as its clips show it, at the first joint that they bend."""
         apart = [nodes[0]]
         for node in nodes[1:]:
-            if length(self.ref.position(node) - self.ref.position(apart[-1])) > ZERO_LENGTH * self.ref.extent:
+            if (self._place(node) - self._place(apart[-1])).length > ZERO_LENGTH * self.ref.extent:
                 apart.append(node)
         for triple in zip(apart, apart[1:], apart[2:], strict=False):
             limb = Limb(*triple)
@@ -238,11 +237,9 @@ class Hinges:
         for triple in ((self.tree.above[joint], joint, aim.node), (joint, aim.node, after)):
             if None in triple or -1 in triple:
                 continue
-            points = self.ref.world[[int(k) for k in triple if k is not None], 3, :3]
-            sine = float(bend_sine(*points))
+            area, sine = area_and_sine(*(self._place(k) for k in triple if k is not None))
             if sine >= STRAIGHT_SINE:
-                normal = normalise(cross(points[1] - points[0], points[2] - points[1]))
-                return Up(normal, 6, "adjoining plane", sine)
+                return Up(direction_of(area), 6, "adjoining plane", sine)
         return None
 
 
@@ -321,17 +318,19 @@ def _up(found: Bend) -> Up:
     return Up(found.hinge, _STEP[found.source], names.get(found.source, found.source), found.sine)
 
 
-def _area_weighted(areas: Floats, sines: Floats) -> tuple[Floats, float]:
-    """The common normal of a chain: areas summed, each on the side of the largest.
+def _area_weighted(areas: Sequence[Vector]) -> Floats:
+    """The common normal of a chain, unit, (3,): areas summed, each on the side of the largest.
 
     Of areas that differ by less than a tenth the first counts as the largest, so that
     rounding does not choose between them.
     """
-    size = length(areas)
-    largest = areas[int(np.argmax(size >= 0.9 * size.max()))]
-    flip = np.where(dot(areas, largest) < 0, -1.0, 1.0)[:, np.newaxis]
-    total = (areas * flip).cumsum(axis=0)[-1]
-    return normalise(total), float(sines.max())
+    sizes = [area.length for area in areas]
+    least = 0.9 * max(sizes)
+    largest = next((area for area, size in zip(areas, sizes, strict=True) if size >= least), areas[0])
+    total, *others = (-area if area.dot(largest) < 0 else area for area in areas)
+    for area in others:
+        total = total + area
+    return direction_of(total)
 
 
 def degrees(sine: float) -> float:

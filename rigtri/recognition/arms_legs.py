@@ -167,17 +167,7 @@ def _stand_by_names(draft: Draft, named: list[Found]) -> None:
 
 def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[Found]:
     """Limbs of the shape with the sides they stand on, where that can be told."""
-    plane = draft.shape.plane
-    assert plane is not None
-    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses)
-    if not named or not any(draft.facing) or not any(draft.left):
-        draft.stand(body.up, ahead)
-    elif sure > 0.6 and draft.facing.dot(ahead) < -0.5:
-        draft.remarks.append(
-            "what its names call left is on the right of where it faces "
-            f"({', '.join(why)}); the names are taken"
-        )
-        draft.facing = -draft.facing
+    sure, why = _faces(draft, body, named)
     told = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
     return [
         Found(
@@ -191,6 +181,25 @@ def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[F
         )
         for each in shaped
     ]
+
+
+def _faces(draft: Draft, body: Body, named: bool) -> tuple[float, tuple[str, ...]]:
+    """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
+    by_names = named and any(draft.facing) and any(draft.left)
+    if by_names and draft.limbs_alone and body.form == "biped":
+        return 1.0, ()  # of limbs only front and hind legs are told apart by it
+    plane = draft.shape.plane
+    assert plane is not None
+    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses)
+    if not by_names:
+        draft.stand(body.up, ahead)
+    elif sure > 0.6 and draft.facing.dot(ahead) < -0.5:
+        draft.remarks.append(
+            "what its names call left is on the right of where it faces "
+            f"({', '.join(why)}); the names are taken"
+        )
+        draft.facing = -draft.facing
+    return sure, why
 
 
 def _side(draft: Draft, each: Found) -> Side:

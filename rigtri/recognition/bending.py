@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import fsum, sqrt
 
 import numpy as np
@@ -42,12 +42,14 @@ class Bend:
 def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
     """Where a limb ends in fingers or toes: place in the path and how many; (last, 0) for none."""
     gone = 0.0
-    for at, node in enumerate(path):
-        gone += tree.bone[node] if at else 0.0
+    for at, node in enumerate(path[1:], 1):
+        gone += tree.bone[node]
+        if not gone > 0.0 or len(tree.below[node]) < 2:
+            continue
         below = [tree.bone[k] + tree.reach[k] for k in _ways_on(tree, node)]
         longest = max(below, default=0.0)
         alike = len([k for k in below if k > 0.35 * longest])
-        if at and gone > 0.0 and alike >= 2 and longest < 0.75 * gone:
+        if alike >= 2 and longest < 0.75 * gone:
             jointed = len([k for k in tree.below[node] if tree.below[k] and tree.bone[k] + tree.reach[k] > 0])
             return at, max(alike, jointed)
     return len(path) - 1, 0
@@ -56,8 +58,6 @@ def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
 def _ways_on(tree: Tree, node: int) -> list[int]:
     """The joints below one, without those that only stand along a bone to another: twist joints."""
     below = tree.below[node]
-    if len(below) < 2:
-        return list(below)
     along = {k: (tree.at[k] - tree.at[node]).unit for k in below}
     return [
         one
@@ -69,16 +69,32 @@ def _ways_on(tree: Tree, node: int) -> list[int]:
     ]
 
 
-def bend_of(tree: Tree, path: Sequence[int], poses: Poses) -> Bend | None:
-    """Where a path bends like an arm or leg; None for one of fewer than three joints."""
+def sharpest_of(tree: Tree, poses: Poses) -> list[float]:
+    """The cosine of the bend at the joint above each node, (n,), where clips bend it most; [] without any.
+
+    1 where either bone has no length; of no meaning for what has less than two nodes above it.
+    """
+    if not len(poses.moving):
+        return []
+    above = np.array(tree.above, dtype=np.int64)
+    along = normalise(poses.moving - poses.moving[:, above])
+    sharpest: list[float] = finite(dot(along, along[:, above]), 1.0).min(axis=0).tolist()
+    return sharpest
+
+
+def bend_of(tree: Tree, path: Sequence[int], sharpest: Sequence[float]) -> Bend | None:
+    """Where a path bends like an arm or leg; None for one of fewer than three joints.
+
+    sharpest: as `sharpest_of`. It counts for paths of more than three joints, which follow the tree.
+    """
     stop, _ = branches(tree, path)
     path = list(path[: min(stop + 1, _MOST)])
     if len(path) < 3:
         return None
-    moves = len(path) > 3 and len(poses.moving) > 0
-    moments = [tree.places[np.newaxis, path], *([poses.moving[:, path]] if moves else [])]
-    cosines = _cosines(np.concatenate(moments, axis=0))
-    now, ever = cosines[0].tolist(), cosines.min(axis=0).tolist()
+    moves = len(path) > 3 and len(sharpest) > 0
+    now = _cosines(tree, path)
+    least = (min(now[k], sharpest[after]) for k, after in enumerate(path[2:], 1))
+    ever = [1.0, *least, 1.0] if moves else now
     bones = [tree.bone[node] for node in path]
     found = sorted(
         ((_quality(bones, at, now, ever, moves), at) for at in combinations(range(len(path)), 3)),
@@ -91,12 +107,11 @@ def bend_of(tree: Tree, path: Sequence[int], poses: Poses) -> Bend | None:
     return Bend(at, quality, quality - (others[0][0] if others else 0.0), size)
 
 
-def _cosines(places: Floats) -> Floats:
-    """The cosine of the bend at each joint of a path in poses, (f, k, 3) → (f, k); 1 at both ends."""
-    along = normalise(places[:, 1:] - places[:, :-1])
-    cosines = np.ones(places.shape[:2])
-    cosines[:, 1:-1] = finite(dot(along[:, 1:], along[:, :-1]), 1.0)
-    return cosines
+def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
+    """The cosine of the bend at each joint of a path; 1 at both ends, and beside a bone without length."""
+    along = [(tree.at[b] - tree.at[a]).unit for a, b in pairwise(path)]
+    inner = [a.dot(b) if any(a) and any(b) else 1.0 for a, b in pairwise(along)]
+    return [1.0, *inner, 1.0]
 
 
 def _quality(

@@ -6,12 +6,12 @@ have in common: legs carry and are longest, arms begin higher in the tree, a hea
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import fsum
 from typing import Literal
 
-from rigtri.recognition.bending import Bend, bend_of, branches
+from rigtri.recognition.bending import Bend, bend_of, branches, sharpest_of
 from rigtri.recognition.loose import loose_ends
 from rigtri.recognition.poses import Poses
 from rigtri.recognition.symmetry import Pair, Plane, between
@@ -24,6 +24,8 @@ _TRIED = 10
 _OTHER_UP = 0.8
 # The line between two limbs of a pair lies across the plane: the cosine, which allows for a turned chest.
 _SQUARE = 0.8
+# No pair without another scores so much.
+_ALONE = 0.76
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
@@ -65,12 +67,13 @@ class Body:
 
 def limbs_of(tree: Tree, pairs: Sequence[Pair], poses: Poses) -> list[Limbs]:
     """The pairs as limbs, with where each bends."""
-    found = []
-    for pair in pairs[: 3 * _TRIED]:
-        bend = bend_of(tree, pair.paths[0], poses)
+    tried, found = pairs[: 3 * _TRIED], []
+    sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
+    for pair in tried:
+        bend = bend_of(tree, pair.paths[0], sharpest)
         if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
             pair = loose_ends(tree, pair, poses)
-            bend = bend_of(tree, pair.paths[0], poses) if len(pair.paths[0]) > 2 else None
+            bend = bend_of(tree, pair.paths[0], sharpest) if len(pair.paths[0]) > 2 else None
         if bend is not None or len(pair.paths[0]) > 1:
             found.append(_limbs(tree, pair, bend))
     return found
@@ -112,11 +115,14 @@ def _middle_of(tree: Tree, node: int) -> int:
 
 
 def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body]:
-    """All ways to take pairs for legs and arms, the likeliest first."""
+    """The ways to take pairs for legs and arms, the likeliest first; one alone where it may be that."""
     if plane is None:
         return []
     even = [pair for pair in limbs if _across(tree, pair, plane)][:_TRIED]
-    ways = [way for legs in even for way in _ways(tree, legs, even)]
+    both = [_with_arms(tree, legs, even) for legs in even]
+    clear = any(way.score > _ALONE for ways in both for way in ways)
+    alone = [() if clear else _alone(tree, legs, even) for legs in even]
+    ways = [way for each in zip(alone, both, strict=True) for ways in each for way in ways]
     ways.sort(key=lambda body: -body.score)
     if not ways:
         return []
@@ -134,14 +140,23 @@ def _across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
     return widest > 3.0 * abs(plane.side_of(middle))
 
 
-def _ways(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> Iterator[Body]:
-    longest = max([k.size for k in others if k.quality > 0.3], default=legs.size)
-    longest = max(longest, legs.size, 1e-30)
-    yield _legs_alone(tree, legs, longest)
-    yield _arms_alone(tree, legs, longest)
-    for arms in others:
-        if arms is not legs and _apart(tree, legs, arms):
-            yield _both(tree, legs, arms, others, longest)
+def _longest(limbs: Limbs, others: Sequence[Limbs]) -> float:
+    """The size of the largest of all that are like limbs, or of these."""
+    longest = max([k.size for k in others if k.quality > 0.3], default=limbs.size)
+    return max(longest, limbs.size, 1e-30)
+
+
+def _with_arms(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> list[Body]:
+    """A pair as legs, with each other that is apart from it as arms."""
+    longest = _longest(legs, others)
+    arms = [k for k in others if k is not legs and _apart(tree, legs, k)]
+    return [_both(tree, legs, k, others, longest) for k in arms]
+
+
+def _alone(tree: Tree, limbs: Limbs, others: Sequence[Limbs]) -> tuple[Body, Body]:
+    """A pair as legs without arms, and as arms without legs."""
+    longest = _longest(limbs, others)
+    return _legs_alone(tree, limbs, longest), _arms_alone(tree, limbs, longest)
 
 
 def _ups(tree: Tree, *others: Vector) -> list[tuple[Vector, float]]:

@@ -19,9 +19,10 @@ class Draft:
     """What is known of a character so far.
 
     reading: what names say, None where nothing. certain: bones of a humanoid map, bones: those found so
-    far, both by their names. controls: joints that are known to be none of the body. up, facing, left:
-    unit directions of the world, zero where unknown. hips, chest: where legs and arms hang, −1 where
-    unknown. four: whether it stands on four legs. remarks: sentences for users.
+    far, both by their names. controls: joints that are known to be none of the body. limbs_alone: nobody
+    asks for more than sure arms and legs. up, facing, left: unit directions of the world, zero where
+    unknown. hips, chest: where legs and arms hang, −1 where unknown. four: whether it stands on four
+    legs. remarks: sentences for users.
     """
 
     shape: Shape
@@ -29,6 +30,7 @@ class Draft:
     reading: Reading | None
     certain: dict[str, int]
     controls: frozenset[int] = frozenset()
+    limbs_alone: bool = False
     up: Vector = field(default_factory=Vector)
     facing: Vector = field(default_factory=Vector)
     left: Vector = field(default_factory=Vector)

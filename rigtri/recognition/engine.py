@@ -11,7 +11,7 @@ from rigtri.recognition.drafts import Draft
 from rigtri.recognition.ends import lay_ends
 from rigtri.recognition.groups import groups_of
 from rigtri.recognition.layout import BENDS, CONFIDENT, UNLIKELY, Chain, Character, Direction, Form, Layout
-from rigtri.recognition.others import lay_hand, lay_others, why_none
+from rigtri.recognition.others import further_legs, lay_hand, lay_others, why_none
 from rigtri.recognition.poses import Poses
 from rigtri.recognition.readings import read_names
 from rigtri.recognition.roles import parts_of
@@ -22,8 +22,8 @@ from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 from rigtri.recognition.vector import Vector
 from rigtri.rig import Rig
 
-# The chains of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
-_chains: WeakKeyDictionary[Rig, tuple[Chain, ...]] = WeakKeyDictionary()
+# The sure limbs of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
+_limbs: WeakKeyDictionary[Rig, tuple[Chain, ...]] = WeakKeyDictionary()
 
 
 def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
@@ -37,34 +37,40 @@ def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
     return Layout(characters, tuple(_remarks(rig, drafts)))
 
 
-def chains_of(rig: Rig) -> tuple[Chain, ...]:
-    """The chains of all characters of a rig, as `recognise` has them, without a look at each joint."""
-    if rig not in _chains:
-        _chains[rig] = tuple(chain for draft in _drafts(rig) for chain in draft.chains)
-    return _chains[rig]
+def sure_limbs(rig: Rig) -> tuple[Chain, ...]:
+    """The sure arms and legs of all characters, as `recognise` has them, without a look at the rest."""
+    if rig not in _limbs:
+        chains = (chain for draft in _drafts(rig, limbs_alone=True) for chain in draft.chains)
+        _limbs[rig] = tuple(chain for chain in chains if chain.kind in BENDS and chain.is_sure)
+    return _limbs[rig]
 
 
-def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
-    """What is known of each character before a look at each joint: the chains alone."""
+def _drafts(rig: Rig, own: Sequence[Scheme] = (), *, limbs_alone: bool = False) -> list[Draft]:
+    """What is known of each character before a look at each joint: the chains alone.
+
+    limbs_alone: nobody asks for more than sure arms and legs; others may be missing.
+    """
     nodes, poses = joints_of(rig), Poses(rig)
     groups = groups_of(Tree(rig, nodes, poses.rest)) if nodes else []
-    return [_draft(rig, group, poses, own) for group in groups]
+    return [_draft(rig, group, poses, own, limbs_alone) for group in groups]
 
 
-def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) -> Draft:
+def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], limbs_alone: bool) -> Draft:
     inside = frozenset(nodes)
     certain = {bone: node for bone, node in rig.humanoid.items() if node in inside}
     deform = [True] * len(nodes) if certain else deforming([rig.names[node] for node in nodes])
     body = [node for node, deforms in zip(nodes, deform, strict=True) if deforms]
     shape = shape_of(body, poses)
     reading = None if certain else read_names(shape.tree, body, schemes(own))
-    draft = Draft(shape, poses, reading, certain, inside.difference(body))
+    draft = Draft(shape, poses, reading, certain, inside.difference(body), limbs_alone)
     found = doubted(draft, find_limbs(draft))
     if not any(each.confidence >= CONFIDENT for each in found) and lay_hand(draft):
         return draft
     if not draft.said_bones and not any(each.confidence >= UNLIKELY for each in found):
         return draft
     _say_limbs(draft, found)
+    if limbs_alone and not further_legs(draft, found):
+        return draft
     lay_trunk(draft, found)
     lay_ends(draft, found)
     lay_others(draft, found)

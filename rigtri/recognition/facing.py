@@ -46,11 +46,12 @@ def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) ->
 def _bends(tree: Tree, body: Body, plane: Plane, poses: Poses) -> Iterator[tuple[float, str]]:
     """As `_votes`, of knees and elbows."""
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
-    if body.legs:
+    bent = _bent(body, plane.normal, moments)
+    if body.legs in bent:
         sure = 0.3 if _goes_on(tree, body.legs) else 1.0
-        yield sure * _bent(body, body.legs, plane.normal, moments), "the knees bend there"
-    if body.arms:
-        yield -0.5 * _bent(body, body.arms, plane.normal, moments), "the elbows bend away from there"
+        yield sure * bent[body.legs], "the knees bend there"
+    if body.arms in bent:
+        yield -0.5 * bent[body.arms], "the elbows bend away from there"
 
 
 def _goes_on(tree: Tree, legs: Limbs) -> bool:
@@ -82,21 +83,33 @@ def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
     return total
 
 
-def _bent(body: Body, limbs: Limbs, lateral: Vector, places: Floats) -> float:
+def _bent(body: Body, lateral: Vector, places: Floats) -> dict[Limbs, float]:
     """How far the middles of limbs stand ahead, at rest and in motion, places (f, n, 3): −1 to 1.
 
-    In each pose ahead is what lies across the line between both limbs and the spine.
+    Of legs and arms those that bend. In each pose ahead is what lies across the line between both
+    limbs and the spine.
     """
-    if len(limbs.at) < 3:
-        return 0.0
-    start, middle, end = (places[:, both] for both in zip(limbs.joints(0), limbs.joints(1), strict=True))
-    across = start[:, 0] - start[:, 1]
-    across = across * (1.0 if Vector(*across[0].tolist()).dot(lateral) >= 0 else -1.0)
-    up = np.array([*body.up])
-    if body.arms is not None:
-        pairs = body.arms, body.legs or limbs
-        high, low = (places[:, k.joints(0)[0]] + places[:, k.joints(1)[0]] for k in pairs)
-        up = normalise(high - low)
-    ahead = normalise(cross(across, up))[:, np.newaxis]
-    along = finite(dot(offset(start, middle, end), ahead)) / max(0.02 * limbs.size, 1e-30)
-    return fsum(np.clip(along, -1.0, 1.0).ravel().tolist()) / along.size
+    pairs = [k for k in (body.legs, body.arms) if k is not None and len(k.at) == 3]
+    if not pairs:
+        return {}
+    points = places[:, [(k.joints(0), k.joints(1)) for k in pairs]]  # pose, pair, limb, joint, 3
+    start, middle, end = (points[..., k, :] for k in range(3))
+    across = start[:, :, 0] - start[:, :, 1]
+    signs = [1.0 if Vector(*each).dot(lateral) >= 0 else -1.0 for each in across[0].tolist()]
+    across = across * np.array(signs)[:, np.newaxis]
+    ahead = normalise(cross(across, _spine(body, places)[:, np.newaxis]))[:, :, np.newaxis]
+    along = finite(dot(offset(start, middle, end), ahead))
+    found = {}
+    for k, limbs in enumerate(pairs):
+        share = np.minimum(np.maximum(along[:, k] / max(0.02 * limbs.size, 1e-30), -1.0), 1.0)
+        found[limbs] = fsum(share.ravel().tolist()) / share.size
+    return found
+
+
+def _spine(body: Body, places: Floats) -> Floats:
+    """From the legs to the arms in each pose, unit, (f, 3); without arms where is up, (1, 3)."""
+    if body.arms is None:
+        return np.array([[*body.up]])
+    ends = body.legs or body.arms, body.arms
+    low, high = (places[:, k.joints(0)[0]] + places[:, k.joints(1)[0]] for k in ends)
+    return normalise(high - low)

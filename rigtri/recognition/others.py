@@ -19,6 +19,13 @@ _SIZE, _QUALITY = 0.35, 0.3
 _HAND = 60
 
 
+def further_legs(draft: Draft, found: Sequence[Found]) -> bool:
+    """Whether `lay_others` may find legs that are sure: these are called so."""
+    taken = {joint for each in found for joint in each.joints}
+    free = [limbs for limbs in draft.shape.limbs if not taken & limbs.pair.nodes]
+    return any(_called_leg(draft, limbs.joints(which)) for limbs in free for which in (0, 1))
+
+
 def lay_others(draft: Draft, found: Sequence[Found]) -> None:
     """Wings and further limbs: pairs that nothing else has taken."""
     body = draft.shape.body
@@ -42,11 +49,15 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
             joints = limbs.joints(which)
             side = said(draft.tree.rig.names[joints[0]]).side or draft.side_of(limbs.pair.paths[which])
             bend = joints if len(joints) == 3 else ()
-            leg = all(said(draft.tree.rig.names[joint]).plain.endswith("leg") for joint in joints)
+            leg = _called_leg(draft, joints)
             kind: Kind = "wing" if wing else "leg" if leg else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing or leg else ("one more pair that bends in the middle",)
             sure = 0.9 if wing or leg else 0.6
             draft.say(kind, kind, side, limbs.pair.paths[which], sure, words, bend)
+
+
+def _called_leg(draft: Draft, joints: Sequence[int]) -> bool:
+    return all(said(draft.tree.rig.names[joint]).plain.endswith("leg") for joint in joints)
 
 
 def _is_worn(names: Sequence[str]) -> bool:

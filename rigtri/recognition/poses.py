@@ -54,7 +54,7 @@ class Poses:
             for track in clip.tracks:
                 if track.path == "rotation" and len(track.times):
                     keys = [int(part * len(track.times)) for part in PARTS]
-                    moments[:, track.node] = key_values(track)[keys]
+                    moments[:, track.node] = key_values(track).take(keys, axis=0)
         local = compose(rig.translation, rotation.reshape(-1, len(rig), 4), rig.scale)
         local[:, rig.has_matrix] = rig.matrix[rig.has_matrix]
         return finite(worlds(rig, local)[..., 3, :3])

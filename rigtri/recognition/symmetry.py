@@ -87,8 +87,9 @@ def _alike(tree: Tree, above: int, a: int, b: int) -> Pair | None:
     if reach < 0.6 * min(tree.reach[a], tree.reach[b]):
         return None
     paths = tree.paths[a][:same], tree.paths[b][:same]
-    apart = tree.places[list(paths[0])] - tree.places[list(paths[1])]
-    return Pair(above, paths, reach) if float(np.abs(apart).max()) > 0.01 * reach else None
+    ends = [(tree.at[left], tree.at[right]) for left, right in zip(*paths, strict=True)]
+    apart = max(abs(far) for left, right in ends for far in left - right)
+    return Pair(above, paths, reach) if apart > 0.01 * reach else None
 
 
 def _near(a: float, b: float, reach: float) -> bool:
