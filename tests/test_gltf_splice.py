@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.spelling import Spelling, parse
+from rigtri.formats.gltf.spelling import Spelling, parse, parse_placed
 from rigtri.formats.gltf.splice import splice
 
 ODD = """ {
@@ -22,10 +22,11 @@ ODD = """ {
 
 
 def spliced(text: str, change: Any) -> str:
-    old = parse(text)
+    old, ends = parse_placed(text)
     draft = Draft(old)
     change(draft)
-    result = splice(text, old, draft.gltf, Spelling.of(text))
+    result = splice(text, old, draft.gltf, Spelling.of(text), ends)
+    assert result == splice(text, old, draft.gltf, Spelling.of(text))
     assert json.loads(result) == draft.gltf
     return result
 
@@ -84,7 +85,8 @@ JSON = st.recursive(
 )
 def test_any_change_of_any_text_says_what_was_meant(old: Any, more: Any, indent: Any, pick: Any) -> None:
     text = json.dumps(old, indent=indent)
-    read = parse(text)
+    read, ends = parse_placed(text)
+    assert all(json.loads(text[start:end]) in read.values() for start, end in ends.items())
     new = read | more
     for key in list(new):
         change = pick.randrange(4)
@@ -94,4 +96,54 @@ def test_any_change_of_any_text_says_what_was_meant(old: Any, more: Any, indent:
             new[key] = copy.deepcopy(new[key])
         elif change == 2 and isinstance(new[key], list):
             new[key] = [*new[key][1:], *new[key], 5]
-    assert parse(splice(text, read, new, Spelling.of(text))) == new
+    result = splice(text, read, new, Spelling.of(text), ends)
+    assert result == splice(text, read, new, Spelling.of(text))
+    assert parse(result) == new
+
+
+KEYS = st.sampled_from(["min", "max", "name", 'a"min', ",", "1"])
+MEMBER = st.recursive(
+    KEYS | st.integers() | st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=3),
+    lambda inner: st.dictionaries(KEYS, inner, max_size=3) | st.lists(inner, max_size=2),
+    max_leaves=4,
+)
+
+
+@given(
+    old=st.lists(st.dictionaries(KEYS, MEMBER, max_size=4), max_size=5),
+    to=MEMBER,
+    separators=st.sampled_from([(",", ":"), (", ", " : ")]),
+    escaped=st.booleans(),
+    pick=st.randoms(use_true_random=False),
+)
+def test_members_that_change_are_found_by_their_keys(
+    old: Any, to: Any, separators: Any, escaped: bool, pick: Any
+) -> None:
+    held = {"list": old, "other": "\N{EURO SIGN}"}
+    text = json.dumps(held, separators=separators, ensure_ascii=escaped)
+    read, ends = parse_placed(text)
+    draft = Draft(read)
+    for number, item in enumerate(read["list"]):
+        if item and pick.randrange(2):
+            draft.own("list", number)[pick.choice(list(item))] = copy.deepcopy(to)
+    result = splice(text, read, draft.gltf, Spelling.of(text), ends)
+    assert result == splice(text, read, draft.gltf, Spelling.of(text))
+    assert parse(result) == draft.gltf
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", " ", "{", '{"a"', '{"a":', '{"a":1', '{"a":1,', '{"a":1,}', '{"a":1} x', '{"a":1}}', '{1:2}',
+     '{"a" 1}', "[1]", "5", '{,"a":1}', '{"a":NaN}', '{"a":1,"a":2}', '{"a":{"b":1,"b":2}}', '{"a":1;"b":2}'],
+)  # fmt: skip
+@pytest.mark.parametrize("lenient", [False, True])
+def test_places_are_told_of_what_json_allows_alone(text: str, lenient: bool) -> None:
+    try:
+        wanted, failure = parse(text, lenient=lenient), None
+    except ValueError as error:
+        wanted, failure = None, str(error)
+    try:
+        found, told = parse_placed(text, lenient=lenient)[0], None
+    except ValueError as error:
+        found, told = None, str(error)
+    assert (found, told) == (wanted, failure)

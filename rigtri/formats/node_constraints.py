@@ -48,6 +48,8 @@ def read_constraint(extension: Value, node: int, above: Sequence[int], found: Bi
 
 def notice_circles(above: Sequence[int], found: Bindings) -> None:
     """Say which constraints wait for each other, or for such: viewers refuse or ignore them."""
+    if all(c.kind == "tail" for c in found.constraints):
+        return
     # A node stands where it stands once its parent does and what drives it.
     edges = [(parent, node) for node, parent in enumerate(above) if parent >= 0]
     edges += [(c.source, c.node) for c in found.constraints if c.kind != "tail"]

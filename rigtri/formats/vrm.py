@@ -37,9 +37,9 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
             extension = extensions.get(name)
             if extension is not None:
                 read(extension, above, found)
-    for node, item in enumerate(gltf.each("nodes")):
-        if "extensions" in item.object():
-            constraint = item.need("extensions").get(CONSTRAINT)
+    for node, held in enumerate(gltf.object().get("nodes", [])):
+        if "extensions" in held:
+            constraint = Value(held, f"{gltf.where} nodes[{node}]").need("extensions").get(CONSTRAINT)
             if constraint is not None:
                 read_constraint(constraint, node, above, found)
     if found.frozen:

@@ -64,8 +64,8 @@ class Layout(NamedTuple):
     @property
     def plain(self) -> bool:
         """Whether the bytes are float32 one after the other: what can be written over."""
-        own = self.buffer >= 0 and self.stride == self.size
-        return own and self.component == FLOAT and not self.sparse and not self.normalized
+        own = self.buffer >= 0 and self.component == FLOAT and self.stride == 4 * self.width
+        return own and not self.sparse and not self.normalized
 
 
 class Accessors:

@@ -9,8 +9,7 @@ Source: glTF 2.0 §3.7.3, §3.11; KHR_animation_pointer.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,9 +32,11 @@ def refuse_early(before: Rig, after: Rig) -> None:
     olds = {clip.key: clip.tracks for clip in before.clips}
     for k, clip in enumerate(after.clips):
         old = olds.get(clip.key, ())
-        first = min((float(track.times[0]) for track in old if len(track.times)), default=0.0)
-        for track in clip.tracks:
-            if id(track) not in known and len(track.times) and track.times[0] < min(first, 0.0):
+        times = {id(track.times) for track in old}
+        made = [t for t in clip.tracks if id(t.times) not in times and id(t) not in known and len(t.times)]
+        first = min((float(track.times[0]) for track in old if made and len(track.times)), default=0.0)
+        for track in made:
+            if track.times[0] < min(first, 0.0):
                 raise GeometryError(
                     f"'{after.title(track.node)}' would get a key at {track.times[0]:g} s in clip "
                     f"'{clip.name or f'#{k}'}', and glTF has no time before 0. Choose a later time, or move "
@@ -43,8 +44,7 @@ def refuse_early(before: Rig, after: Rig) -> None:
                 )
 
 
-@dataclass(frozen=True)
-class _Wish:
+class _Wish(NamedTuple):
     """New rows for a place that refers to an accessor, and how to let it refer to another one."""
 
     accessor: int | None
@@ -380,7 +380,10 @@ def drop_empty_animations(draft: Draft) -> None:
 
 
 def _same(now: Floats, then: Floats) -> bool:
-    return now is then or (now.shape == then.shape and bool((now == then).all()))
+    if now is then or now.shape != then.shape or not now.size:
+        return now is then or now.shape == then.shape
+    # The first number tells most apart.
+    return now.item(0) == then.item(0) and bool((now == then).all())
 
 
 def _place(track: Track) -> tuple[int, int]:

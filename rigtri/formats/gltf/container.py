@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.mapped import load
-from rigtri.formats.gltf.spelling import Spelling, encode, parse
+from rigtri.formats.gltf.spelling import Spelling, encode, parse_placed
 from rigtri.formats.gltf.splice import splice
 from rigtri.report import Notice
 
@@ -33,7 +33,8 @@ Piece = bytes | bytearray | memoryview
 class Container:
     """What a file holds: its JSON, and for a GLB its chunks in order, JSON and BIN included.
 
-    chunks: (type, content) where content is a view into ``source``.
+    chunks: (type, content) where content is a view into ``source``. ends: where members of the JSON's text
+    end, by where they start, as far as known.
     """
 
     path: Path
@@ -42,6 +43,7 @@ class Container:
     spelling: Spelling
     chunks: tuple[tuple[int, memoryview], ...] = ()
     notices: list[Notice] = field(default_factory=list)
+    ends: Mapping[int, int] = field(default_factory=dict)
 
     @property
     def is_glb(self) -> bool:
@@ -85,7 +87,7 @@ class Container:
         # Spaces behind the JSON of a GLB are padding, and made anew.
         text = text.rstrip() if self.is_glb else text
         try:
-            return encode(splice(text, self.gltf, gltf, self.spelling))
+            return encode(splice(text, self.gltf, gltf, self.spelling, self.ends))
         except RecursionError:
             raise FileError(f"{self.path}: the JSON is nested too deep to be written") from None
         except ValueError:
@@ -123,12 +125,12 @@ def open_container(path: Path, *, lenient: bool = False, content: bytes | None =
         raise FileError(f"{path}: the file is empty; copy or export it again")
     if bytes(source[:4]) != MAGIC:
         _check_beginning(path, bytes(source[:_SHOWN]))
-        text, gltf = _json(path, source, notices, lenient=lenient)
-        return Container(path, source, gltf, Spelling.of(text), (), notices)
+        text, gltf, ends = _json(path, source, notices, lenient=lenient)
+        return Container(path, source, gltf, Spelling.of(text), (), notices, ends)
     chunks = _split(path, source, notices, lenient=lenient)
-    text, gltf = _json(path, chunks[0][1], notices, lenient=lenient)
+    text, gltf, ends = _json(path, chunks[0][1], notices, lenient=lenient)
     # Spaces behind the JSON of a GLB are padding, not a habit.
-    return Container(path, source, gltf, Spelling.of(text.rstrip()), tuple(chunks), notices)
+    return Container(path, source, gltf, Spelling.of(text.rstrip()), tuple(chunks), notices, ends)
 
 
 def _check_beginning(path: Path, start: bytes) -> None:
@@ -185,14 +187,14 @@ def _walk(path: Path, source: memoryview) -> Iterable[tuple[int, memoryview]]:
 
 def _json(
     path: Path, content: memoryview, notices: list[Notice], *, lenient: bool
-) -> tuple[str, dict[str, Any]]:
+) -> tuple[str, dict[str, Any], dict[int, int]]:
     try:
         text = str(content, "utf-8")
         if text.startswith("\ufeff"):
             text = text[1:]
             words = "The JSON starts with a byte order mark, which glTF forbids; a changed file has none"
             notices.append(Notice("byte-order-mark", words))
-        gltf = parse(text, lenient=lenient)
+        gltf, ends = parse_placed(text, lenient=lenient)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
     except UnicodeDecodeError as error:
@@ -203,7 +205,7 @@ def _json(
     if not isinstance(gltf, dict):
         raise FileError(f"{path}: the JSON is no object, so this is no glTF")
     _check_version(path, gltf)
-    return text, gltf
+    return text, gltf, ends
 
 
 def _check_version(path: Path, gltf: dict[str, Any]) -> None:

@@ -52,7 +52,7 @@ class Mapped(mmap.mmap):
 def load(path: Path) -> memoryview:
     """The bytes of a file, mapped instead of read where it is large. FileError where there is none."""
     try:
-        with path.open("rb") as file:
+        with path.open("rb", buffering=0) as file:
             if os.fstat(file.fileno()).st_size < MAP_FROM:
                 return memoryview(file.read())
             return memoryview(Mapped(file.fileno()))

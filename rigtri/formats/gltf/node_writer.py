@@ -86,29 +86,29 @@ class NodeWriter:
 
     def _write_rest(self) -> None:
         rig, source = self._rig, self._source
-        old = np.flatnonzero(self._was >= 0)
-        was = self._was[old]
-        changed_kind = rig.has_matrix[old] != source.has_matrix[was]
+        had, has = source.has_matrix.tolist(), rig.has_matrix.tolist()
+        old = [(node, was) for node, was in enumerate(self._was.tolist()) if was >= 0]
         for key, now, then in zip(PARTS, _parts(rig), _parts(source), strict=True):
-            differs = (now[old] != then[was]).any(axis=1) | changed_kind
-            shown = meant_unit(now) if key == "rotation" else now
-            for node in old[differs & ~rig.has_matrix[old]].tolist():
-                self._set_part(node, key, shown[node])
-        differs = (rig.matrix[old] != source.matrix[was]).any(axis=(1, 2)) | changed_kind
-        for node in old[differs & rig.has_matrix[old]].tolist():
-            self._write_matrix(node, rig.matrix[node])
+            rows, before = now.tolist(), then.tolist()
+            shown = meant_unit(now).tolist() if key == "rotation" else rows
+            for node, was in old:
+                if not has[node] and (had[was] or rows[node] != before[was]):
+                    self._set_part(node, key, shown[node])
+        for node, was in old:
+            if has[node] and not (had[was] and rig.matrix[node].tolist() == source.matrix[was].tolist()):
+                self._write_matrix(node, rig.matrix[node])
         for node, weights in rig.morphed.items():
             self._node(node)["weights"] = _numbers(weights)
         for node in self._new:
             self._write_new(node)
 
     def _write_part(self, node: int, key: str, value: Floats) -> None:
-        self._set_part(node, key, meant_unit(value) if key == "rotation" else value)
+        self._set_part(node, key, _numbers(meant_unit(value) if key == "rotation" else value))
 
-    def _set_part(self, node: int, key: str, value: Floats) -> None:
+    def _set_part(self, node: int, key: str, numbers: list[float]) -> None:
         holder = self._node(node)
         holder.pop("matrix", None)
-        holder[key] = _numbers(value)
+        holder[key] = numbers
 
     def _write_matrix(self, node: int, matrix: Floats) -> None:
         holder = self._node(node)

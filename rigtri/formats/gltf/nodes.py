@@ -21,6 +21,7 @@ from rigtri.trigonometry import Floats
 NON_UNIT = 1e-4
 # The last column of an affine matrix, as near as float32 exporters come.
 AFFINE = 1e-6
+_NUMBERS = frozenset([float, int])
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,19 +41,20 @@ def title(nodes: list[dict[str, object]], index: int) -> str:
 
 def read_tree(gltf: Value) -> Tree:
     """Who is below whom. FileError for two parents and for cycles."""
-    items = list(gltf.each("nodes"))
-    nodes = [item.object() for item in items]
-    above = [-1] * len(items)
-    for index, item in enumerate(items):
-        for child in item.each("children"):
-            below = child.index(len(items), "node")
+    nodes = gltf.object().get("nodes", [])
+    above = [-1] * len(nodes)
+    for index, node in enumerate(nodes):
+        if "children" not in node:
+            continue
+        for child in Value(node, f"{gltf.where} nodes[{index}]").each("children"):
+            below = child.index(len(nodes), "node")
             if above[below] >= 0:
                 twice = f"{title(nodes, above[below])} and {title(nodes, index)}"
                 gltf.fail(f"{title(nodes, below)} has two parents, {twice}; take it away from one")
             above[below] = index
     order: list[int] = []
-    place = [-1] * len(items)
-    for index in range(len(items)):
+    place = [-1] * len(nodes)
+    for index in range(len(nodes)):
         for node in _line(gltf, nodes, above, place, index):
             place[node] = len(order)
             order.append(node)
@@ -92,19 +94,16 @@ class Rest:
 def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice], *, lenient: bool) -> Rest:
     """TRS and matrices as stored, defaults where there are none. animated: file indices."""
     count = len(tree.order)
-    rest = Rest(
-        np.zeros((count, 3)),
-        np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)),
-        np.ones((count, 3)),
-        np.tile(np.eye(4), (count, 1, 1)),
-        np.zeros(count, dtype=bool),
-    )
+    rotation, matrix = np.zeros((count, 4)), np.zeros((count, 4, 4))
+    rotation[:, 3] = 1.0
+    matrix.reshape(count, 16)[:, ::5] = 1.0
+    rest = Rest(np.zeros((count, 3)), rotation, np.ones((count, 3)), matrix, np.zeros(count, dtype=bool))
     nodes = gltf.object().get("nodes", [])
     if not _read_together(nodes, rest, tree.place):  # something is wrong, which reading one by one tells
         for index, item in enumerate(gltf.each("nodes")):
             _read_node(item, rest, tree.place[index])
     for index, node in enumerate(nodes):
-        if rest.has_matrix[tree.place[index]]:
+        if "matrix" in node:
             _settle_matrix(gltf, nodes, index, node, rest, tree, index in animated, lenient)
     _check_matrices(gltf, nodes, rest, tree, notices)
     _check_rotations(gltf, nodes, rest, tree, notices)
@@ -120,15 +119,15 @@ def _read_together(nodes: list[dict[str, object]], rest: Rest, place: list[int])
         ("matrix", 16, rest.matrix),
     ):
         found = [index for index, node in enumerate(nodes) if key in node]
+        if not found:
+            continue
         rows: list[float] = []
         for index in found:
             row = nodes[index][key]
             if type(row) is not list or len(row) != width:
                 return False
             rows += row
-        if not all(type(x) is float or type(x) is int for x in rows):
-            return False
-        if not all(-LARGEST <= x <= LARGEST for x in rows):
+        if not _NUMBERS.issuperset(map(type, rows)) or min(rows) < -LARGEST or max(rows) > LARGEST:
             return False
         places = [place[index] for index in found]
         array[places] = np.array(rows, dtype=np.float64).reshape(-1, *array.shape[1:])
@@ -182,7 +181,7 @@ def _settle_matrix(
 def _check_matrices(
     gltf: Value, nodes: list[dict[str, object]], rest: Rest, tree: Tree, notices: list[Notice]
 ) -> None:
-    rows = np.flatnonzero(rest.has_matrix)
+    rows = rest.has_matrix.nonzero()[0]
     if not len(rows):
         return
     matrices = rest.matrix[rows]
@@ -203,7 +202,7 @@ def _check_rotations(
     gltf: Value, nodes: list[dict[str, object]], rest: Rest, tree: Tree, notices: list[Notice]
 ) -> None:
     size = norm(rest.rotation)
-    for row in np.flatnonzero(size == 0)[:1].tolist():
+    for row in (size == 0).nonzero()[0][:1].tolist():
         name = title(nodes, tree.order[row])
         gltf.fail(f"{name} has the rotation 0 0 0 0, which is no rotation; set it to 0 0 0 1")
     off = np.abs(size - 1.0)

@@ -105,10 +105,10 @@ def _inverse_bind(
     for row in np.flatnonzero(lost)[:1].tolist():
         item.fail(f"the inverse bind matrix of {title(nodes, joints[row])} has a value that is not a number")
     off = np.abs(matrices[:, :, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1) > AFFINE
-    for row in np.flatnonzero(off)[:1].tolist():
+    for row in off.nonzero()[0][:1].tolist():
         name = title(nodes, joints[row])
         item.fail(f"the inverse bind matrix of {name} has a last row that is not 0 0 0 1")
-    for row in np.flatnonzero(flat(matrices))[:1].tolist():
+    for row in flat(matrices).nonzero()[0][:1].tolist():
         name = title(nodes, joints[row])
         text = f"the inverse bind matrix of {name} is flat, so the joint has no bind pose"
         if not lenient:

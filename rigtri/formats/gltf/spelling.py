@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NoReturn
@@ -13,6 +14,8 @@ _NUMBER = r"-?\d[\d.eE+-]*"
 _INLINE = re.compile(rf"\[([ \t]*){_NUMBER}(,[ \t]*){_NUMBER}(?:,[ \t]*{_NUMBER})*[ \t]*\]")
 # A raw newline cannot stand in a JSON string, so this never reaches into one.
 _SPREAD = re.compile(rf"\[\n\s*({_NUMBER}(?:,\n\s*{_NUMBER})*)\n\s*\]")
+_BLANK = re.compile(r"[ \t\n\r]*")
+BLANKS = " \t\n\r"
 # Where to look for habits; a file has them from the start.
 _SAMPLE = 100_000
 
@@ -27,6 +30,41 @@ def parse(text: str, *, lenient: bool = False) -> Any:
     return json.loads(text, object_pairs_hook=hook, parse_constant=_no_constant)
 
 
+def parse_placed(text: str, *, lenient: bool = False) -> tuple[Any, dict[int, int]]:
+    """As `parse`; also where the values of the outermost object end, by where they start."""
+    if not lenient:
+        with suppress(ValueError, StopIteration, IndexError):  # which the whole told at once explains
+            return _members(text)
+    return parse(text, lenient=lenient), {}
+
+
+def _members(text: str) -> tuple[dict[str, Any], dict[int, int]]:
+    pairs: list[tuple[str, Any]] = []
+    ends: dict[int, int] = {}
+    at, follows = skip(text, 0), "{"
+    while text[at] == follows:
+        key, at = _scan(text, skip(text, at + 1))
+        colon = skip(text, at)
+        if type(key) is not str or text[colon] != ":":
+            raise ValueError("a key should stand here, and a colon behind it")
+        start = skip(text, colon + 1)
+        value, end = _scan(text, start)
+        pairs.append((key, value))
+        ends[start] = end
+        at, follows = skip(text, end), ","
+    if not pairs or text[at] != "}" or text[at + 1 :].strip(BLANKS):
+        raise ValueError("this is no object alone")
+    return _once(pairs), ends
+
+
+def skip(text: str, at: int) -> int:
+    """The first place from ``at`` on where no blank stands."""
+    if text[at] > " ":  # as nearly always in a text on one line
+        return at
+    found = _BLANK.match(text, at)
+    return found.end() if found else at
+
+
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) != len(pairs):
@@ -38,6 +76,12 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _no_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is no JSON number")
+
+
+# Of C, without a call around it.
+_scan = json.JSONDecoder(  # type: ignore[attr-defined]
+    object_pairs_hook=_once, parse_constant=_no_constant
+).scan_once
 
 
 def encode(text: str) -> bytes:

@@ -7,17 +7,14 @@ line breaks. What has changed is known by identity: `Draft` copies only what it 
 from __future__ import annotations
 
 import json
-import re
-from math import isfinite
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from rigtri.formats.gltf.spelling import Spelling
+from rigtri.formats.gltf.spelling import BLANKS, Spelling, skip
 
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]  # of C, without a call around it
 _NUMBERS = frozenset([float, int])
-_BLANK = re.compile(r"[ \t\n\r]*")
-_BLANKS = " \t\n\r"
-_BLANK_SOMEWHERE = re.compile(f"[{_BLANKS}]")
 
 
 class _Part(NamedTuple):
@@ -30,26 +27,33 @@ class _Part(NamedTuple):
     tail: str = ""
 
 
-def splice(text: str, old: dict[str, Any], new: dict[str, Any], spelling: Spelling) -> str:
+def splice(
+    text: str,
+    old: dict[str, Any],
+    new: dict[str, Any],
+    spelling: Spelling,
+    ends: Mapping[int, int] = MappingProxyType({}),
+) -> str:
     """``text``, which says ``old``, with what of ``new`` is another object spelled anew.
 
+    ends: where values end, by where they start, as far as known; these are not read again.
     ValueError for a new number that JSON cannot hold.
     """
-    start = _skip(text, 0)
-    told, end = _Splicer(text, spelling).told(start, old, new, 0)
+    start = skip(text, 0)
+    told, end = _Splicer(text, spelling, ends).told(start, old, new, 0)
     return text[:start] + told + text[end:]
 
 
 class _Splicer:
     """Finds what to replace: (start, end, text) in the order of the text, each read once."""
 
-    def __init__(self, text: str, spelling: Spelling) -> None:
-        self.text, self.spelling = text, spelling
+    def __init__(self, text: str, spelling: Spelling, ends: Mapping[int, int]) -> None:
+        self.text, self.spelling, self.ends = text, spelling, ends
         self.edits: list[tuple[int, int, str]] = []
 
     def told(self, at: int, old: Any, new: Any, depth: int) -> tuple[str, int]:
         """The text of ``new``, where that of ``old`` starts at ``at``, and where the latter ends."""
-        inner = _Splicer(self.text, self.spelling)
+        inner = _Splicer(self.text, self.spelling, self.ends)
         whole = inner.value(at, old, new, depth)
         pieces = []
         for start, end, changed in inner.edits:
@@ -64,7 +68,7 @@ class _Splicer:
                 return self._object(at, old, new, depth)
             if isinstance(new, list) and isinstance(old, list):
                 return self._list(at, old, new, depth)
-        end: int = _scan(self.text, at)[1]
+        end = self.ends.get(at) or _scan(self.text, at)[1]
         if new is not old:
             self.edits.append((at, end, self.spelling.fragment(new, depth)))
         return end
@@ -83,15 +87,15 @@ class _Splicer:
         text, keys, more = self.text, iter(new), True
         while more:
             before = at + 1
-            start = before if text[before] > " " else _skip(text, before)
+            start = before if text[before] > " " else skip(text, before)
             key, colon = _scan(text, start)
             if next(keys, None) != key:
                 return -1
-            at = (colon if text[colon] > " " else _skip(text, colon)) + 1
-            at = at if text[at] > " " else _skip(text, at)
+            at = (colon if text[colon] > " " else skip(text, colon)) + 1
+            at = at if text[at] > " " else skip(text, at)
             was, now = old[key], new[key]
-            end = _scan(text, at)[1] if now is was else self.value(at, was, now, depth + 1)
-            at = end if text[end] > " " else _skip(text, end)
+            end = self.value(at, was, now, depth + 1)
+            at = end if text[end] > " " else skip(text, end)
             more = text[at] == ","
         added = [
             f",{text[before:start]}{self.spelling.fragment(key, depth)}{self.spelling.colon}"
@@ -107,9 +111,9 @@ class _Splicer:
         members: dict[str, _Part] = {}
         at, more = at + 1, True
         while more:
-            start = _skip(self.text, at)
+            start = skip(self.text, at)
             key, colon = _scan(self.text, start)
-            value = _skip(self.text, _skip(self.text, colon) + 1)
+            value = skip(self.text, skip(self.text, colon) + 1)
             part, at, more = self._part(at, start, value)
             members[key] = part
         ending = self.text[part.end : at - 1]
@@ -130,6 +134,8 @@ class _Splicer:
     def _list(self, at: int, old: list[Any], new: list[Any], depth: int) -> int:
         if _NUMBERS.issuperset(map(type, old)):
             told, end = self._numbers(at, old, new, depth)
+        elif self._by_key(at, end := self.ends.get(at, -1), old, new, depth):
+            return end
         elif _in_order(old, new):
             return self._items(at, old, new, depth)
         else:
@@ -137,14 +143,43 @@ class _Splicer:
         self.edits.append((at, end, told))
         return end
 
+    def _by_key(self, at: int, end: int, old: list[Any], new: list[Any], depth: int) -> bool:
+        """As `value` for objects that keep their keys, found by those that change; False where not sure.
+
+        Without escapes a quoted key cannot stand inside a text, and where there are only as many as the
+        objects have themselves, none stands below them or is a value.
+        """
+        text = self.text
+        if end < 0 or len(old) != len(new) or text.find("\\", at, end) >= 0:
+            return False
+        changed = [(was, now) for was, now in zip(old, new, strict=True) if now is not was]
+        if not set(map(id, old)).isdisjoint(id(now) for _, now in changed):
+            return False
+        keys: set[str] = set()
+        for was, now in changed:
+            if type(was) is not dict or type(now) is not dict or list(was) != list(now):
+                return False
+            keys.update([key for key in was if was[key] is not now[key]])
+        for key in keys:
+            expected = sum([type(was) is dict and key in was for was in old])
+            if not key.isalpha() or text.count(f'"{key}"', at, end) != expected:
+                return False
+        for was, now in zip(old, new, strict=True):
+            for key in [key for key in was if key in keys] if type(was) is dict else ():
+                at = text.index(f'"{key}"', at) + len(key) + 2
+                if was[key] is not now[key]:
+                    colon = skip(text, at)
+                    at = self.value(skip(text, colon + 1), was[key], now[key], depth + 2)
+        return True
+
     def _items(self, at: int, old: list[Any], new: list[Any], depth: int) -> int:
         """As `value` where all that was there stays in its order."""
         text = self.text
         for was, item in zip(old, new, strict=False):
             before = at + 1
-            start = _skip(text, before)
+            start = skip(text, before)
             end = _scan(text, start)[1] if item is was else self.value(start, was, item, depth + 1)
-            at = _skip(text, end)
+            at = skip(text, end)
         added = [
             f",{text[before:start]}{self.spelling.fragment(item, depth + 1)}" for item in new[len(old) :]
         ]
@@ -155,32 +190,29 @@ class _Splicer:
     def _numbers(self, at: int, old: list[Any], new: list[Any], depth: int) -> tuple[str, int]:
         """The text of a list that held numbers alone, and where the old one ends."""
         end = self.text.index("]", at)
-        if not _BLANK_SOMEWHERE.search(self.text, at, end) and set(map(id, old)).isdisjoint(map(id, new)):
-            told = [
-                repr(item)
-                if type(item) is float and isfinite(item)
-                else self.spelling.fragment(item, depth + 1)
-                for item in new
-            ]
-            return f"[{','.join(told)}]", end + 1
+        if set(map(id, old)).isdisjoint(map(id, new)) and len(self.text[at:end].split()) == 1:
+            if _NUMBERS.issuperset(map(type, new)) and "n" not in (told := repr(new)):
+                return told.replace(" ", ""), end + 1
+            told = ",".join([self.spelling.fragment(item, depth + 1) for item in new])
+            return f"[{told}]", end + 1
         said, places = self.text[at + 1 : end].split(","), _places(old)
         items, last = [], len(said) - 1
         for number, item in enumerate(new):
             place = number if number < len(old) and old[number] is item else places.get(id(item), number)
             kept = place < len(old) and old[place] is item
-            value = said[place].strip(_BLANKS) if kept else self.spelling.fragment(item, depth + 1)
+            value = said[place].strip(BLANKS) if kept else self.spelling.fragment(item, depth + 1)
             around = said[min(number, last)]
-            lead = around[: len(around) - len(around.lstrip(_BLANKS))]
-            tail = around[len(around.rstrip(_BLANKS)) :] if number < last else ""
+            lead = around[: len(around) - len(around.lstrip(BLANKS))]
+            tail = around[len(around.rstrip(BLANKS)) :] if number < last else ""
             items.append(f"{lead}{value}{tail if number < len(new) - 1 else ''}")
-        ending = said[last][len(said[last].rstrip(_BLANKS)) :]
+        ending = said[last][len(said[last].rstrip(BLANKS)) :]
         return f"[{','.join(items)}{ending}]", end + 1
 
     def _list_anew(self, at: int, old: list[Any], new: list[Any], depth: int) -> tuple[str, int]:
         parts: list[_Part] = []
         at, more = at + 1, True
         while more:
-            start = _skip(self.text, at)
+            start = skip(self.text, at)
             part, at, more = self._part(at, start, start)
             parts.append(part)
         ending = self.text[parts[-1].end : at - 1]
@@ -201,7 +233,7 @@ class _Splicer:
         """The part that starts there; where the next one starts, or the whole ends, and which of both."""
         text = self.text
         _, end = _scan(text, value)
-        at = _skip(text, end)
+        at = skip(text, end)
         more = text[at] == ","
         tail = text[end:at] if more else ""
         return _Part(text[before:start], text[start:value], value, end, tail), at + 1, more
@@ -222,10 +254,3 @@ def _in_order(old: list[Any], new: list[Any]) -> bool:
     return len(new) >= len(old) and all(
         places.get(id(item), number) == number for number, item in enumerate(new)
     )
-
-
-def _skip(text: str, at: int) -> int:
-    if text[at] > " ":  # as nearly always in a text on one line
-        return at
-    found = _BLANK.match(text, at)
-    return found.end() if found else at

@@ -81,9 +81,11 @@ class Storage:
             if "min" in raw or "max" in raw:
                 bounded.setdefault(rows.shape, []).append((accessor, rows))
         for alike in bounded.values():
-            stacked = np.stack([rows for _, rows in alike], axis=1)  # along the first axis is fastest
-            for (accessor, _), low, high in zip(alike, *_bounds(stacked), strict=True):
-                _put_bounds(self._draft.own("accessors", accessor), low, high)
+            width = alike[0][1].shape[1]
+            low, high = _bounds(np.concatenate([rows for _, rows in alike], axis=1))
+            for k, (accessor, _) in enumerate(alike):
+                mine = slice(k * width, (k + 1) * width)
+                _put_bounds(self._draft.own("accessors", accessor), low[mine], high[mine])
 
     def add(
         self,
