@@ -6,8 +6,9 @@ has no partner is lost or added, in words for people.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -286,23 +287,24 @@ def _compare_clips(
         if before.clips[k].idle != after.clips[partner].idle:
             news.changed.append(f"{title} is played {'now' if before.clips[k].idle else 'no longer'}")
         theirs = by_target(after.clips[partner])
+        times: dict[tuple[int, int], bool] = {}
         for track in before.clips[k].tracks:
             if before.keys[track.node] is None:
                 continue
-            of = f"{title}: {track.path} of {before.title(track.node)}"
             target = _target(track, node, shown)
             now = theirs.pop(target, None)
             if now is None and track.path in ("translation", "rotation"):
                 # A split joint moves and turns by the node that holds its axes.
                 now = theirs.pop((after.frame_of.get(target[0], -1), track.path), None)
             if now is None:
+                of = _named(title, track, before)
                 resting = target[0] in after.own and _says_rest(track, after, target[0])
                 (news.changed if resting else news.lost).append(
                     f"{of} is told by its rest" if resting else of
                 )
-            else:
-                _compare_track(track, now, of, news)
-        news.added += [f"{title}: {t.path} of {after.title(t.node)}" for t in theirs.values()]
+            elif track is not now:
+                _compare_track(track, now, partial(_named, title, track, before), times, news)
+        news.added += [_named(title, track, after) for track in theirs.values()]
     known = set(clip.tolist())
     news.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in known]
 
@@ -324,15 +326,23 @@ def _says_rest(track: Track, after: Rig, node: int) -> bool:
     return bool((np.abs(values - still) <= _ROUNDING * size).all())
 
 
-def _compare_track(track: Track, now: Track, of: str, news: _News) -> None:
-    if track is now:
-        return
+def _named(title: str, track: Track, rig: Rig) -> str:
+    return f"{title}: {track.path} of {rig.title(track.node)}"
+
+
+def _compare_track(
+    track: Track, now: Track, of: Callable[[], str], times: dict[tuple[int, int], bool], news: _News
+) -> None:
+    """times: whether two arrays of key times, by their ids, are the same; many tracks share theirs."""
     if track.interpolation != now.interpolation:
-        news.changed.append(f"{of} is {now.interpolation}, was {track.interpolation}")
-    if not same_array(track.times, now.times):
-        news.changed.append(f"{of} has other key times")
+        news.changed.append(f"{of()} is {now.interpolation}, was {track.interpolation}")
+    pair = id(track.times), id(now.times)
+    if pair not in times:
+        times[pair] = same_array(track.times, now.times)
+    if not times[pair]:
+        news.changed.append(f"{of()} has other key times")
     # Morph weights move points of meshes that perhaps nobody can read: compare them here.
     if track.path == "weights" and track.values.shape == now.values.shape:
         same = np.isclose(track.values, now.values, rtol=0, atol=SAME_WEIGHT, equal_nan=True)
         if not same.all():
-            news.lost.append(f"{of} has other values")
+            news.lost.append(f"{of()} has other values")

@@ -54,8 +54,8 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     with np.errstate(invalid="ignore", over="ignore"):  # inf and NaN go through as they are
         total = a[..., :, 0, np.newaxis] * b[..., np.newaxis, 0, :]
         for k in (1, 2, 3):
-            total = total + a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :]
-    return total
+            total += a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :]
+    return np.asarray(total)
 
 
 def inverse(m: ArrayLike) -> Floats:

@@ -28,20 +28,32 @@ def moving_nodes(before: Rig, after: Rig, m: Matching) -> Booleans:
         differs = differs | (mine != theirs[partner]).any(axis=1)
     above = np.where(before.parents >= 0, m.node[before.parents], -1)
     differs |= above != after.parents[partner]
+    parents = before.parents.tolist()
+    found = _with_below(differs.tolist(), parents)
     for k in np.flatnonzero(m.clip >= 0).tolist():
-        _mark_tracks(before.clips[k], after.clips[m.clip[k]], m, differs)
-    for node, parent in enumerate(before.parents.tolist()):
-        differs[node] |= parent >= 0 and differs[parent]
-    return differs
+        _mark_tracks(before.clips[k], after.clips[m.clip[k]], m, found)
+    return np.array(_with_below(found, parents), dtype=bool)
 
 
-def _mark_tracks(mine: Clip, theirs: Clip, m: Matching, differs: Booleans) -> None:
+def _with_below(marked: list[bool], parents: list[int]) -> list[bool]:
+    """Nodes that are marked, and all below them."""
+    found: list[bool] = []
+    for mark, parent in zip(marked, parents, strict=True):
+        found.append(mark or (parent >= 0 and found[parent]))
+    return found
+
+
+def _mark_tracks(mine: Clip, theirs: Clip, m: Matching, differs: list[bool]) -> None:
+    """Mark the nodes whose tracks are others; of those that are marked nothing is compared."""
     others = by_target(theirs)
-    back = {int(partner): node for node, partner in enumerate(m.node.tolist())}
-    ours = {(int(m.node[node]), path) for node, path in by_target(mine)}
+    partners = m.node.tolist()
+    back = {partner: node for node, partner in enumerate(partners)}
+    ours = {(partners[track.node], track.path) for track in mine.tracks}
     for track in mine.tracks:
+        if track.path == "weights" or differs[track.node]:
+            continue
         now = partner_track(track, others, m)
-        if track.path != "weights" and (now is None or not _same_track(track, now)):
+        if now is None or not _same_track(track, now):
             differs[track.node] = True
     for node, path in others.keys() - ours:
         if path != "weights" and node in back:

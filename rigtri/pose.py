@@ -27,14 +27,26 @@ def worlds(rig: Rig, local: Floats | None = None) -> Floats:
     """World matrices, (..., n, 4, 4), of local ones; of the rest pose (not to be changed) unless given."""
     if local is None:
         return rig.world
-    world = np.empty_like(local)
-    for level in rig.levels:
-        parents = rig.parents[level]
-        if parents[0] < 0:
-            world[..., level, :, :] = local[..., level, :, :]
-        else:
-            world[..., level, :, :] = multiply(local[..., level, :, :], world[..., parents, :, :])
-    return world
+    many = local.ndim - 3
+    # Nodes before times: what is multiplied is picked in large pieces of memory, as `Motion` lays it out.
+    mine: Floats = local.transpose(*range(many, local.ndim), *range(many))
+    world = np.empty(mine.shape)
+    with np.errstate(invalid="ignore", over="ignore"):  # inf and NaN go through as they are
+        for level in rig.levels:
+            parents = rig.parents[level]
+            world[level] = mine[level] if parents[0] < 0 else _products(mine[level], world[parents])
+    return world.transpose(*range(3, local.ndim), 0, 1, 2)
+
+
+def _products(a: Floats, b: Floats) -> Floats:
+    """As `rigtri.matrices.multiply`, to the bit, of matrices whose rows and columns come first but for one.
+
+    a, b: (n, 4, 4, ...).
+    """
+    total = a[:, :, 0, np.newaxis] * b[:, np.newaxis, 0]
+    for k in (1, 2, 3):
+        total += a[:, :, k, np.newaxis] * b[:, np.newaxis, k]
+    return np.asarray(total)
 
 
 def world_of(rig: Rig, node: int) -> Floats:
@@ -83,8 +95,8 @@ class Motion:
         """Local matrices, (f, n, 4, 4), at ``times``, (f,); see the function of the same name."""
         times = np.atleast_1d(np.asarray(times, dtype=np.float64))
         rig, count = self.rig, len(times)
-        # Each number of a node at all times in one row of memory: what `worlds` multiplies by levels.
-        local: Floats = np.empty((4, 4, len(rig), count)).transpose(3, 2, 0, 1)
+        # Each number of a node at all times in one row of memory, and these together: see `worlds`.
+        local: Floats = np.empty((len(rig), 4, 4, count)).transpose(3, 0, 1, 2)
         still = np.ones(len(rig), dtype=bool)
         still[self.driven] = False
         local[:, still] = rest(rig, normalised=normalised)[still]

@@ -64,21 +64,22 @@ class Rows:
     owners: Sequence[str]
 
     def apart(self, moment: Moment) -> Floats:
-        """The points' differences, (r, k, f, 3): one matrix product a row and side."""
+        """The points' differences, (r, k, 3, f): one matrix product a row and side."""
         mine, theirs = (
-            _placed(world[:, nodes], points)
+            _placed(world.transpose(1, 2, 3, 0)[nodes], points)
             for world, nodes, points in zip(
                 (moment.before, moment.after), self.nodes, self.points, strict=True
             )
         )
         # The same numbers give the same products, so what is equal is apart by exactly 0.
         with np.errstate(invalid="ignore"):
-            return np.asarray(mine - theirs)
+            mine -= theirs
+        return mine
 
     def distances(self, moment: Moment) -> Floats:
         apart = self.apart(moment)
         with np.errstate(invalid="ignore", over="ignore"):
-            distance = np.sqrt(np.einsum("rkfi,rkfi->rkf", apart, apart).max(axis=1))
+            distance = np.sqrt(_squares(apart).max(axis=1))
         if np.isfinite(distance).all():
             return np.asarray(distance)
         broken = (
@@ -92,11 +93,19 @@ class Rows:
 
 
 def _placed(world: Floats, points: Floats) -> Floats:
-    """Points (r, k, 4) in the frames of rows, (f, r, 4, 4) → (r, k, f, 3)."""
-    times, rows = world.shape[:2]
-    side_by_side = world[..., :3].transpose(1, 2, 0, 3).reshape(rows, 4, times * 3)
+    """Points (r, k, 4) in the frames of rows, (r, 4, 4, f) → (r, k, 3, f)."""
+    rows, times = len(world), world.shape[3]
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.asarray((points @ side_by_side).reshape(rows, -1, times, 3))
+        placed = points @ world[:, :, :3].reshape(rows, 4, 3 * times)
+    return np.asarray(placed.reshape(rows, -1, 3, times))
+
+
+def _squares(apart: Floats) -> Floats:
+    """The squares of the lengths of differences, (..., 3, f) → (..., f); these are overwritten."""
+    apart *= apart
+    square = apart[..., 0, :] + apart[..., 2, :]
+    square += apart[..., 1, :]
+    return square
 
 
 def _broken(world: Floats, nodes: Integers, points: Floats) -> Booleans:
@@ -151,13 +160,13 @@ class LinearPoints(Points):
     chunks: tuple[tuple[Integers, Floats], ...]
 
     def distances(self, moment: Moment) -> Floats:
-        apart = self.joints.apart(moment)  # of the four rows of each matrix: (m, 4, f, 3)
+        apart = self.joints.apart(moment)  # of the four rows of each matrix: (m, 4, 3, f)
         if not np.isfinite(apart).all() or self._morphs(moment):
             return super().distances(moment)
-        times = apart.shape[2]
+        times = apart.shape[3]
         square = np.zeros(times)
         for columns, weighted in self.chunks:
-            moved = weighted @ apart[columns].reshape(len(columns) * 4, times * 3)
+            moved = weighted @ apart[columns].swapaxes(2, 3).reshape(len(columns) * 4, times * 3)
             moved = moved.reshape(-1, times, 3)
             square = np.maximum(square, np.einsum("vfi,vfi->vf", moved, moved).max(axis=0, initial=0.0))
         return np.sqrt(square).reshape(1, -1)
@@ -234,14 +243,14 @@ def skin_corners(
         if not differ.any():
             continue
         owner = mine.name or f"skin #{number}"
-        own = np.isin(mine.joints, list(before.own))
+        own = np.isin(mine.joints, list(before.own)) if before.own else np.zeros(count, dtype=bool)
         for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
             # A joint of ours may move, but not what somebody has bound to it.
             rows = np.flatnonzero(differ & ~(own & ~np.isfinite(low).all(axis=1)))
             if not len(rows):
                 continue
             titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
-            points = _with_bind_origin(_corners(low[rows], high[rows]), bind, mine.inverse_bind[rows])
+            points = _with_bind_origin(_corners(low[rows], high[rows]), bind, mine.bind[rows])
             with np.errstate(invalid="ignore"):
                 moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
             yield Rows((mine.joints[rows], joints[rows]), (moved[0], moved[1]), titles, [owner] * len(rows))
@@ -250,15 +259,20 @@ def skin_corners(
 def _without_holders(after: Rig, skin: int, m: Matching) -> Skin:
     """A skin without the rows of joints that a split has put into it."""
     whole, added = after.skins[skin], sorted(after.holders.difference(m.node.tolist()))
+    if not added:
+        return whole
     keep = ~np.isin(whole.joints, added)
     if keep.all():
         return whole
     return replace(whole, joints=whole.joints[keep], inverse_bind=whole.inverse_bind[keep])
 
 
-def _with_bind_origin(points: Floats, bind: Floats, inverse_bind: Floats) -> Floats:
-    """Corners, (r, 8, 4), and each joint's place in the bind pose; that alone where there is no box."""
-    place = inverse(inverse_bind)[:, 3] @ inverse(bind)
+def _with_bind_origin(points: Floats, bind: Floats, frames: Floats) -> Floats:
+    """Corners, (r, 8, 4), and each joint's place in the bind pose; that alone where there is no box.
+
+    bind: of the mesh, (4, 4). frames: of the joints, seen from the skin, (r, 4, 4).
+    """
+    place = frames[:, 3] @ inverse(bind)
     place = np.where(np.isfinite(place).all(axis=1, keepdims=True), place, [0.0, 0.0, 0.0, 1.0])
     full = np.isfinite(points).all(axis=(1, 2)).reshape(-1, 1, 1)
     points = np.where(full, points, place[:, np.newaxis])
@@ -292,7 +306,9 @@ def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Fl
 
 def _corners(low: Floats, high: Floats) -> Floats:
     """The corners of boxes, (r, 3) twice → (r, 8, 4) homogeneous."""
-    return np.concatenate([corners(low, high), np.ones((len(low), 8, 1))], axis=2)
+    points = np.ones((len(low), 8, 4))
+    points[..., :3] = corners(low, high)
+    return points
 
 
 def rigid_corners(before: Rig, m: Matching, meshes: Sequence[Mesh], moving: Booleans) -> Iterator[Rows]:
