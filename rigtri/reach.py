@@ -46,7 +46,7 @@ class Reach:
 
     @cached_property
     def _world(self) -> Floats:
-        return worlds(self._rig, rest(self._rig))
+        return self._rig.shown_world
 
     @cached_property
     def exact(self) -> Floats:

@@ -137,16 +137,24 @@ class Rig:
     @cached_property
     def world(self) -> Floats:
         """Rest matrices seen from the world, (n, 4, 4); shared, so not to be changed."""
-        world = self.local.copy()
-        for level in self.levels[1:]:
-            world[level] = multiply(self.local[level], world[self.parents[level]])
-        world.flags.writeable = False
-        return world
+        return self._worlds(self.local)
 
     @cached_property
     def shown(self) -> Floats:
         """`local` with rotations as they are meant, unit, (n, 4, 4); shared, so not to be changed."""
         return self._locals(shown(self.rotation))
+
+    @cached_property
+    def shown_world(self) -> Floats:
+        """`world` of `shown`, (n, 4, 4); shared, so not to be changed."""
+        return self._worlds(self.shown)
+
+    def _worlds(self, local: Floats) -> Floats:
+        world = local.copy()
+        for level in self.levels[1:]:
+            world[level] = multiply(local[level], world[self.parents[level]])
+        world.flags.writeable = False
+        return world
 
     def _locals(self, rotation: Floats) -> Floats:
         composed = compose(self.translation, rotation, self.scale)

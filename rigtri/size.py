@@ -11,7 +11,7 @@ from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
-from rigtri.pose import deformed, morph_weights, rest, worlds
+from rigtri.pose import deformed, morph_weights
 from rigtri.records import Mesh
 from rigtri.rig import Rig
 from rigtri.trigonometry import Floats
@@ -29,7 +29,7 @@ def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> fl
     known = _sizes.get(rig)
     if known is not None and [one() for one in known[0]] == list(meshes):
         return known[1]
-    size = _measured(rig, meshes, worlds(rig, rest(rig)) if world is None else world)
+    size = _measured(rig, meshes, rig.shown_world if world is None else world)
     _sizes[rig] = tuple(map(ref, meshes)), size
     return size
 
