@@ -320,8 +320,10 @@ def boxes(mesh: Mesh, count: int) -> tuple[Floats, Floats]:
         return low, high
     starts = np.flatnonzero(np.diff(joints, prepend=-1))
     for axis in range(3):
-        low[joints[starts], axis] = np.minimum.reduceat(near[:, axis][points], starts)
-        high[joints[starts], axis] = np.maximum.reduceat(far[:, axis][points], starts)
+        least = near[:, axis][points]
+        most = least if far is near else far[:, axis][points]
+        low[joints[starts], axis] = np.minimum.reduceat(least, starts)
+        high[joints[starts], axis] = np.maximum.reduceat(most, starts)
     return low, high
 
 
