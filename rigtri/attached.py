@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from rigtri import pose
 from rigtri.constraints import alike, told_by_rules
 from rigtri.matching import Matching
 from rigtri.matrices import nearest_rotation
@@ -32,7 +31,7 @@ def compare_attached(before: Rig, after: Rig, m: Matching) -> list[str]:
         return []
     with np.errstate(all="ignore"):
         # Rotations as the format means them: unit, whatever was stored.
-        worlds = pose.worlds(before, pose.rest(before)), pose.worlds(after, pose.rest(after))
+        worlds = before.shown_world, after.shown_world
         return [
             *_vectors(before, after, m, worlds),
             *_constraints(before, after, m, worlds),

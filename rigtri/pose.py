@@ -102,21 +102,31 @@ class Motion:
         local[:, still] = rest(rig, normalised=normalised)[still]
         if not len(self.driven):
             return local
-        parts = {
-            "translation": _held(rig.translation[self.driven], count),
-            "rotation": _held(rig.rotation[self.driven], count),
-            "scale": _held(rig.scale[self.driven], count),
-        }
-        for pack in self.packs:
-            if pack.columns is None:
-                parts[pack.path] = pack.sample(times)
-            else:
-                parts[pack.path][:, pack.columns] = pack.sample(times)
-        by_node = {path: values.swapaxes(0, 1) for path, values in parts.items()}  # as they lie in memory
-        rotation = shown(by_node["rotation"]) if normalised else by_node["rotation"]
-        composed = compose(by_node["translation"], rotation, by_node["scale"])
+        # With nodes before times, as they lie in memory.
+        translation, rotation, scale = (
+            self._sampled(path, values, times).swapaxes(0, 1)
+            for path, values in (
+                ("translation", rig.translation),
+                ("rotation", rig.rotation),
+                ("scale", rig.scale),
+            )
+        )
+        composed = compose(translation, shown(rotation) if normalised else rotation, scale)
         local[:, self.driven] = composed.swapaxes(0, 1)
         return local
+
+    def _sampled(self, path: str, still: Floats, times: Floats) -> Floats:
+        """What the driven nodes have of one path, (f, d, c); ``still``, (n, c), where no track tells it."""
+        found = None
+        for pack in self.packs:
+            if pack.path != path:
+                continue
+            if pack.columns is None:
+                found = pack.sample(times)
+                continue
+            found = _held(still[self.driven], len(times)) if found is None else found
+            found[:, pack.columns] = pack.sample(times)
+        return _held(still[self.driven], len(times)) if found is None else found
 
 
 def sample(track: Track, times: ArrayLike) -> Floats:
@@ -285,12 +295,12 @@ def _blended_once(points: Floats, matrices: Floats, joints: Integers, weights: F
         if not live.any():
             continue
         some = slice(None) if live.all() else np.flatnonzero(live)
-        of = joints[some, column]
+        of, share, mine = joints[some, column], weight[some], [each[some] for each in coordinates]
         for axis in range(3):
             part = beside[3, axis][of]
             for k in range(3):
-                part += coordinates[k][some] * beside[k, axis][of]
-            moved[axis][some] += part * weight[some]
+                part += mine[k] * beside[k, axis][of]
+            moved[axis][some] += part * share
     return moved.T
 
 
@@ -384,7 +394,8 @@ class _Pack:
         first = tracks[0]
         shape = len(first.values), len(tracks), *first.values.shape[1:]
         values: Floats = np.empty(shape[::-1]).transpose()
-        np.stack([track.values for track in tracks], axis=1, out=values)
+        end_to_end = np.concatenate([track.values for track in tracks])
+        values[:] = end_to_end.reshape(len(tracks), *first.values.shape).swapaxes(0, 1)
         nodes = np.array([track.node for track in tracks])
         columns = None if np.array_equal(nodes, driven) else np.searchsorted(driven, nodes)
         return _Pack(first.path, first.interpolation, first.times, values, columns)

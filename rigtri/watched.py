@@ -103,8 +103,8 @@ def _placed(world: Floats, points: Floats) -> Floats:
 def _squares(apart: Floats) -> Floats:
     """The squares of the lengths of differences, (..., 3, f) → (..., f); these are overwritten."""
     apart *= apart
-    square = apart[..., 0, :] + apart[..., 2, :]
-    square += apart[..., 1, :]
+    square = apart[..., 0, :] + apart[..., 1, :]
+    square += apart[..., 2, :]
     return square
 
 
