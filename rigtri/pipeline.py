@@ -193,7 +193,7 @@ def _deliver(
     with called(names), as_file_error(written.final):
         for companion in document.write(rig, written.part, written.final):
             written.add(companion)
-        if keep:
+        if keep and verify:
             written.settle()
     clock.lap("write")
     if not verify:

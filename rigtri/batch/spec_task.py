@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import pickle
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from rigtri.batch.work import Ready
@@ -28,6 +29,14 @@ class SpecTask:
 
     spec: Spec
     verify: bool = True
+
+    def __reduce__(self) -> tuple[Callable[[bytes], SpecTask], tuple[bytes]]:
+        """It travels with each file: packed once, and unpacked once by who gets it again and again."""
+        return _unpacked, (self._packed,)
+
+    @cached_property
+    def _packed(self) -> bytes:
+        return pickle.dumps((self.spec, self.verify))
 
     def key(self) -> str:
         """As `rigtri.batch.work.Task.key`."""
@@ -89,6 +98,11 @@ class SpecTask:
             report=report,
             ready=with_sidecar,
         ).outcome
+
+
+@lru_cache(maxsize=8)
+def _unpacked(packed: bytes) -> SpecTask:
+    return SpecTask(*pickle.loads(packed))
 
 
 def _write_sidecar(side: Path, written: Written, reading: Options) -> None:
