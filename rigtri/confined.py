@@ -44,6 +44,9 @@ _STARTS, _BETWEEN = 5, 0.1
 # Names of sockets are short: about 100 characters, 32 of them below this folder's.
 _LONGEST = 70
 
+_NO_MEMORY = "there is not enough memory for this file"
+# How a child ends that has no memory left to say so.
+_EXHAUSTED = 125
 # M_TRIM_THRESHOLD, M_TOP_PAD and M_MMAP_THRESHOLD of mallopt(3), bytes each.
 _KEPT = (-1, 1 << 26), (-2, 1 << 22), (-3, 1 << 24)
 
@@ -104,10 +107,11 @@ class Confined:
             pipe.send((task, arguments))
             kind, value = self._answer(name, pipe, heard)
         except (EOFError, ConnectionError):
-            raise CrashError(f"{name}: {self._death()}") from None
+            why, kind = self._death()
+            raise CrashError(f"{name}: {why}", kind) from None
         if kind == "memory":
             self.close()
-            raise CrashError(f"{name}: there is not enough memory for this file", "memory")
+            raise CrashError(f"{name}: {_NO_MEMORY}", "memory")
         if kind == "refused":
             raise _rebuilt(*value)
         if kind == "failed":
@@ -183,8 +187,8 @@ class Confined:
                 theirs.close()
         raise AssertionError("unreachable")
 
-    def _death(self) -> str:
-        """What ended the child, in words; another will be started for the next task."""
+    def _death(self) -> tuple[str, str]:
+        """What ended the child, in words, and which kind of crash that is; another will be started."""
         if self._killed:
             self._process.kill()
         self._process.join()
@@ -194,16 +198,20 @@ class Confined:
             with contextlib.suppress(ValueError):
                 code = signal.Signals(-code).name
         if code == "SIGKILL":
-            return "the process that read it was killed (SIGKILL), as systems do that run out of memory"
-        if self._memory is not None:
-            return (
+            why = "the process that read it was killed (SIGKILL), as systems do that run out of memory"
+        elif code == _EXHAUSTED:
+            return _NO_MEMORY, "memory"
+        elif self._memory is not None:
+            why = (
                 f"the library that reads it crashed ({code}): it needs more memory than it may have, or the "
                 "file is damaged. Allow it more, or export it anew with the program that wrote it"
             )
-        return (
-            f"the library that reads it crashed ({code}). The file is damaged; export it anew with the "
-            "program that wrote it"
-        )
+        else:
+            why = (
+                f"the library that reads it crashed ({code}). The file is damaged; export it anew with the "
+                "program that wrote it"
+            )
+        return why, "crash"
 
 
 def tell(value: Any) -> None:
@@ -266,7 +274,7 @@ def _serve(pipe: Connection, memory: int | None, place: str) -> None:
     gc.freeze()
     gc.set_threshold(*_RINGS)
     _keep_memory()
-    with contextlib.suppress(EOFError, ConnectionError):
+    with _ending_without_memory(), contextlib.suppress(EOFError, ConnectionError):
         pipe.send("ready")
         while True:
             task, arguments = pipe.recv()
@@ -281,6 +289,17 @@ def _serve(pipe: Connection, memory: int | None, place: str) -> None:
                 pipe.send(("failed", traceback.format_exc()))
                 raise SystemExit(1) from None
             pipe.send(answer)
+
+
+@contextlib.contextmanager
+def _ending_without_memory() -> Iterator[None]:
+    """End this process where it has not even the memory to tell that, without a traceback."""
+    try:
+        yield
+    except Exception as error:
+        if of_memory(error):
+            os._exit(_EXHAUSTED)
+        raise
 
 
 def _keep_memory() -> None:

@@ -60,6 +60,8 @@ class NameNotFoundError(RigtriError):
         said = "matches" if pattern and re.search(r"[*?\[]", name) else "is named"
         # Clips are few, and have names beside their numbers: all are told.
         hint = ("" if kind.startswith("clip") else _range(name, every)) or _meant(name, every)
+        if re.search(r"[*?]", name) and not pattern:
+            hint = " One is meant here, so patterns are not taken." + hint
         super().__init__(f"No {kind} {said} '{name}'.{hint} {LIST_NAMES}")
 
 

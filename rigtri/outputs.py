@@ -91,8 +91,9 @@ class Written:
     def settle(self) -> None:
         """Let the disk take the part meanwhile, so that the rename need not wait for that."""
         # The thread must not open it: it would wait for this one before it came to the sync.
-        self._settling = threading.Thread(target=self._sync, args=(self.part.open("rb+"),))
-        self._settling.start()
+        thread = threading.Thread(target=self._sync, args=(self.part.open("rb+"),))
+        thread.start()
+        self._settling = thread
 
     def _sync(self, part: IO[bytes]) -> None:
         with part, suppress(OSError):  # it comes again before the rename, and is told then

@@ -180,9 +180,24 @@ def test_all_that_is_wrong_with_inputs_is_told_at_once(tree: Path) -> None:
     for said in ("'nope/*.glb'", "'nope2/*'", "@gone:", "@empty names", "without a name", "job.jsonl:2: "):
         assert said in text
     assert "job.jsonl:1: there is no such file to read: gone.glb" in text
-    Path("list").write_text("in/a.glb\n\nnope/*.glb\n")
-    with pytest.raises(UsageError, match=r"^@list:3: 'nope/\*\.glb' matches no file"):
+
+
+def test_faults_of_a_list_are_told_with_their_lines(tree: Path) -> None:
+    Path("list").write_text("in/a.glb\n\nnope/*.glb\ngone.glb\nin\n")
+    with pytest.raises(UsageError) as told:
         entries(["@list"], out_dir=Path("out"))
+    for said in ("@list:3: 'nope/*.glb' matches no", "@list:5: in is a folder", "@list:4: there is no such"):
+        assert said in str(told.value)
+    Path("list").write_text("in/a.glb\ngone.glb\n")
+    with pytest.raises(FileError, match=r"no such file to read: @list:2: gone\.glb$"):
+        targets.check(entries(["@list"], out_dir=Path("out")).entries)
+    Path("spec.glx").write_text("")
+    Path("list").write_text("in/a.glb\nspec.glx\n")
+    with pytest.raises(UsageError, match=r"no rig file.*: @list:2: spec\.glx$"):
+        targets.check(entries(["@list"], out_dir=Path("out")).entries)
+
+
+def test_all_that_is_wrong_in_lists_is_told_at_once(tree: Path) -> None:
     with pytest.raises(FileError, match=r"@a: .*; @b: "):
         entries(["@a", "@b"], out_dir=Path("out"))
 

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from multiprocessing import forkserver
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,25 @@ def test_where_no_process_can_be_started_that_is_said(monkeypatch: pytest.Monkey
     monkeypatch.setattr(forkserver, "connect_to_new_process", refused)
     with Confined() as child, pytest.raises(FileError, match=r"no process can be started .*unexpected EOF"):
         child("a.glb", abs, -3)
+
+
+def speechless() -> None:
+    """A process that has not even the memory to say that it has none."""
+
+    def send(_self: Connection, _value: object) -> None:
+        raise MemoryError
+
+    Connection.send = send  # type: ignore[method-assign]
+    raise MemoryError
+
+
+def test_a_process_without_memory_for_a_word_ends_without_a_traceback(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    with Confined() as child, pytest.raises(CrashError, match=r"a\.glb: there is not enough memory") as told:
+        child("a.glb", speechless)
+    assert told.value.kind == "memory"
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_the_many_words_for_no_memory_mean_one_thing() -> None:

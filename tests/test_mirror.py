@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
 from places import files_of_all_kinds, leave_out_refused
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
@@ -233,7 +233,7 @@ def moved(name: str, folder: Path, samples: Path) -> Path:
         top |= {"translation": [3.0, -1.0, 0.5], "rotation": turn.tolist(), "scale": [2.0, 2.0, 2.0]}
         path.write_bytes(glb_bytes(gltf, binary))
         return path
-    stage = Usd.Stage.Open(str(samples / name))
+    stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(samples / name)))
     ops = UsdGeom.Xformable(stage.GetDefaultPrim())
     ops.ClearXformOpOrder()
     ops.AddTranslateOp(opSuffix="away").Set((3.0, -1.0, 0.5))

@@ -402,6 +402,27 @@ def test_the_schema_takes_what_a_build_takes(text: str, fits: bool, tmp_path: Pa
     assert jsonschema.Draft202012Validator(schema()).is_valid(plain) is fits
 
 
+def test_a_value_that_a_variable_gives_is_told_with_the_variable(tmp_path: Path) -> None:
+    text = "variables: {size: 1}\nsteps:\n- {do: add-controls, size: '${size}'}\n"
+    with pytest.raises(SpecError, match=r"it is \"abc\", by the variable 'size'"):
+        load(write(tmp_path, text), variables={"size": "abc"})
+
+
+def test_what_words_of_braces_have_in_common_is_told_once(tmp_path: Path) -> None:
+    text = "steps:\n- {do: orient-joints, joints: [forarm_L, 'hend_{L,R}']}\n"
+    with pytest.raises(SpecError) as caught:
+        build(SAMPLES / "biped.glb", tmp_path / "out.glb", write(tmp_path, text))
+    assert [fault.where for fault in caught.value.found] == [
+        "step 1 (orient-joints)", "step 1 (orient-joints, L)", "step 1 (orient-joints, R)"
+    ]  # fmt: skip
+
+
+def test_a_pattern_where_one_joint_is_meant_is_told_as_such(tmp_path: Path) -> None:
+    text = "steps:\n- {do: add-polevector, limb: ['upper*_L', forearm_L, hand_L]}\n"
+    (said,) = faults(write(tmp_path, text), SAMPLES / "biped.glb").values()
+    assert "'upper*_L'. One is meant here, so patterns are not taken." in said
+
+
 def test_a_variable_that_is_set_has_the_type_of_the_one_in_the_spec(tmp_path: Path) -> None:
     text = "variables: {n: 2, on: false, who: '12'}\n"
     text += "steps: [{do: add-twist, joint: '${who}', to: a, count: '${n}', upper: '${on}'}]\n"

@@ -17,7 +17,7 @@ from pathlib import Path
 from rigtri.batch import urls
 from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
-from rigtri.batch.entries import MOST, Entry
+from rigtri.batch.entries import MOST, Entry, told
 from rigtri.batch.manifest import Manifest
 from rigtri.batch.manifest_file import Known, look_up, name_of
 from rigtri.batch.work import Assignment, Record, Task, faults, missing, reason
@@ -85,8 +85,7 @@ class Run:
                 self._keys[variables] = self._key(self._tasks(variables))
             except RigtriError as error:
                 if variables:
-                    place = f"{entry.line}: {entry.source}" if entry.line else entry.source
-                    error.args = (f"{place}: {error}", *error.args[1:])
+                    error.args = (f"{told(entry.line, entry.source)}: {error}", *error.args[1:])
                 raise
         appeared: dict[str, Record] = {}
         if self._manifest is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from rigtri.errors import UsageError
@@ -49,10 +49,20 @@ class SpecError(UsageError):
 
     def __init__(self, faults: Sequence[Fault], exit_code: int = UsageError.exit_code) -> None:
         files = list(dict.fromkeys(fault.place.file for fault in faults))
-        self.found = found = tuple(sorted(dict.fromkeys(faults), key=lambda fault: fault.order(files)))
+        self.found = found = tuple(sorted(_each_once(faults), key=lambda fault: fault.order(files)))
         self.exit_code = exit_code
         # One fault is the error itself.
         self.faults: tuple[Fault, ...] = found if len(found) > 1 else ()
         super().__init__(
             f"{', '.join(files)}: {len(found)} faults in the spec" if self.faults else str(found[0])
         )
+
+
+def _each_once(faults: Sequence[Fault]) -> Iterator[Fault]:
+    """Each fault once: what several words of a step's braces have in common is told of the step alone."""
+    alike: dict[tuple[Place, str, str], list[str]] = {}
+    for fault in faults:
+        step = fault.where.rpartition(", ")[0] or fault.where
+        alike.setdefault((fault.place, fault.text, step), []).append(fault.where)
+    for (place, text, step), where in alike.items():
+        yield Fault(place, where[0] if len(set(where)) == 1 else f"{step})", text)

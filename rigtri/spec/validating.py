@@ -112,7 +112,8 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[
     else:
         text = told["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]
-        text += "" if kind == "value_error" else f" (it is {_short(told['input'])})"
+        by = f", by the variable '{tree.at(keys).variable}'" if tree.at(keys).variable else ""
+        text += "" if kind == "value_error" else f" (it is {_short(told['input'])}{by})"
         text = f"{option}: {text}" if option else text
     return keys, Fault(tree.place(at), where_of(tree, keys), text)
 
