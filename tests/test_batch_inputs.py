@@ -197,6 +197,12 @@ def test_faults_of_a_list_are_told_with_their_lines(tree: Path) -> None:
         targets.check(entries(["@list"], out_dir=Path("out")).entries)
 
 
+def test_a_folder_in_a_job_file_is_told_with_its_line(tree: Path) -> None:
+    Path("job.jsonl").write_text('{"input": "in"}\n')
+    with pytest.raises(UsageError, match=r"^job\.jsonl:1: in is a folder; each line names one file$"):
+        entries([], job=Path("job.jsonl"), out_dir=Path("out"))
+
+
 def test_all_that_is_wrong_in_lists_is_told_at_once(tree: Path) -> None:
     with pytest.raises(FileError, match=r"@a: .*; @b: "):
         entries(["@a", "@b"], out_dir=Path("out"))

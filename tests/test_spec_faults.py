@@ -421,6 +421,12 @@ def test_a_pattern_where_one_joint_is_meant_is_told_as_such(tmp_path: Path) -> N
     text = "steps:\n- {do: add-polevector, limb: ['upper*_L', forearm_L, hand_L]}\n"
     (said,) = faults(write(tmp_path, text), SAMPLES / "biped.glb").values()
     assert "'upper*_L'. One is meant here, so patterns are not taken." in said
+    text = "steps:\n- {do: constrain, type: parent, child: 'hand_*', driver: 'foot_*', colour: 2}\n"
+    text += "- {do: add-polevector, limb: ['thigh_*', shin_L, 'foot_?'], distance: -1}\n"
+    found = list(faults(write(tmp_path, text), SAMPLES / "biped.glb").values())
+    assert [said.split("'")[1] for said in found if "One is meant" in said] == [
+        "hand_*", "foot_*", "thigh_*", "foot_?"
+    ]  # fmt: skip
 
 
 def test_a_variable_that_is_set_has_the_type_of_the_one_in_the_spec(tmp_path: Path) -> None:

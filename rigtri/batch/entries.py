@@ -84,7 +84,7 @@ def entries(
     return Found(tuple(sorted(each.values(), key=lambda entry: (entry.source, entry.target))), left_out)
 
 
-def told(line: str, what: str) -> str:
+def at_line(line: str, what: str) -> str:
     """Something with the line of the job file or list that it is said of, where there is one."""
     return f"{line}: {what}" if line else what
 
@@ -108,7 +108,7 @@ def _kept(faults: list[RigtriError], line: str = "") -> Iterator[None]:
     try:
         yield
     except (FileError, UsageError) as error:
-        faults.append(type(error)(told(line, str(error))))
+        faults.append(type(error)(at_line(line, str(error))))
 
 
 def _refuse(faults: Sequence[RigtriError]) -> None:
@@ -143,14 +143,18 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
                     every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
                     found += [Input(path, fixed, found=True, line=line) for path in every]
                 else:
-                    _check_file(name)
+                    if not urls.is_url(name) and os.path.isdir(name):
+                        inside = Path(name, "**", "*.glb")
+                        raise UsageError(f"{name} is a folder; say which files of it, as in '{inside}'")
                     plain.append((name, line))
     base = ""
     with _kept(faults):
         base = _shared([name for name, _ in plain])
     if faults:  # else it is told of all files together
         lost = [(name, line) for name, line in plain if not _exists(name)]
-        faults += (FileError(f"{told(line, 'there is no such file to read')}: {name}") for name, line in lost)
+        faults += (
+            FileError(f"{at_line(line, 'there is no such file to read')}: {name}") for name, line in lost
+        )
     return [*(Input(name, base, line=line) for name, line in plain), *found]
 
 
@@ -219,11 +223,6 @@ def _exists(name: str) -> bool:
     return urls.exists(name) if urls.is_url(name) else os.path.lexists(name)
 
 
-def _check_file(name: str) -> None:
-    if not urls.is_url(name) and os.path.isdir(name):
-        raise UsageError(f"{name} is a folder; say which files of it, as in '{Path(name, '**', '*.glb')}'")
-
-
 def _shared(names: Sequence[str]) -> str:
     """The deepest folder that holds all of these files."""
     if not names:
@@ -235,8 +234,6 @@ def _shared(names: Sequence[str]) -> str:
         if lacking := urls.absent(away):
             raise FileError(f"There is no file {lacking[0]}")
         return urls.shared(away)
-    for name in names:
-        _check_file(name)
     try:
         return os.path.commonpath([os.path.dirname(os.path.abspath(name)) for name in names])
     except ValueError:  # drives of Windows

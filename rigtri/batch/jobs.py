@@ -49,6 +49,8 @@ def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> l
         if line.strip():
             try:
                 one = _input(_values(line), path.parent)
+                if not urls.is_url(one.source) and os.path.isdir(one.source):
+                    raise ValueError(f"{one.source} is a folder; each line names one file")
                 found.append(replace(one, line=f"{path}:{number}", number=number))
             except (ValueError, RecursionError) as error:
                 wrong.append((number, UsageError(f"{path}:{number}: {error}")))

@@ -17,7 +17,7 @@ from pathlib import Path
 from rigtri.batch import urls
 from rigtri.batch.contents import ABSENT, Hashes, seen_from
 from rigtri.batch.engine import Engine
-from rigtri.batch.entries import MOST, Entry, told
+from rigtri.batch.entries import MOST, Entry, at_line
 from rigtri.batch.manifest import Manifest
 from rigtri.batch.manifest_file import Known, look_up, name_of
 from rigtri.batch.work import Assignment, Record, Task, faults, missing, reason
@@ -85,7 +85,7 @@ class Run:
                 self._keys[variables] = self._key(self._tasks(variables))
             except RigtriError as error:
                 if variables:
-                    error.args = (f"{told(entry.line, entry.source)}: {error}", *error.args[1:])
+                    error.args = (f"{at_line(entry.line, entry.source)}: {error}", *error.args[1:])
                 raise
         appeared: dict[str, Record] = {}
         if self._manifest is not None:
@@ -241,7 +241,9 @@ def try_out(plan: Plan, engine: Engine) -> str:
             words.setdefault(bare, whole.replace("FILE", assignment.entry.source))
     if not kinds or None in kinds:
         return ""
-    told = "; ".join(f"{words[bare]} ({files} of {len(kinds)})" for bare, files in reasons.most_common(MOST))
+    most = reasons.most_common(MOST)
+    told = "; ".join(f"{words[bare]} ({files} of {len(kinds)})" for bare, files in most)
+    told += f"; and {len(reasons) - MOST} more" if len(reasons) > MOST else ""
     tried = f"{len(kinds)} files" if count == len(kinds) else f"{len(kinds)} of {count} files"
     misfits = _MISFITS.intersection(kinds)
     if not misfits:

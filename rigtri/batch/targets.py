@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rigtri.batch import urls
 from rigtri.batch.contents import no_file
-from rigtri.batch.entries import MOST, Entry, located, told
+from rigtri.batch.entries import MOST, Entry, at_line, located
 from rigtri.batch.fetched import is_elsewhere
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES
@@ -32,10 +32,10 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     _refuse(_names_of_memory(away), "what is written there is gone when the batch ends", UsageError)
     known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
     named = [e for e in entries if not (e.found or urls.is_url(e.source))]
-    lost = [told(e.line, e.source) for e in named if not os.path.lexists(e.source)]
+    lost = [at_line(e.line, e.source) for e in named if not os.path.lexists(e.source)]
     _refuse(lost, "there is no such file to read", FileError)
     strange = ((e.line, no_file(e.source)) for e in named)
-    _refuse([told(line, why) for line, why in strange if why], "only plain files can be read", FileError)
+    _refuse([at_line(line, why) for line, why in strange if why], "only plain files can be read", FileError)
     _refuse(_strange(entries), f"no rig file, as its name does not end with one of {known}", UsageError)
     _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
     _refuse(_clashes(entries), "more than one input for one output", UsageError)
@@ -72,7 +72,7 @@ def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageEr
 
 def _strange(entries: Sequence[Entry]) -> list[str]:
     known = GLTF_SUFFIXES + USD_SUFFIXES
-    return [told(e.line, e.source) for e in entries if not e.source.lower().endswith(known)]
+    return [at_line(e.line, e.source) for e in entries if not e.source.lower().endswith(known)]
 
 
 def _names(entries: Sequence[Entry]) -> list[str]:

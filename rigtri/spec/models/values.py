@@ -20,10 +20,9 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rigtri.bounds import fits, unfit
-from rigtri.errors import NameNotFoundError
+from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.ops.presets import PRESETS
 from rigtri.ops.ups import direction
-from rigtri.rig import Rig
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.
 UNKNOWN = "unknown_node"
@@ -121,22 +120,31 @@ def _scalar(value: Any) -> Any:
     return value
 
 
-def _check(names: Sequence[str], rig: Rig) -> None:
-    """An error of pydantic's with all of these names or globs that no node of a rig has."""
+def _check(names: Sequence[str], find: Callable[[str], object]) -> None:
+    """An error of pydantic's with all of these names or globs that a rig does not find."""
     lost = {}
     for name in names:
         try:
-            rig.match(name)
+            find(name)
         except NameNotFoundError as error:
             lost[name] = str(error)
+        except AmbiguousNameError:  # it is there
+            continue
     if lost:
         raise PydanticCustomError(UNKNOWN, "{names}", {"names": lost})
 
 
 def _node(name: str, info: ValidationInfo) -> str:
-    """The name or glob of a node, which the rig of the context has, where there is one."""
+    """The name of one node, which the rig of the context has, where there is one."""
     if info.context is not None:
-        _check([name], info.context)
+        _check([name], info.context.find)
+    return name
+
+
+def _nodes(name: str, info: ValidationInfo) -> str:
+    """As `_node`, or a glob."""
+    if info.context is not None:
+        _check([name], info.context.match)
     return name
 
 
@@ -144,7 +152,7 @@ def _before(text: str, info: ValidationInfo) -> str:
     """``NODE`` or ``NODE=…``; names may hold ``=`` themselves."""
     cuts = [text, *(text[:k] for k, letter in enumerate(text) if letter == "=")]
     if info.context is not None and not any(map(info.context.has, cuts)):
-        _check([text.partition("=")[0]], info.context)
+        _check([text.partition("=")[0]], info.context.find)
     return text
 
 
@@ -152,7 +160,7 @@ def _both(text: str, info: ValidationInfo) -> str:
     """``NODE=NODE``."""
     cuts = [(text[:k], text[k + 1 :]) for k, letter in enumerate(text) if letter == "="]
     if info.context is not None and not any(all(map(info.context.has, pair)) for pair in cuts):
-        _check(text.split("=", 1), info.context)
+        _check(text.split("=", 1), info.context.find)
     return text
 
 
@@ -169,7 +177,7 @@ VariableName = Annotated[str, Field(pattern=r"^[^\s{}$='\"]+$")]
 Names = Annotated[tuple[Name, ...], OneOrMany(_word)]
 # Names of nodes, joints mostly: an option that has such values asks the rig for them.
 Node = Annotated[Name, AfterValidator(_node)]
-Nodes = Annotated[tuple[Node, ...], OneOrMany(_word)]
+Nodes = Annotated[tuple[Annotated[Name, AfterValidator(_nodes)], ...], OneOrMany(_word)]
 Chains = Annotated[tuple[tuple[Node, Node], ...], OneOrMany(_row)]
 Limb = tuple[Node, Node, Node]
 Limbs = Annotated[tuple[Limb, ...], OneOrMany(_row)]
