@@ -123,7 +123,7 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
     local = rest(rig)
     rows = [local[:, k, :3] for k in range(3)]
     square, aside = _squares(rows)
-    high = np.sqrt(np.maximum.reduce([a + b for a, b in zip(square, aside, strict=True)]))
+    high = _most(square, aside)
     low = np.sqrt(np.maximum(np.minimum.reduce([a - b for a, b in zip(square, aside, strict=True)]), 0.0))
     least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
     moved, scaled = (
@@ -188,7 +188,11 @@ def _stretch(rest: Floats, posed: Floats) -> Floats:
 
 def _longest(rows: Sequence[Floats]) -> Floats:
     """By how much a matrix stretches any direction at most, (...), from its three rows, (..., 3) each."""
-    square, aside = _squares(rows)
+    return _most(*_squares(rows))
+
+
+def _most(square: Sequence[Floats], aside: Sequence[Floats]) -> Floats:
+    """As `_longest`, from what `_squares` gives."""
     return np.asarray(np.sqrt(np.maximum.reduce([a + b for a, b in zip(square, aside, strict=True)])))
 
 

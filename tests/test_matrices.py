@@ -145,3 +145,11 @@ def test_a_flat_matrix_has_no_inverse_and_warns_nobody() -> None:
 def test_nine_numbers_are_no_matrix() -> None:
     with pytest.raises(ValueError, match=r"shape \(3, 3\)"):
         m.as_matrices(np.eye(3))
+
+
+def test_few_are_multiplied_to_the_bit_as_many() -> None:
+    chance = np.random.default_rng(5)
+    a, b = chance.normal(size=(2, 100, 4, 4))
+    b[3, 1, 2], a[4, 0, 0] = np.inf, np.nan
+    for few in (1, 3, 16):
+        assert_array_equal(m.multiply(a[:few], b[:few]), m.multiply(a, b)[:few])

@@ -11,6 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from strategies import directions, quaternions, vectors
 
 from rigtri import triangle
+from rigtri.bend import in_pose
+from rigtri.limbs import Limb
 from rigtri.matrices import from_frame, inverse, multiply
 from rigtri.quaternions import from_axis_angle, rotate
 from rigtri.trigonometry import Floats
@@ -186,3 +188,18 @@ def test_an_axis_is_named_by_one_letter_and_a_sign() -> None:
 
 def test_the_angle_of_the_triangle_is_the_angle_of_its_sides() -> None:
     assert_allclose(triangle.bend_angle(SHOULDER, ELBOW, WRIST), angle(ELBOW - SHOULDER, WRIST - ELBOW))
+
+
+def test_one_limb_is_told_to_the_bit_as_many_triangles() -> None:
+    chance = np.random.default_rng(6)
+    points = chance.normal(size=(40, 3, 3))
+    points[0, 2], points[1, 1], points[2] = points[0, 0], points[1, 0], points[2, 0]  # coincide
+    points[3, 1] = 0.5 * (points[3, 0] + points[3, 2])  # straight
+    points[4] *= 1e-9
+    world = np.tile(np.eye(4), (120, 1, 1))
+    world[:, 3, :3] = points.reshape(-1, 3)
+    told = in_pose([Limb(3 * k, 3 * k + 1, 3 * k + 2) for k in range(40)], world)
+    a, b, c = points[:, 0], points[:, 1], points[:, 2]
+    assert_array_equal([one.direction for one in told], triangle.bend_direction(a, b, c))
+    assert_array_equal([one.hinge for one in told], triangle.hinge(a, b, c))
+    assert_array_equal([one.sine for one in told], triangle.bend_sine(a, b, c))

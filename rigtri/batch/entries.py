@@ -108,7 +108,8 @@ def _kept(faults: list[RigtriError], line: str = "") -> Iterator[None]:
     try:
         yield
     except (FileError, UsageError) as error:
-        faults.append(type(error)(at_line(line, str(error))))
+        # One without a line stays what it is: some have more to tell than their text.
+        faults.append(type(error)(f"{line}: {error}") if line else error)
 
 
 def _refuse(faults: Sequence[RigtriError]) -> None:
@@ -142,10 +143,10 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
                     fixed = os.path.dirname(name[: start.start()])
                     every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
                     found += [Input(path, fixed, found=True, line=line) for path in every]
+                elif not urls.is_url(name) and os.path.isdir(name):
+                    inside = Path(name, "**", "*.glb")
+                    raise UsageError(f"{name} is a folder; say which files of it, as in '{inside}'")
                 else:
-                    if not urls.is_url(name) and os.path.isdir(name):
-                        inside = Path(name, "**", "*.glb")
-                        raise UsageError(f"{name} is a folder; say which files of it, as in '{inside}'")
                     plain.append((name, line))
     base = ""
     with _kept(faults):
