@@ -40,7 +40,7 @@ def main() -> None:
     from recognition import table
     from recognition.cases import all_cases
 
-    from rigtri.recognition.engine import recognise
+    from rigtri.recognition.recognise import recognise
 
     with tempfile.TemporaryDirectory() as folder:
         found = list(table.results(all_cases(Path(folder)), recognise, runs=3))

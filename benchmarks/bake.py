@@ -15,24 +15,24 @@ from pathlib import Path
 
 import numpy as np
 
+from rigtri.evaluation.active_controls import keyed_in
+from rigtri.evaluation.key_reduction import needed
+from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import single, timelines
 from rigtri.formats import read
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
-from rigtri.ops.select import Selection
-from rigtri.ops.taking.transfer import PATHS, one_way_round
-from rigtri.ops.twist import Options as TwistOptions
-from rigtri.ops.twist import add_twist
-from rigtri.quaternions import from_axis_angle, multiply
-from rigtri.records import Clip, Track
-from rigtri.rig import Rig
-from rigtri.solve.at_work import keyed_in
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.keys import needed
-from rigtri.solve.posed import sampled
-from rigtri.timelines import single, timelines
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_twist.twist import Options as TwistOptions
+from rigtri.operations.add_twist.twist import add_twist
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.take_clips.retargeting import PATHS, one_way_round
 
 PEER = Path(__file__).with_name("bake_blender.py")
 BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"

@@ -17,11 +17,11 @@ import tempfile
 import time
 from pathlib import Path
 
-from rigtri.batch.axes import Axes
-from rigtri.batch.entries import Entry
-from rigtri.batch.manifest import Manifest
-from rigtri.batch.summary import summarise
-from rigtri.batch.work import Record
+from rigtri.pipeline.batch.axis_summary import Axes
+from rigtri.pipeline.batch.inputs import Entry
+from rigtri.pipeline.batch.manifest import Manifest
+from rigtri.pipeline.batch.report import summarise
+from rigtri.pipeline.batch.work import Record
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]

@@ -69,7 +69,7 @@ def cold(source: Path, folder: Path) -> Callable[[], None]:
 def warm(source: Path, folder: Path) -> Callable[[], None]:
     """Read, orient and write in a running process, without verification."""
     from rigtri.formats import read
-    from rigtri.ops.orient import orient_joints
+    from rigtri.operations.orient_joints.orient import orient_joints
 
     part, target = folder / f"warm{source.suffix}", folder / f"out{source.suffix}"
 
@@ -133,8 +133,8 @@ def imports(source: Path, folder: Path) -> set[str]:
 def deviations(folder: Path, scratch: Path) -> list[tuple[str, str, str, str]]:
     """For each file of a folder: what orient-joints makes of it, and the deviation it measures."""
     from rigtri.errors import RigtriError
-    from rigtri.ops.orient import orient_joints
-    from rigtri.pipeline import edit
+    from rigtri.operations.orient_joints.orient import orient_joints
+    from rigtri.pipeline.edit import edit
 
     found = []
     for path in sorted(p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES):

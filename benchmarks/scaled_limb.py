@@ -20,11 +20,11 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from scaled_limbs import STRETCH, TIMES, Limb, gltf, usd  # noqa: E402
 
-from rigtri import pose  # noqa: E402
+from rigtri.evaluation import sampling as pose  # noqa: E402
 from rigtri.formats import Options, read  # noqa: E402
-from rigtri.ops.orient import Options as Orient  # noqa: E402
-from rigtri.ops.orient import orient_joints  # noqa: E402
-from rigtri.pipeline import edit  # noqa: E402
+from rigtri.operations.orient_joints.orient import Options as Orient  # noqa: E402
+from rigtri.operations.orient_joints.orient import orient_joints  # noqa: E402
+from rigtri.pipeline.edit import edit  # noqa: E402
 
 POLICIES = ("snap", "split")
 # What Blender is told: nothing; to aim bones while it imports; to aim them in edit mode.

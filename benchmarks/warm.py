@@ -18,11 +18,11 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
-from rigtri.batch.entries import Entry
-from rigtri.batch.spec_task import SpecTask
-from rigtri.batch.work import Assignment, work
-from rigtri.confined import Confined
-from rigtri.spec.loading import load
+from rigtri.files.worker_process import Confined
+from rigtri.pipeline.batch.inputs import Entry
+from rigtri.pipeline.batch.spec_task import SpecTask
+from rigtri.pipeline.batch.work import Assignment, work
+from rigtri.pipeline.rigspec.load import load
 
 ROOT = Path(__file__).resolve().parent.parent
 SPEC = "steps: [{do: orient-joints, aim: x, up: y}]\n"
@@ -81,7 +81,7 @@ class Workers:
         (folder / "rig.yaml").write_text(SPEC)
         self._source, self._folder = shutil.copy(source, folder), folder
         self._task = SpecTask(load(folder / "rig.yaml"), verify=verify)
-        self._children = [Confined(preload=["rigtri.batch.spec_task"]) for _ in cores]
+        self._children = [Confined(preload=["rigtri.pipeline.batch.spec_task"]) for _ in cores]
         if hasattr(os, "sched_setaffinity"):
             for child in self._children:
                 child("cores", os.sched_setaffinity, 0, cores)

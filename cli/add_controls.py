@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.shapes import KINDS
+from rigtri.model.control_shapes import KINDS
 
 from .asked import given_options, request
 from .editing import copy_ahead, run_edit
@@ -116,7 +116,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-controls hero.usdz -o out.usdz --below spine --shape cube --size 1.5
     """
     copy_ahead(ctx, values)
-    from rigtri.steps.add_controls import step
+    from rigtri.pipeline.steps.add_controls import step
 
     run_edit("add-controls", values, step(request(values)), given_options(ctx), summary)
 

@@ -95,7 +95,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-polevector hero.glb -o out.glb --limb thigh shin foot --bend shin=0,0,1
     """
     copy_ahead(ctx, values)
-    from rigtri.steps.add_polevector import step
+    from rigtri.pipeline.steps.add_polevector import step
 
     asked = step(request(values))
     if not values["quiet"]:

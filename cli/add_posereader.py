@@ -101,7 +101,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-posereader hero.glb -o out.glb --driver knee --reader cone --outer 60 --target walk@0.4
         rigtri add-posereader hero.usdz -o out.usdz --driver head --reader rbf --target rest --target nod@12
     """
-    from rigtri.steps.add_posereader import step
+    from rigtri.pipeline.steps.add_posereader import step
 
     run_edit("add-posereader", values, step(request(values)), given_options(ctx), summary)
 

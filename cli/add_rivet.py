@@ -87,7 +87,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-rivet hero.glb -o out.glb --mesh Body --triangle 120 --barycentric 0.2,0.3,0.5
         rigtri add-rivet hero.usdz -o out.usdz --mesh Body --vertex 17 --vertex 40 --fps 24
     """
-    from rigtri.steps.add_rivet import step
+    from rigtri.pipeline.steps.add_rivet import step
 
     run_edit("add-rivet", values, step(request(values)), given_options(ctx), summary)
 

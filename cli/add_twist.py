@@ -97,7 +97,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri add-twist hero.glb -o out.glb --limb upper_arm forearm hand --count 3 --split-weights
         rigtri add-twist hero.usdz -o out.usdz --joint forearm --to hand --weights 0.25,0.8
     """
-    from rigtri.steps.add_twist import step
+    from rigtri.pipeline.steps.add_twist import step
 
     run_edit("add-twist", values, step(request(values)), given_options(ctx), summary)
 

@@ -10,12 +10,12 @@ from rigtri.errors import UsageError
 
 if TYPE_CHECKING:
     from rigtri.formats import Options
-    from rigtri.steps.request import Request
+    from rigtri.pipeline.steps.request import Request
 
 
 def request(values: dict[str, Any]) -> Request:
     """What the user asks of the operation of this command."""
-    from rigtri.steps.request import Request
+    from rigtri.pipeline.steps.request import Request
 
     ctx = click.get_current_context()
     return Request(values, frozenset(given(ctx)), read_options(values))

@@ -29,11 +29,11 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from rigtri.pipeline import Outcome
+    from rigtri.model.rig import Rig
+    from rigtri.pipeline.edit import Outcome
+    from rigtri.pipeline.rigspec.auto import Proposal
+    from rigtri.pipeline.rigspec.build import Built
     from rigtri.report import Report
-    from rigtri.rig import Rig
-    from rigtri.spec.automatic import Proposal
-    from rigtri.spec.building import Built
 
 SUFFIX = ".rig.yaml"
 
@@ -107,8 +107,8 @@ class _Job:
         self.built: Built
 
     def done(self, report: Report) -> Outcome:
-        from rigtri.recognition.schemes import own_schemes
-        from rigtri.spec.automatic import auto
+        from rigtri.pipeline.rigspec.auto import auto
+        from rigtri.recognition.naming_schemes import own_schemes
 
         values = self.values
         words = ("spec_out", "verify", "tolerance", "strict", "dry_run")
@@ -138,7 +138,7 @@ class _Job:
         self._draw(self.built.outcome.rig or self.proposal.rig, self.proposal.rig)
 
     def _draw(self, rig: Rig, before: Rig | None) -> None:
-        from rigtri.drawing.picture import Options, draw
+        from rigtri.export.drawing.picture import Options, draw
         from rigtri.report import Report
 
         target = self.values["picture"]
@@ -149,8 +149,8 @@ class _Job:
 
     def told(self, report: Report) -> str:
         """What was recognised, and what each step has done."""
-        from rigtri.recognition.described import text
-        from rigtri.spec.starter import told
+        from rigtri.pipeline.rigspec.spec_init import told
+        from rigtri.recognition.output import text
 
         found, whole = self.proposal, self.values["dry_run"] or self.values["verbose"]
         lines = [text(found.rig, found.layout) + "\n"] if whole else list(told(found.layout))
@@ -161,7 +161,7 @@ class _Job:
 
     def more(self) -> dict[str, Any]:
         """For the report: what was recognised, the spec, and the steps of the build."""
-        from rigtri.recognition.described import as_json
+        from rigtri.recognition.output import as_json
 
         found = self.proposal
         characters = as_json(found.rig, found.layout)["characters"]

@@ -85,7 +85,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri bake edited.glb -o home.glb --to joints --rig rigged.glb
         rigtri bake edited.glb -o home.glb --to joints --rig rigged.glb --as '*_ctlAction=walk'
     """
-    from rigtri.steps.bake import step
+    from rigtri.pipeline.steps.bake import step
 
     run_edit("bake", values, step(request(values)), given_options(ctx), summary)
 

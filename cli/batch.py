@@ -22,11 +22,11 @@ from .values import Bytes
 from .words import plain
 
 if TYPE_CHECKING:
-    from rigtri.batch.engine import Engine
-    from rigtri.batch.entries import Found
-    from rigtri.batch.run import Plan, Run, Tasks
-    from rigtri.batch.shards import Shard
-    from rigtri.batch.spec_task import SpecTask
+    from rigtri.pipeline.batch.inputs import Found
+    from rigtri.pipeline.batch.local_engine import Engine
+    from rigtri.pipeline.batch.run import Plan, Run, Tasks
+    from rigtri.pipeline.batch.shards import Shard
+    from rigtri.pipeline.batch.spec_task import SpecTask
 
 SOME_FAILED = 7
 
@@ -115,9 +115,9 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
-    from rigtri.batch.manifest import Manifest
-    from rigtri.batch.manifest_file import opened, others_of, place
-    from rigtri.batch.run import Run
+    from rigtri.pipeline.batch.manifest import Manifest
+    from rigtri.pipeline.batch.manifest_file import opened, others_of, place
+    from rigtri.pipeline.batch.run import Run
 
     if values["emit_openjd"]:
         batch_job.refuse(values)
@@ -165,12 +165,12 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
 
 def _tasks(values: dict[str, Any]) -> Tasks:
     """What the spec makes of each file, by its own variables."""
-    from rigtri.spec.loading import load
+    from rigtri.pipeline.rigspec.load import load
 
     shared = assigned(values["variables"])
 
     def task(own: tuple[tuple[str, str], ...]) -> SpecTask:
-        from rigtri.batch.spec_task import SpecTask
+        from rigtri.pipeline.batch.spec_task import SpecTask
 
         folders = {name: Path(values["job"]).parent for name, _ in own}
         spec = load(values["spec"], variables=shared | dict(own), folders=folders)
@@ -182,7 +182,7 @@ def _tasks(values: dict[str, Any]) -> Tasks:
 
 def _place(name: str | None) -> Path | str | None:
     """A folder that an option names: a path, or as text a URL."""
-    from rigtri.batch import urls
+    from rigtri.pipeline.batch import urls
 
     return urls.known(name) if name and urls.is_url(name) else Path(name) if name else None
 
@@ -191,8 +191,8 @@ def _found(
     inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | str | None, tasks: Tasks
 ) -> Found:
     """The entries, which can go together; the spec is right for the first of them."""
-    from rigtri.batch import targets
-    from rigtri.batch.entries import entries
+    from rigtri.pipeline.batch import output_checks as targets
+    from rigtri.pipeline.batch.inputs import entries
 
     job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
     found = entries(inputs, job=job, out_dir=out_dir, base=base, fits=tasks)
@@ -208,7 +208,7 @@ def _found(
 
 
 def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
-    from rigtri.batch.manifest_file import NAME
+    from rigtri.pipeline.batch.manifest_file import NAME
 
     if values["manifest"]:
         path = Path(values["manifest"])
@@ -223,13 +223,13 @@ def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
 
 
 def _shard(values: dict[str, Any]) -> Shard | None:
-    from rigtri.batch.shards import of_slurm, parse
+    from rigtri.pipeline.batch.shards import of_slurm, parse
 
     return parse(values["shard"]) if values["shard"] else of_slurm(os.environ)
 
 
 def _try_out(plan: Plan, engine: Engine, *, quiet: bool) -> None:
-    from rigtri.batch.run import try_out
+    from rigtri.pipeline.batch.run import try_out
 
     if (said := try_out(plan, engine)) and not quiet:
         click.echo(plain(said, one_line=True), err=True)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from rigtri.batch.engine import Engine
-    from rigtri.batch.entries import Entry
+    from rigtri.pipeline.batch.inputs import Entry
+    from rigtri.pipeline.batch.local_engine import Engine
 
 
 def address(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -33,7 +33,7 @@ def engine(values: dict[str, Any], folder: str, chosen: Sequence[Entry]) -> Iter
     if not values["dask"]:
         yield local(values, folder, len(chosen), **wanted)
         return
-    from rigtri.batch.cluster import Cluster
+    from rigtri.pipeline.batch.dask import Cluster
 
     with Cluster(values["dask"], folder, jobs=values["jobs"], **_limits(values), **wanted) as cluster:
         if chosen:
@@ -42,7 +42,7 @@ def engine(values: dict[str, Any], folder: str, chosen: Sequence[Entry]) -> Iter
 
 
 def local(values: dict[str, Any], folder: str, files: int, **wanted: Any) -> Engine:
-    from rigtri.batch.engine import Local, processors
+    from rigtri.pipeline.batch.local_engine import Local, processors
 
     jobs = max(1, min(values["jobs"] or processors(), files))
     return Local(jobs, folder, **_limits(values), **wanted)

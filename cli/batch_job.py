@@ -16,8 +16,8 @@ from .build import assigned
 from .words import counted, plain
 
 if TYPE_CHECKING:
-    from rigtri.batch.entries import Entry
-    from rigtri.batch.run import Tasks
+    from rigtri.pipeline.batch.inputs import Entry
+    from rigtri.pipeline.batch.run import Tasks
 
 # What a job says itself, or what each of its tasks would write into.
 _NOT_WITH = ("shard", "dask", "dry_run", "log", "as_json")
@@ -33,8 +33,8 @@ def refuse(values: dict[str, Any]) -> None:
 
 def emit(values: dict[str, Any], entries: tuple[Entry, ...], manifest: Path, tasks: Tasks) -> None:
     """Write the job's files, and say what there is to do with them."""
-    from rigtri.batch import openjd
-    from rigtri.outputs import as_file_error
+    from rigtri.files.staged_output import as_file_error
+    from rigtri.pipeline.batch import openjd
 
     folder = Path(values["emit_openjd"])
     with as_file_error(manifest.parent):

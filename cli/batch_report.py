@@ -38,7 +38,7 @@ def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool)
         rigtri batch-report out/
     """
     from rigtri import __version__
-    from rigtri.batch.summary import summarise
+    from rigtri.pipeline.batch.report import summarise
 
     found = summarise([Path(name) for name in manifests], most=most, within=within)
     if as_json:

@@ -15,10 +15,10 @@ from rigtri.errors import FileError
 from .words import counted, plain, without_advice
 
 if TYPE_CHECKING:
-    from rigtri.batch.entries import Entry, Found
-    from rigtri.batch.run import Run
-    from rigtri.batch.shards import Shard
-    from rigtri.batch.work import Record
+    from rigtri.pipeline.batch.inputs import Entry, Found
+    from rigtri.pipeline.batch.run import Run
+    from rigtri.pipeline.batch.shards import Shard
+    from rigtri.pipeline.batch.work import Record
 
 # Failures that are told while a batch runs; the summary counts all, and the manifest has each.
 MOST_TOLD = 20
@@ -72,7 +72,7 @@ class Files:
 
 def tell_end(session: Run, left: int, advice: Iterable[str], values: dict[str, Any]) -> None:
     """What became of all files. left: those that were not begun."""
-    from rigtri.batch.work import STATUSES
+    from rigtri.pipeline.batch.work import STATUSES
 
     counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
     words = [*counts, *([f"{left} not begun"] if left else [])]

@@ -25,10 +25,10 @@ from .values import Tolerance
 from .words import plain
 
 if TYPE_CHECKING:
-    from rigtri.pipeline import Outcome
+    from rigtri.pipeline.edit import Outcome
+    from rigtri.pipeline.rigspec.build import Built
+    from rigtri.pipeline.rigspec.load import PlannedStep, Spec
     from rigtri.report import Report
-    from rigtri.spec.building import Built
-    from rigtri.spec.loading import PlannedStep, Spec
 
 spec_option = click.option(
     "--spec",
@@ -70,7 +70,7 @@ def command(**values: Any) -> None:
         rigtri build --spec rig.yaml --explain
         rigtri build hero.glb --spec studio.toml --set side=left -o out.glb --report out.json
     """
-    from rigtri.spec.loading import load
+    from rigtri.pipeline.rigspec.load import load
 
     spec = load(values["spec"], variables=assigned(values["variables"]), source=values["source"])
     spec = spec.limited(strict=values["strict"], tolerance=values["tolerance"])
@@ -95,7 +95,7 @@ def assigned(texts: tuple[str, ...]) -> dict[str, str]:
 
 
 def _run(values: dict[str, Any], spec: Spec) -> None:
-    from rigtri.spec.building import build
+    from rigtri.pipeline.rigspec.build import build
 
     made: list[Built] = []
 

@@ -15,8 +15,8 @@ from rigtri.errors import UsageError
 from .options import json_option, quiet_option
 
 if TYPE_CHECKING:
-    from rigtri.checks.findings import Finding
-    from rigtri.confined import Confined
+    from rigtri.files.worker_process import Confined
+    from rigtri.verification.checks.findings import Finding
 
 # What may be binary USD, which can crash OpenUSD.
 BINARY_USD = (".usd", ".usdc", ".usdz")
@@ -57,8 +57,8 @@ def command(files: tuple[str, ...], **values: Any) -> None:
         rigtri check hero.glb
         rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
     """
-    from rigtri.checks.catalogue import matching
-    from rigtri.confined import Confined
+    from rigtri.files.worker_process import Confined
+    from rigtri.verification.checks.rule_catalogue import matching
 
     if values["list_rules"]:
         _list(values["as_json"])
@@ -83,8 +83,8 @@ def command(files: tuple[str, ...], **values: Any) -> None:
 
 def _check(name: str, values: dict[str, Any], child: Confined) -> list[Finding]:
     """The findings of one file; - is standard input."""
-    from rigtri.checks import check
-    from rigtri.inputs import opened
+    from rigtri.files.input_stream import opened
+    from rigtri.verification.checks import check
 
     options = {key: values[key] for key in ("allow_external_paths", "external")}
     if name != "-":
@@ -99,8 +99,8 @@ def _may_crash(path: Path) -> bool:
 
 def _apart(child: Confined, path: Path, options: dict[str, Any]) -> list[Finding]:
     """The findings of a file that may end the process that reads it: OpenUSD crashes on some."""
-    from rigtri.checks import check, unreadable
-    from rigtri.confined import CrashError
+    from rigtri.files.worker_process import CrashError
+    from rigtri.verification.checks import check, unreadable
 
     try:
         return child(str(path), partial(check, **options), path)
@@ -109,7 +109,7 @@ def _apart(child: Confined, path: Path, options: dict[str, Any]) -> list[Finding
 
 
 def _kept(findings: list[Finding], ignored: set[str], severity: str) -> list[Finding]:
-    from rigtri.checks.findings import SEVERITIES
+    from rigtri.verification.checks.findings import SEVERITIES
 
     shown = SEVERITIES[: [*SEVERITIES].index(severity) + 1]  # type: ignore[arg-type]
     return [item for item in findings if item.id not in ignored and item.severity in shown]
@@ -121,7 +121,7 @@ def _without(findings: list[Finding], shown: list[Finding]) -> list[Finding]:
 
 
 def _exit_code(results: dict[str, list[Finding]], *, strict: bool) -> int:
-    from rigtri.checks.catalogue import UNREADABLE
+    from rigtri.verification.checks.rule_catalogue import UNREADABLE
 
     found = [item for findings in results.values() for item in findings]
     if any(item.id == UNREADABLE for item in found):
@@ -135,8 +135,8 @@ def as_json(
 ) -> dict[str, Any]:
     """The findings of all files, and how many were left out, as schemas/check.schema.json describes them."""
     from rigtri import __version__
-    from rigtri.checks.catalogue import UNREADABLE
-    from rigtri.checks.findings import counts
+    from rigtri.verification.checks.findings import counts
+    from rigtri.verification.checks.rule_catalogue import UNREADABLE
 
     every = [item for findings in results.values() for item in findings]
     return {
@@ -159,7 +159,7 @@ def as_json(
 
 def _tell(name: str, findings: list[Finding], left_out: list[Finding], *, verbose: bool, quiet: bool) -> None:
     """One file: its findings, of many alike only the first, and how many there are."""
-    from rigtri.checks.findings import counts
+    from rigtri.verification.checks.findings import counts
 
     if quiet and not any(item.severity == "error" for item in findings):
         return
@@ -190,7 +190,7 @@ def _counted(numbers: dict[str, int]) -> str:
 
 
 def _list(machine: bool) -> None:
-    from rigtri.checks.catalogue import RULES
+    from rigtri.verification.checks.rule_catalogue import RULES
 
     if machine:
         click.echo(json.dumps([vars(rule) for rule in RULES.values()], indent=2, ensure_ascii=False))

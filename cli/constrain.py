@@ -132,7 +132,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri constrain hero.vrm -o out.vrm --type orient --child sleeve --driver arm \\
             --space local --vrm-constraints
     """
-    from rigtri.steps.constrain import step
+    from rigtri.pipeline.steps.constrain import step
 
     if str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz")):
         refuse_given({"--vrm-constraints": "vrm"}, "means nothing for USD files")

@@ -59,8 +59,8 @@ def command(before: str, after: str, **values: Any) -> None:
 
 def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
     """Print what differs; whether nothing does."""
-    from rigtri.difference import diff
-    from rigtri.inputs import opened
+    from rigtri.files.input_stream import opened
+    from rigtri.verification.diff.diff import diff
 
     check_streams(before, after)
     with opened(before) as one, opened(after) as other:

@@ -23,7 +23,7 @@ from .options import (
 from .values import Number
 
 if TYPE_CHECKING:
-    from rigtri.drawing.picture import Options
+    from rigtri.export.drawing.picture import Options
 
 
 @click.command("draw")
@@ -90,10 +90,10 @@ def command(source: str, target: str, **values: Any) -> None:
         rigtri draw out.glb --against hero.glb -o before-after.png
         rigtri draw hero.glb -o hand.svg --below hand_L --view top --pose walk@0.5
     """
-    from rigtri.drawing.marks import as_json
-    from rigtri.drawing.picture import draw, seen
+    from rigtri.export.drawing.picture import draw, seen
+    from rigtri.export.drawing.primitives import as_json
+    from rigtri.files.input_stream import opened, title
     from rigtri.formats import read
-    from rigtri.inputs import opened, title
     from rigtri.report import Report
 
     if values["as_json"] and target == "-":
@@ -130,8 +130,8 @@ def command(source: str, target: str, **values: Any) -> None:
 
 
 def _asked(values: dict[str, Any]) -> Options:
-    from rigtri.drawing.picture import Options
-    from rigtri.ops.select import Selection
+    from rigtri.export.drawing.picture import Options
+    from rigtri.operations.joint_selection import Selection
 
     selection = Selection(**{name: values[name] for name in ("joints", "chains", "below", "skin", "exclude")})
     kept = {name: values[name] for name in ("at", "names", "arrows", "mesh", "size")}

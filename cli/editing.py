@@ -18,7 +18,7 @@ from .words import plain
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rigtri.pipeline import Outcome
+    from rigtri.pipeline.edit import Outcome
     from rigtri.report import Report
 
 
@@ -39,7 +39,7 @@ def run_edit(
     that fails, only the words are lost.
     """
 
-    from rigtri.pipeline import edit
+    from rigtri.pipeline.edit import edit
 
     values = with_target(values)
     _check_format(values)
@@ -73,7 +73,7 @@ def run(
     more: Callable[[], dict[str, Any]] = dict,
 ) -> Outcome:
     """Do what writes a file, and tell and report it as every command does; more: for the report."""
-    from rigtri.pipeline import report_json
+    from rigtri.pipeline.edit import report_json
     from rigtri.report import Report
 
     source, target, quiet = values["source"], values["target"], values["quiet"]
@@ -129,7 +129,7 @@ def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:
     """Begin to copy the large files that OUT will need beside it, before anything slow is imported."""
     from pathlib import Path
 
-    from rigtri.ahead import begun
+    from rigtri.files.copy_ahead import begun
 
     named = "-" not in (str(values["source"]), str(values["target"]))
     if named and not values["dry_run"] and values["resources"] != "relink":
@@ -157,7 +157,7 @@ def _sidecar(values: dict[str, Any]) -> Path:
     """The file beside OUT that says what rigtri has stored in it."""
     from pathlib import Path
 
-    from rigtri.description import SUFFIX
+    from rigtri.export.rig_json import SUFFIX
 
     return Path(values["target"]).with_suffix(SUFFIX)
 
@@ -166,9 +166,9 @@ def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
     """The report; and what rigtri has stored in OUT as it is on disk, by the names that it has there."""
     from pathlib import Path
 
-    from rigtri.description import description
+    from rigtri.export.rig_json import description
+    from rigtri.files.staged_output import write_text
     from rigtri.formats import read
-    from rigtri.outputs import write_text
 
     if values["report_path"] is not None:
         write_text(Path(values["report_path"]), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
@@ -183,8 +183,8 @@ def check_side_files(values: dict[str, Any]) -> None:
     """Before anything is done: the files beside OUT can be written, and are none of the others."""
     from pathlib import Path
 
-    from rigtri.delivery import same_file
-    from rigtri.outputs import destination
+    from rigtri.files.atomic_write import same_file
+    from rigtri.files.staged_output import destination
 
     names = {"like": "--like", "frames": "--frames", "edited": "--from", "described": "--rig"}
     read = {"IN": values["source"], **{flag: values.get(name) for name, flag in names.items()}}

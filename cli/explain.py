@@ -19,7 +19,7 @@ from .options import json_option, output_option, overwrite_option, quiet_option,
 from .words import plain
 
 if TYPE_CHECKING:
-    from rigtri.explanation.steps import Explanation
+    from rigtri.export.explain.explain import Explanation
 
 
 @click.command("explain", context_settings={"ignore_unknown_options": True})
@@ -46,8 +46,8 @@ def command(points: tuple[str, ...], **values: Any) -> None:
         rigtri explain 0 140 0 25 140 -5 50 140 0 -o arm.svg
         rigtri explain hero.glb --limb forearm_L
     """
-    from rigtri.explanation.picture import picture
-    from rigtri.explanation.words import text
+    from rigtri.export.explain.picture import picture
+    from rigtri.export.explain.text import text
     from rigtri.report import Report
 
     target, report = values["target"], Report()
@@ -69,7 +69,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
 
 def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
     """What is to be explained: numbers as they are given, or a limb of a file."""
-    from rigtri.explanation.steps import explain
+    from rigtri.export.explain.explain import explain
 
     unknown = [word for word in points if word.startswith("--") and len(word) > 2]
     if unknown:
@@ -104,9 +104,9 @@ def _numbers(words: tuple[str, ...]) -> list[float] | None:
 
 def _of_file(words: tuple[str, ...], values: dict[str, Any]) -> Explanation:
     """A limb of a file: the one that --limb names a joint of, or three joints."""
-    from rigtri.explanation.limbs import explain_limb, limb_with
+    from rigtri.export.explain.limb_points import explain_limb, limb_with
+    from rigtri.files.input_stream import opened
     from rigtri.formats import read
-    from rigtri.inputs import opened
 
     named = words[1:]
     if bool(named) == (values["limb"] is not None) or len(named) not in (0, 3):

@@ -46,8 +46,8 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
         rigtri add-controls hero.glb -o rigged.glb --whole-character
         rigtri export-blender rigged.glb -o setup.py
     """
-    from rigtri.bridge.exported import setup_for
-    from rigtri.outputs import write_text
+    from rigtri.export.blender.export import setup_for
+    from rigtri.files.staged_output import write_text
     from rigtri.report import Report
 
     path = Path(target)

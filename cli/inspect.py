@@ -35,9 +35,9 @@ def command(source: str, **values: Any) -> None:
     Example:
         rigtri inspect hero.glb
     """
-    from rigtri.descriptions import as_json, describe
+    from rigtri.export.text_description import as_json, describe
+    from rigtri.files.input_stream import opened
     from rigtri.formats import read
-    from rigtri.inputs import opened
 
     with opened(source) as path:
         document = read(path, read_options(values))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri import scratch
 from rigtri.errors import UsageError
+from rigtri.files import temp_dirs as scratch
 
 from .asked import given_options, refuse_given, request
 from .editing import run_edit
@@ -138,7 +138,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri make-limb -o arm.usda --points 0,140,0 25,140,-5 50,140,0 --name arm --side left
         rigtri make-limb hero.glb -o out.glb --points 0,1,0 0,.5,.1 0,0,0 --parent hips --name tail
     """
-    from rigtri.steps.make_limb import step
+    from rigtri.pipeline.steps.make_limb import step
 
     asked = step(request(values))
     given = given_options(ctx)

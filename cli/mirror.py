@@ -24,7 +24,7 @@ from .values import Number
 from .words import counted, plain
 
 if TYPE_CHECKING:
-    from rigtri.ops.mirror import Options
+    from rigtri.operations.mirror.mirror import Options
     from rigtri.report import Report
 
 MOST = 20
@@ -118,7 +118,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri mirror hero.usdz -o out.usdz --from-side right --mode orientation
         rigtri mirror hero.glb --check
     """
-    from rigtri.steps.mirror import asked, step
+    from rigtri.pipeline.steps.mirror import asked, step
 
     if values["check"]:
         _check(values, asked(request(values)))
@@ -129,9 +129,9 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
 
 def _check(values: dict[str, Any], options: Options) -> None:
+    from rigtri.files.input_stream import opened
     from rigtri.formats import read
-    from rigtri.inputs import opened
-    from rigtri.ops.mirroring.asymmetry import asymmetry
+    from rigtri.operations.mirror.symmetry_check import asymmetry
 
     if values["target"] is not None:
         raise UsageError("--check writes nothing; leave -o out")

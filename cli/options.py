@@ -82,7 +82,7 @@ def overwrite_option(what: str = "OUT") -> Callable[[F], F]:
 
 def preset_option(words: str) -> Callable[[F], F]:
     """The axes of another program."""
-    from rigtri.ops.presets import PRESETS
+    from rigtri.operations.axis_presets import PRESETS
 
     return click.option("--preset", type=click.Choice(list(PRESETS)), help=words)
 

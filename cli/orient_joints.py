@@ -182,15 +182,15 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri orient-joints back.glb -o same.glb --like hero.glb
     """
     copy_ahead(ctx, values)
-    from rigtri.steps.orient_joints import step
+    from rigtri.pipeline.steps.orient_joints import step
 
     asked = step(request(values | {"order": ctx.meta["rigtri.order"]}))
     run_edit("orient-joints", values, asked, given_options(ctx), summary, partial(_save_frames, values))
 
 
 def _save_frames(values: dict[str, Any], report: Report) -> None:
-    from rigtri.ops.frames import frames_json
-    from rigtri.outputs import write_text
+    from rigtri.files.staged_output import write_text
+    from rigtri.operations.orient_joints.frame_sources import frames_json
 
     if values["save_frames"]:
         write_text(Path(values["save_frames"]), json.dumps(frames_json(report), indent=1) + "\n")

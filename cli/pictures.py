@@ -46,15 +46,15 @@ def check_target(target: str, sources: list[str], *, overwrite: bool) -> None:
         raise UsageError(f"{path} is to be a picture: give a name that ends in .svg or .png")
     check_place(target, sources, overwrite=overwrite)
     if path.suffix.lower() == ".png":
-        from rigtri.drawing.png import check_installed
+        from rigtri.export.drawing.png import check_installed
 
         check_installed()
 
 
 def check_place(target: str, sources: list[str], *, overwrite: bool) -> None:
     """UsageError where a file that is there, or one that is shown, would be lost."""
-    from rigtri.delivery import same_file
-    from rigtri.outputs import destination
+    from rigtri.files.atomic_write import same_file
+    from rigtri.files.staged_output import destination
 
     path = Path(target)
     for source in sources:
@@ -66,7 +66,7 @@ def check_place(target: str, sources: list[str], *, overwrite: bool) -> None:
 
 def deliver(svg: str, target: str, report: Report) -> None:
     """Write a picture in the format that its name says, or SVG to standard output."""
-    from rigtri.outputs import write_bytes
+    from rigtri.files.staged_output import write_bytes
 
     if target == "-":
         sys.stdout.buffer.write(svg.encode("utf-8"))
@@ -74,7 +74,7 @@ def deliver(svg: str, target: str, report: Report) -> None:
         return
     path = Path(target)
     if path.suffix.lower() == ".png":
-        from rigtri.drawing.png import png
+        from rigtri.export.drawing.png import png
 
         write_bytes(path, png(svg, report))
     else:

@@ -54,7 +54,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri pose rigged.glb --at walk@0.5 --json
         rigtri pose rigged.glb -o stand.glb --at idle@0
     """
-    from rigtri.steps.pose import asked, step
+    from rigtri.pipeline.steps.pose import asked, step
 
     if values["target"] is None:
         _print(values, asked(request(values)))
@@ -70,9 +70,9 @@ def summary(report: Report) -> str:
 
 
 def _print(values: dict[str, Any], options: Any) -> None:
+    from rigtri.files.input_stream import opened
     from rigtri.formats import read
-    from rigtri.inputs import opened
-    from rigtri.ops.posing import table
+    from rigtri.operations.pose import table
     from rigtri.report import Report
 
     for word in ("report_path", "sidecar", "dry_run", "overwrite"):

@@ -36,11 +36,11 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
         rigtri recognise hero.glb --joints --scheme studio.toml
         rigtri recognise hero.glb --json > layout.json
     """
+    from rigtri.files.input_stream import opened
     from rigtri.formats import read
-    from rigtri.inputs import opened
-    from rigtri.recognition.described import as_json, text
-    from rigtri.recognition.engine import recognise
-    from rigtri.recognition.schemes import own_schemes
+    from rigtri.recognition.naming_schemes import own_schemes
+    from rigtri.recognition.output import as_json, text
+    from rigtri.recognition.recognise import recognise
 
     schemes = own_schemes(own)
     with opened(source) as path:

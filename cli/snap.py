@@ -51,7 +51,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri snap rigged.glb -o out.glb --all-limbs --to ik --at walk@0 --at walk@0.5
     """
     copy_ahead(ctx, values)
-    from rigtri.steps.snap import step
+    from rigtri.pipeline.steps.snap import step
 
     run_edit("snap", values, step(request(values)), given_options(ctx), summary)
 

@@ -39,9 +39,9 @@ def command(source: str, target: str, overwrite: bool, as_json: bool, **values: 
         rigtri spec-init hero.glb -o rig.yaml
         rigtri build hero.glb --spec rig.yaml -o out.glb
     """
-    from rigtri.outputs import write_text
-    from rigtri.spec.loading import need_extra
-    from rigtri.spec.starter import plain_values, spec_init
+    from rigtri.files.staged_output import write_text
+    from rigtri.pipeline.rigspec.load import need_extra
+    from rigtri.pipeline.rigspec.spec_init import plain_values, spec_init
 
     need_extra()
     path = Path(target)

@@ -36,7 +36,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri strip rigged.glb -o plain.glb
     """
     copy_ahead(ctx, values)
-    from rigtri.steps.strip import step
+    from rigtri.pipeline.steps.strip import step
 
     run_edit("strip", values, step(request(values)), given_options(ctx), summary)
 

@@ -58,7 +58,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri take-clips rigged.glb --from edited.glb -o home.glb --as hand_ctlAction=walk
     """
     check_streams(str(values["source"]), str(values["edited"]))
-    from rigtri.steps.take_clips import step
+    from rigtri.pipeline.steps.take_clips import step
 
     run_edit("take-clips", values, step(request(values)), given_options(ctx), summary)
 

@@ -10,7 +10,7 @@ import click
 from .words import plain
 
 if TYPE_CHECKING:
-    from rigtri.pipeline import Outcome
+    from rigtri.pipeline.edit import Outcome
     from rigtri.report import Notice, Report
 
 

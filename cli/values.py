@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.bounds import fits, unfit
+from rigtri.limits import fits, unfit
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[int]
@@ -60,7 +60,7 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     """A direction: x,y,z or an axis name."""
     if value is None:
         return None
-    from rigtri.ops import ups
+    from rigtri.operations.orient_joints import up_direction as ups
 
     try:
         return ups.direction(value)

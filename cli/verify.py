@@ -34,9 +34,9 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     Example:
         rigtri verify hero.glb out.glb
     """
-    from rigtri.compare import verify
+    from rigtri.files.input_stream import opened
     from rigtri.formats import read
-    from rigtri.inputs import opened
+    from rigtri.verification.compare.compare import verify
 
     check_streams(before, after)
     options = read_options(values)

@@ -25,8 +25,8 @@ from .values import Number
 from .words import plain
 
 if TYPE_CHECKING:
+    from rigtri.export.viewer.page import Shown
     from rigtri.report import Report
-    from rigtri.viewer.page import Shown
 
 
 @click.command("view")
@@ -73,8 +73,8 @@ def command(source: str, target: str, **values: Any) -> None:
         rigtri view hero.glb -o hero.html
         rigtri view out.glb --against hero.glb -o out.html --clip walk
     """
+    from rigtri.export.viewer.view import Begin, shown_page
     from rigtri.report import Report
-    from rigtri.viewer.shown import Begin, shown_page
 
     sources = [source] if values["against"] is None else [source, values["against"]]
     _check(sources, target, values)
@@ -112,7 +112,7 @@ def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
 
 
 def _deliver(text: bytes, target: str) -> None:
-    from rigtri.outputs import write_bytes
+    from rigtri.files.staged_output import write_bytes
 
     if target == "-":
         sys.stdout.buffer.write(text)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
 
 from rigtri.errors import LIST_NAMES, SEE_LIMBS
-from rigtri.plain import plain as plain
+from rigtri.text import plain as plain
 
 
 def colored(stream: TextIO) -> bool:

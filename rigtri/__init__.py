@@ -12,41 +12,41 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _WHERE = {
-    "read": "rigtri.on_disk",
-    "write": "rigtri.on_disk",
-    "from_pygltflib": "rigtri.in_memory",
-    "to_pygltflib": "rigtri.in_memory",
-    "edit": "rigtri.pipeline",
-    "build": "rigtri.spec.building",
-    "auto": "rigtri.spec.automatic",
-    "orient_joints": "rigtri.ops.orient",
-    "add_polevector": "rigtri.ops.polevector",
-    "make_limb": "rigtri.ops.limb",
-    "add_twist": "rigtri.ops.twist",
-    "add_posereader": "rigtri.ops.posereader",
-    "add_rivet": "rigtri.ops.rivet",
-    "add_controls": "rigtri.ops.controls",
-    "constrain": "rigtri.ops.constrain",
-    "mirror": "rigtri.ops.mirror",
-    "as_described": "rigtri.ops.described",
-    "bake": "rigtri.ops.bake",
-    "take_clips": "rigtri.ops.take_clips",
-    "take_pose": "rigtri.ops.posing",
-    "snap": "rigtri.ops.snap",
-    "strip": "rigtri.ops.strip",
-    "describe": "rigtri.descriptions",
-    "verify": "rigtri.on_disk",
-    "diff": "rigtri.difference",
-    "check": "rigtri.checks",
-    "recognise": "rigtri.recognition.engine",
-    "draw": "rigtri.drawing.picture",
-    "explain": "rigtri.explanation.steps",
-    "view": "rigtri.viewer.shown",
-    "export_blender": "rigtri.bridge.exported",
-    "spec_init": "rigtri.spec.starter",
-    "register_usd_schemas": "rigtri.formats.usd.schemas",
+    "read": "rigtri.pipeline.files",
+    "write": "rigtri.pipeline.files",
+    "from_pygltflib": "rigtri.pipeline.pygltflib",
+    "to_pygltflib": "rigtri.pipeline.pygltflib",
+    "edit": "rigtri.pipeline.edit",
+    "build": "rigtri.pipeline.rigspec.build",
+    "auto": "rigtri.pipeline.rigspec.auto",
+    "orient_joints": "rigtri.operations.orient_joints.orient",
+    "add_polevector": "rigtri.operations.add_polevector",
+    "make_limb": "rigtri.operations.make_limb",
+    "add_twist": "rigtri.operations.add_twist.twist",
+    "add_posereader": "rigtri.operations.add_posereader.posereader",
+    "add_rivet": "rigtri.operations.add_rivet.rivet",
+    "add_controls": "rigtri.operations.add_controls",
+    "constrain": "rigtri.operations.constrain.constrain",
+    "mirror": "rigtri.operations.mirror.mirror",
+    "as_described": "rigtri.operations.take_clips.restore_metadata",
+    "bake": "rigtri.operations.bake.bake",
+    "take_clips": "rigtri.operations.take_clips.take_clips",
+    "take_pose": "rigtri.operations.pose",
+    "snap": "rigtri.operations.snap",
+    "strip": "rigtri.operations.strip",
+    "describe": "rigtri.export.text_description",
+    "verify": "rigtri.pipeline.files",
+    "diff": "rigtri.verification.diff.diff",
+    "check": "rigtri.verification.checks",
+    "recognise": "rigtri.recognition.recognise",
+    "draw": "rigtri.export.drawing.picture",
+    "explain": "rigtri.export.explain.explain",
+    "view": "rigtri.export.viewer.view",
+    "export_blender": "rigtri.export.blender.export",
+    "spec_init": "rigtri.pipeline.rigspec.spec_init",
+    "register_usd_schemas": "rigtri.formats.usd.codeless_schemas",
     "Options": "rigtri.formats",
-    "Rig": "rigtri.rig",
+    "Rig": "rigtri.model.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
 }
@@ -92,40 +92,40 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from rigtri.bridge.exported import export_blender
-    from rigtri.checks import check
-    from rigtri.descriptions import describe
-    from rigtri.difference import diff
-    from rigtri.drawing.picture import draw
     from rigtri.errors import RigtriError
-    from rigtri.explanation.steps import explain
+    from rigtri.export.blender.export import export_blender
+    from rigtri.export.drawing.picture import draw
+    from rigtri.export.explain.explain import explain
+    from rigtri.export.text_description import describe
+    from rigtri.export.viewer.view import view
     from rigtri.formats import Options
-    from rigtri.formats.usd.schemas import register_usd_schemas
-    from rigtri.in_memory import from_pygltflib, to_pygltflib
-    from rigtri.on_disk import read, verify, write
-    from rigtri.ops.bake import bake
-    from rigtri.ops.constrain import constrain
-    from rigtri.ops.controls import add_controls
-    from rigtri.ops.described import as_described
-    from rigtri.ops.limb import make_limb
-    from rigtri.ops.mirror import mirror
-    from rigtri.ops.orient import orient_joints
-    from rigtri.ops.polevector import add_polevector
-    from rigtri.ops.posereader import add_posereader
-    from rigtri.ops.posing import take_pose
-    from rigtri.ops.rivet import add_rivet
-    from rigtri.ops.snap import snap
-    from rigtri.ops.strip import strip
-    from rigtri.ops.take_clips import take_clips
-    from rigtri.ops.twist import add_twist
-    from rigtri.pipeline import edit
-    from rigtri.recognition.engine import recognise
+    from rigtri.formats.usd.codeless_schemas import register_usd_schemas
+    from rigtri.model.rig import Rig
+    from rigtri.operations.add_controls import add_controls
+    from rigtri.operations.add_polevector import add_polevector
+    from rigtri.operations.add_posereader.posereader import add_posereader
+    from rigtri.operations.add_rivet.rivet import add_rivet
+    from rigtri.operations.add_twist.twist import add_twist
+    from rigtri.operations.bake.bake import bake
+    from rigtri.operations.constrain.constrain import constrain
+    from rigtri.operations.make_limb import make_limb
+    from rigtri.operations.mirror.mirror import mirror
+    from rigtri.operations.orient_joints.orient import orient_joints
+    from rigtri.operations.pose import take_pose
+    from rigtri.operations.snap import snap
+    from rigtri.operations.strip import strip
+    from rigtri.operations.take_clips.restore_metadata import as_described
+    from rigtri.operations.take_clips.take_clips import take_clips
+    from rigtri.pipeline.edit import edit
+    from rigtri.pipeline.files import read, verify, write
+    from rigtri.pipeline.pygltflib import from_pygltflib, to_pygltflib
+    from rigtri.pipeline.rigspec.auto import auto
+    from rigtri.pipeline.rigspec.build import build
+    from rigtri.pipeline.rigspec.spec_init import spec_init
+    from rigtri.recognition.recognise import recognise
     from rigtri.report import Report
-    from rigtri.rig import Rig
-    from rigtri.spec.automatic import auto
-    from rigtri.spec.building import build
-    from rigtri.spec.starter import spec_init
-    from rigtri.viewer.shown import view
+    from rigtri.verification.checks import check
+    from rigtri.verification.diff.diff import diff
 
 
 def __dir__() -> list[str]:

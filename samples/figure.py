@@ -12,11 +12,11 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.matrices import compose, inverse, multiply
-from rigtri.quaternions import IDENTITY, conjugate, from_axis_angle, rotate
-from rigtri.quaternions import multiply as then
-from rigtri.trigonometry import Floats, sin_cos
-from rigtri.vectors import cross, length, normalise, perpendicular
+from rigtri.maths.matrices import compose, inverse, multiply
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, rotate
+from rigtri.maths.quaternions import multiply as then
+from rigtri.maths.trigonometry import Floats, sin_cos
+from rigtri.maths.vectors import cross, length, normalise, perpendicular
 
 Vector = Sequence[float]
 # The turn of a joint, seen in world axes, at a time in seconds: what an animator would say.

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from figure import Figure, Motion, Node, Skinless, about, size, wave
 
-from rigtri.quaternions import IDENTITY, conjugate, rotate
-from rigtri.quaternions import multiply as then
-from rigtri.trigonometry import Floats, sin_cos
-from rigtri.vectors import cross, normalise
+from rigtri.maths.quaternions import IDENTITY, conjugate, rotate
+from rigtri.maths.quaternions import multiply as then
+from rigtri.maths.trigonometry import Floats, sin_cos
+from rigtri.maths.vectors import cross, normalise
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 SIDES = (("L", 1.0), ("R", -1.0))

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from figure import Figure, Keys, Skinless, box, rounded
 
-from rigtri.matrices import inverse
-from rigtri.quaternions import IDENTITY
-from rigtri.trigonometry import Floats
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import IDENTITY
+from rigtri.maths.trigonometry import Floats
 
 _FLOAT, _SHORT, _BYTE = 5126, 5123, 5121
 _COMPONENTS = {_FLOAT: np.dtype("<f4"), _SHORT: np.dtype("<u2"), _BYTE: np.dtype("u1")}

@@ -9,8 +9,8 @@ import numpy as np
 from figure import Figure, box
 from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
-from rigtri.matrices import compose
-from rigtri.trigonometry import Floats
+from rigtri.maths.matrices import compose
+from rigtri.maths.trigonometry import Floats
 
 # Key times of the figures are multiples of 1/24 s or close to it; USD counts in frames.
 FRAMES_PER_SECOND = 24.0

@@ -5,7 +5,7 @@ each type of note, so that USD tools know the attributes, their types and what t
 complete without it. Source: OpenUSD, "Generating New Schema Classes" (codeless schemas);
 docs/file-description.md.
 
-spec.schema.json: of rig specs, as the models of `rigtri.spec` say it, with the words of the commands'
+spec.schema.json: of rig specs, as the models of `pipeline.rigspec` say it, with the words of the commands'
 help, for editors that complete and check. docs/specs.md.
 
 docs/notes.md: node.schema.json as a page, a table for each type of note.
@@ -18,7 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from rigtri.formats.usd.notes import api_name
+from rigtri.formats.usd.metadata_attributes import api_name
 
 HERE = Path(__file__).resolve().parent
 # Types of notes that stand on prims; those of joints are texts on a Skeleton.
@@ -81,7 +81,7 @@ def _resolved(about: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _type_of(key: str, said: dict[str, Any]) -> tuple[str, str]:
-    """The attribute's name and USD type, as `rigtri.formats.usd.notes` writes it."""
+    """The attribute's name and USD type, as `rigtri.formats.usd.metadata_attributes` writes it."""
     if key == "type":
         return key, "token"
     if key == "v":
@@ -100,7 +100,7 @@ def _type_of(key: str, said: dict[str, Any]) -> tuple[str, str]:
 
 def spec_schema() -> dict[str, Any]:
     """The JSON Schema of rig specs."""
-    from rigtri.spec.models.spec import SpecModel
+    from rigtri.pipeline.rigspec.models.spec import SpecModel
 
     found = SpecModel.model_json_schema(by_alias=True)
     for model in found["$defs"].values():

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from gltf_files import Builder
 
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
 
 # name → parent and position in the world
 JOINTS: dict[str, tuple[str, tuple[float, float, float]]] = {

@@ -14,9 +14,9 @@ from pathlib import Path
 from rigtri import edit, orient_joints
 from rigtri.errors import DeviationError, GeometryError
 from rigtri.formats import Options
-from rigtri.pipeline import Outcome
+from rigtri.model.rig import Rig
+from rigtri.pipeline.edit import Outcome
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 
 @dataclass(frozen=True)

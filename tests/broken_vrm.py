@@ -8,7 +8,7 @@ from typing import Any
 from broken_gltf import Make, clean, spoiled
 from gltf_files import Builder
 
-from rigtri.formats.vrm import EXTENDED
+from rigtri.formats.vrm.vrm1 import EXTENDED
 
 _CHAINS = (
     ("hips", "spine", "chest", "neck", "head"),

@@ -11,12 +11,19 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, RigtriError
-from rigtri.limbs import recognise
-from rigtri.ops import constrain, controls, limb, mirror, polevector, posereader, rivet, twist
-from rigtri.ops.select import Selection
-from rigtri.pose import worlds
+from rigtri.evaluation.sampling import worlds
+from rigtri.model.rig import Rig
+from rigtri.operations import add_controls as controls
+from rigtri.operations import add_polevector as polevector
+from rigtri.operations import make_limb as limb
+from rigtri.operations.add_posereader import posereader
+from rigtri.operations.add_rivet import rivet
+from rigtri.operations.add_twist import twist
+from rigtri.operations.constrain import constrain
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.mirror import mirror
+from rigtri.recognition.limbs import recognise
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 Step = Callable[[Rig, Report], Rig]
 

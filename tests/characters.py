@@ -8,14 +8,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from rigs import rig_of
 
-from rigtri.matrices import inverse
-from rigtri.pose import worlds
-from rigtri.quaternions import unit
-from rigtri.records import Clip, Mesh, Skin, Track
+from rigtri.evaluation.sampling import worlds
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Mesh, Skin, Track
+from rigtri.model.rig import Rig
 from rigtri.report import Notice
-from rigtri.rig import Rig
-from rigtri.scenery import Scenery
-from rigtri.trigonometry import Floats
+from rigtri.verification.compare.scene_facts import Scenery
 
 NAMES = ["hips", "spine", "arm", "hand", "sword", "camera", "body", "face"]
 PARENTS = [-1, 0, 1, 2, 3, 3, -1, 1]

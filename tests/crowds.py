@@ -9,9 +9,9 @@ import numpy as np
 from pxr import Usd
 from usd_files import MESH, animation, save, scene, skeleton
 
-from rigtri.quaternions import IDENTITY
-from rigtri.reframe import reframe
-from rigtri.rig import Rig
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY
+from rigtri.model.rig import Rig
 
 # The character; its skeleton is driven by whatever the instance is bound to.
 HERO = scene(skeleton(source=""), MESH)

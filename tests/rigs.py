@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.matrices import inverse
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.records import Clip, Skin, Track
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
+from rigtri.evaluation.sampling import worlds
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Skin, Track
+from rigtri.model.rig import Rig
 
 
 def rig_of(

@@ -10,9 +10,9 @@ import numpy as np
 from gltf_files import Builder
 from usd_files import save
 
-from rigtri.matrices import compose, inverse, multiply
-from rigtri.quaternions import unit
-from rigtri.trigonometry import Floats
+from rigtri.maths.matrices import compose, inverse, multiply
+from rigtri.maths.quaternions import unit
+from rigtri.maths.trigonometry import Floats
 
 NAMES = ("root", "shoulder", "elbow", "wrist", "finger")
 TOKENS = ("root", "root/shoulder", "root/shoulder/elbow", "root/shoulder/elbow/wrist")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from rigtri.quaternions import to_axes, unit
-from rigtri.trigonometry import Floats
+from rigtri.maths.quaternions import to_axes, unit
+from rigtri.maths.trigonometry import Floats
 
 numbers = st.floats(-1e3, 1e3).map(lambda x: round(x, 6))
 vectors = st.tuples(numbers, numbers, numbers).map(np.array)

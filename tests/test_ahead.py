@@ -15,10 +15,10 @@ import pytest
 from click.testing import CliRunner
 from gltf_files import small
 
-from rigtri import ahead
 from rigtri.cli.main import program
-from rigtri.delivery import beside
-from rigtri.pose import each_once
+from rigtri.evaluation.sampling import each_once
+from rigtri.files import copy_ahead as ahead
+from rigtri.files.atomic_write import beside
 
 
 @pytest.fixture(autouse=True)
@@ -140,7 +140,7 @@ def test_a_copy_that_is_stopped_says_so(tmp_path: Path) -> None:
 
 
 def test_a_head_start_does_not_wait_for_numpy() -> None:
-    script = "import sys, rigtri.ahead, rigtri.cli.options; sys.exit('numpy' in sys.modules)"
+    script = "import sys, rigtri.files.copy_ahead, rigtri.cli.options; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 
 

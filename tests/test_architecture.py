@@ -76,7 +76,7 @@ def modules() -> list[Path]:
 
 
 def place(path: Path) -> str:
-    """The line of ORDER that a module belongs to: ``ops`` for rigtri/ops/orient.py."""
+    """The line of ORDER that a module belongs to: ``ops`` for rigtri/operations/orient_joints/orient.py."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     return parts[0] if parts[0] != "rigtri" else parts[1]
 
@@ -194,7 +194,7 @@ def loaded(statement: str) -> set[str]:
     return set(run.stdout.split())
 
 
-CORE = "rigtri.reframe, rigtri.triangle, rigtri.report, rigtri.compare"
+CORE = "rigtri.frames.reframe, rigtri.maths.triangle, rigtri.report, rigtri.verification.compare.compare"
 
 
 @pytest.mark.parametrize("statement", ["import rigtri", f"import {CORE}"])

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from rigtri.attached import compare_attached
-from rigtri.compare import self_check, verify
-from rigtri.difference import diff
 from rigtri.formats import read
-from rigtri.matching import match
-from rigtri.ops.orient import orient_joints
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.verification.compare.attachments import compare_attached
+from rigtri.verification.compare.compare import self_check, verify
+from rigtri.verification.compare.correspondence import match
+from rigtri.verification.diff.diff import diff
 
 
 def _springs(gltf: Any) -> Any:

@@ -17,12 +17,12 @@ from recognition.creatures import crane, two_characters, vehicle
 from second_opinions import validator
 
 from rigtri import auto, read
-from rigtri.compare import verify
 from rigtri.formats import read as document
-from rigtri.recognition.engine import recognise
+from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Character, Layout
-from rigtri.recognition.schemes import Scheme
-from rigtri.rig import Rig
+from rigtri.recognition.naming_schemes import Scheme
+from rigtri.recognition.recognise import recognise
+from rigtri.verification.compare.compare import verify
 
 from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
 
@@ -53,7 +53,7 @@ def unsure(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
         return replace(layout, characters=tuple(_doubted(one, request.param) for one in layout.characters))
 
     for module in ("automatic", "starter"):
-        monkeypatch.setattr(f"rigtri.spec.{module}.recognise", doubting)
+        monkeypatch.setattr(f"rigtri.pipeline.rigspec.{module}.recognise", doubting)
 
 
 def _doubted(one: Character, which: str) -> Character:

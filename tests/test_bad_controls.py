@@ -15,22 +15,22 @@ from test_bake import control, rigged
 
 from rigtri.cli.main import program
 from rigtri.errors import GeometryError
-from rigtri.matrices import inverse, multiply, transform_points
-from rigtri.ops.bake import Options as BakeOptions
-from rigtri.ops.bake import bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
-from rigtri.ops.posing import Options, pose_of
-from rigtri.ops.snap import Options as SnapOptions
-from rigtri.ops.snap import snap
-from rigtri.pipeline import edit
-from rigtri.records import Clip, Track
-from rigtri.records import Path as TrackPath
+from rigtri.maths.matrices import inverse, multiply, transform_points
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track
+from rigtri.model.records import Path as TrackPath
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options as BakeOptions
+from rigtri.operations.bake.bake import bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.pose import Options, pose_of
+from rigtri.operations.snap import Options as SnapOptions
+from rigtri.operations.snap import snap
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
 ARM = ("upper_arm_L", "forearm_L", "hand_L")
 NAMES = ["biped.glb", "biped.usda"]

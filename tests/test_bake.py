@@ -14,25 +14,25 @@ from click.testing import CliRunner
 from places import KINDS, SAMPLES, USD, asset_files, leave_out_refused, sample_files, slow
 from second_opinions import validator
 
-from rigtri import pose
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.active_controls import keyed_in
+from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import timelines
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
-from rigtri.pipeline import edit
-from rigtri.quaternions import from_axis_angle
-from rigtri.records import Clip, Track
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.solve.at_work import keyed_in
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.posed import sampled
-from rigtri.timelines import timelines
-from rigtri.trigonometry import Floats
 
 WHOLE = ControlOptions(whole_character=True)
 # The bound: of the character's size, at every frame.
@@ -235,7 +235,7 @@ def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float
     middle = rig.find(limb[1])
     times = np.linspace(0.0, 1.0, 321)
     turns = np.stack([from_axis_angle(np.array(hinge), angle) for angle in np.linspace(-far, far, 321)])
-    from rigtri.quaternions import multiply
+    from rigtri.maths.quaternions import multiply
 
     track = Track(middle, "rotation", "LINEAR", times, multiply(rig.rotation[middle], turns))
     rig = replace(rig, clips=(Clip("bend", (track,)),))

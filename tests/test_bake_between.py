@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from test_bake import animated, apart, control, rigged, size
 
-from rigtri import pose
-from rigtri.ops.bake import Options, bake
-from rigtri.records import Clip, Track
+from rigtri.evaluation import curve_refinement as between
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.active_controls import keyed_in
+from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import timelines
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import Options, bake
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.solve import between
-from rigtri.solve.at_work import keyed_in
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.posed import sampled
-from rigtri.timelines import timelines
 
 BOUND = 1e-5
 

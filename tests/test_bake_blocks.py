@@ -9,14 +9,14 @@ import pytest
 from places import slow
 from test_bake import rigged
 
-from rigtri.following import Parts
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.rig import Rig
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.match import matched
-from rigtri.solve.posed import sampled
-from rigtri.timelines import single, timelines
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.inverse_solver import matched
+from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import single, timelines
+from rigtri.model.rig import Rig
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
 
 
 def moving(frames: int) -> tuple[Solver, dict[int, Parts]]:

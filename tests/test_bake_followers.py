@@ -10,27 +10,27 @@ import pytest
 from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
 
-from rigtri import pose
-from rigtri.carried import Carried
 from rigtri.errors import GeometryError
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
-from rigtri.ops.posereader import Goal, add_posereader
-from rigtri.ops.posereader import Options as ReaderOptions
-from rigtri.ops.rivet import Options as RivetOptions
-from rigtri.ops.rivet import add_rivet
-from rigtri.ops.select import Selection
-from rigtri.pipeline import edit
-from rigtri.quaternions import from_axis_angle, multiply
-from rigtri.records import Clip, Track
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_posereader.posereader import Goal, add_posereader
+from rigtri.operations.add_posereader.posereader import Options as ReaderOptions
+from rigtri.operations.add_rivet.rivet import Options as RivetOptions
+from rigtri.operations.add_rivet.rivet import add_rivet
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.joint_selection import Selection
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.timelines import timelines
-from rigtri.trigonometry import Floats
 
 SIDE = Goal("side", direction=(-1, 0, 0))
 

@@ -10,20 +10,20 @@ import pytest
 from places import SAMPLES
 from test_bake import WHOLE, control
 
-from rigtri import pose
 from rigtri.errors import DeviationError
+from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import add_controls
-from rigtri.ops.twist import Options as TwistOptions
-from rigtri.ops.twist import add_twist
-from rigtri.pipeline import edit
-from rigtri.quaternions import from_axis_angle
-from rigtri.records import Track
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.records import Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_twist.twist import Options as TwistOptions
+from rigtri.operations.add_twist.twist import add_twist
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 
 def nodding(rig: Rig) -> Rig:

@@ -10,18 +10,18 @@ import pytest
 from places import SAMPLES
 from test_bake import WHOLE, apart, run, size, stored
 
-from rigtri import pose
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
-from rigtri.matrices import nearest_rotation
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import add_controls
-from rigtri.ops.strip import strip
-from rigtri.quaternions import from_axis_angle
-from rigtri.rig import Rig
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.posed import Posed
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.strip import strip
 
 # The bound, as a share of the size.
 NEAR = 1e-6

@@ -10,24 +10,24 @@ import pytest
 from places import SAMPLES, slow
 from test_bake import WHOLE, control
 
-from rigtri import pose
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.key_reduction import thinned
+from rigtri.evaluation.shared_key_times import as_read
+from rigtri.evaluation.twist_joints import twists
 from rigtri.formats import read
-from rigtri.matrices import nearest_rotation
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.controls import add_controls
-from rigtri.ops.posereader import Goal, add_posereader
-from rigtri.ops.posereader import Options as ReaderOptions
-from rigtri.ops.shared_keys import as_read
-from rigtri.ops.twist import Options as TwistOptions
-from rigtri.ops.twist import add_twist
-from rigtri.pipeline import edit
-from rigtri.quaternions import conjugate, from_axes, from_axis_angle, multiply, turn_angle
-from rigtri.records import Clip, Track
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, turn_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_posereader.posereader import Goal, add_posereader
+from rigtri.operations.add_posereader.posereader import Options as ReaderOptions
+from rigtri.operations.add_twist.twist import Options as TwistOptions
+from rigtri.operations.add_twist.twist import add_twist
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.solve.keys import thinned
-from rigtri.trigonometry import Floats
-from rigtri.twist import twists
 
 
 def single(values: Floats) -> Floats:

@@ -22,11 +22,11 @@ from batch_tasks import Turn
 from click.testing import CliRunner
 
 from rigtri import edit, orient_joints
-from rigtri.batch import cluster
-from rigtri.batch.entries import Entry
-from rigtri.batch.on_worker import Message
-from rigtri.batch.work import Assignment, Record
 from rigtri.errors import FileError
+from rigtri.pipeline.batch import dask as cluster
+from rigtri.pipeline.batch.dask_worker import Message
+from rigtri.pipeline.batch.inputs import Entry
+from rigtri.pipeline.batch.work import Assignment, Record
 
 # Tasks travel by the name of their module, which workers must find, too.
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}

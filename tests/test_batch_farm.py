@@ -13,9 +13,9 @@ import click
 import pytest
 from click.testing import CliRunner, Result
 
-from rigtri.batch import openjd
-from rigtri.batch.entries import Entry
-from rigtri.batch.shards import Shard, parse
+from rigtri.pipeline.batch import openjd
+from rigtri.pipeline.batch.inputs import Entry
+from rigtri.pipeline.batch.shards import Shard, parse
 
 # Spaces, quotes and what a template takes for an expression.
 FOLDER = 'it\'s a "farm" {{Param.Rigtri}} $HOME'

@@ -12,11 +12,11 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigtri.batch import targets
-from rigtri.batch.entries import Entry, entries
-from rigtri.batch.shards import Shard, of_slurm, parse
 from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
+from rigtri.pipeline.batch import output_checks as targets
+from rigtri.pipeline.batch.inputs import Entry, entries
+from rigtri.pipeline.batch.shards import Shard, of_slurm, parse
 
 
 @pytest.fixture

@@ -14,13 +14,13 @@ from click.testing import CliRunner, Result
 from rigs import random_rig
 from second_opinions import validator
 
-from rigtri.batch.axes import Axes, angles, axes_of
-from rigtri.batch.entries import Entry
-from rigtri.batch.manifest import Manifest
-from rigtri.batch.summary import summarise
-from rigtri.batch.work import Record
-from rigtri.quaternions import from_axis_angle
-from rigtri.reframe import reframe
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.pipeline.batch.axis_summary import Axes, angles, axes_of
+from rigtri.pipeline.batch.inputs import Entry
+from rigtri.pipeline.batch.manifest import Manifest
+from rigtri.pipeline.batch.report import summarise
+from rigtri.pipeline.batch.work import Record
 
 
 @pytest.fixture(autouse=True)
@@ -258,6 +258,6 @@ def test_a_manifest_in_a_folder_that_only_others_may_write_to_is_read(
     for log in tmp_path.glob("*.sqlite-*"):
         log.unlink()
     # Root may write anywhere: what a folder without that right does to SQLite is told by its files.
-    monkeypatch.setattr("rigtri.batch.manifest_file.os.access", lambda *_: False)
+    monkeypatch.setattr("rigtri.pipeline.batch.manifest_file.os.access", lambda *_: False)
     assert summarise([path])["statuses"]["ok"] == 1
     assert [file.name for file in tmp_path.glob("*.sqlite*")] == [path.name]

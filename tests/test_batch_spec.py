@@ -17,7 +17,7 @@ from click.testing import CliRunner, Result
 from places import slow
 from second_opinions import validator
 
-from rigtri.spec.building import build
+from rigtri.pipeline.rigspec.build import build
 
 SPEC = """
 variables: {side: _L}

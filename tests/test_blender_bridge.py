@@ -17,17 +17,17 @@ from engines import Shown, blender_scenes, blender_setup, blender_trip
 from gltf_files import glb_bytes, glb_parts
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files
 
-from rigtri.bridge import blender
-from rigtri.bridge.blender import blender_setup as exported
-from rigtri.bridge.plan import named
-from rigtri.following import Parts
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.export.blender import script as blender
+from rigtri.export.blender.plan import named
+from rigtri.export.blender.script import blender_setup as exported
 from rigtri.formats import read
-from rigtri.matrices import compose, inverse, multiply
+from rigtri.maths.matrices import compose, inverse, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.posed import Posed, sampled
-from rigtri.trigonometry import Floats
 
 # Of the size. At rest and with FK it is Blender's float32; its IK is iterative, and rarely off by more.
 STILL, FK, IK = 1e-5, 1e-5, 1e-3

@@ -18,10 +18,10 @@ from second_opinions import schema, validator
 from usd_files import save
 
 import rigtri
-from rigtri.checks import check
-from rigtri.checks.catalogue import RULES, as_markdown
-from rigtri.checks.notes import broken, unknown
 from rigtri.formats import read
+from rigtri.verification.checks import check
+from rigtri.verification.checks.metadata_check import broken, unknown
+from rigtri.verification.checks.rule_catalogue import RULES, as_markdown
 
 
 @pytest.fixture
@@ -154,7 +154,9 @@ def test_the_page_of_checks_is_what_the_code_says(pytestconfig: pytest.Config) -
     """Where it is not: pytest --update-golden."""
     page = ROOT / "docs" / "checks.md"
     text = page.read_text("utf-8")
-    head, mark, _ = text.partition("<!-- from here on: rigtri.checks.catalogue.as_markdown() -->\n\n")
+    head, mark, _ = text.partition(
+        "<!-- from here on: rigtri.verification.checks.rule_catalogue.as_markdown() -->\n\n"
+    )
     assert mark
     if pytestconfig.getoption("--update-golden"):
         page.write_text(head + mark + as_markdown(), "utf-8", newline="\n")
@@ -181,7 +183,7 @@ def test_a_file_that_ends_the_process_is_a_finding_and_the_next_is_checked(
 ) -> None:
     path = tmp_path / f"in{suffix}"
     path.write_bytes(b"PXR-USDC")
-    monkeypatch.setattr("rigtri.checks.check", dies)
+    monkeypatch.setattr("rigtri.verification.checks.check", dies)
     result = run(path, code=3)
     assert "crashed (SIGABRT)" in result.stdout
     assert "file.unreadable" in result.stdout

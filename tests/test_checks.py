@@ -21,9 +21,9 @@ from click.testing import CliRunner
 from places import sample_files
 from usd_files import save
 
-from rigtri.checks import RULES, Finding, check
 from rigtri.errors import FileError
 from rigtri.formats import read
+from rigtri.verification.checks import RULES, Finding, check
 
 BROKEN = GLTF | VRM | USD
 # What a mistake brings with it: the smallest file with the one has the other, too.

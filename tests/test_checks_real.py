@@ -19,7 +19,7 @@ from second_opinions import khronos_errors
 from test_checks import refusal
 from test_gltf_bad_input import WRONG, places
 
-from rigtri.checks import check
+from rigtri.verification.checks import check
 
 STAGES = [*sample_files(*USD), *asset_files(*USD)]
 # Errors of the Khronos validator → what rigtri calls the same.

@@ -17,8 +17,8 @@ from gltf_files import small
 from second_opinions import schema, validator
 
 from rigtri.cli import main
-from rigtri.confined import CrashError
 from rigtri.errors import RigtriError, kind_of
+from rigtri.files.worker_process import CrashError
 from rigtri.formats import read
 
 
@@ -177,7 +177,7 @@ def test_an_output_of_another_format_is_told_before_anything_is_read(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("rigtri.pipeline.read", lambda *_: pytest.fail("it was read"))
+    monkeypatch.setattr("rigtri.pipeline.edit.read", lambda *_: pytest.fail("it was read"))
     more = COMMANDS[command]
     result = run(command, samples / source, "-o", tmp_path / target, *more, code=2)
     assert result.stderr.strip().endswith(
@@ -237,7 +237,7 @@ def test_styles_behind_a_chain_are_for_that_chain(run: Any, samples: Path, tmp_p
     out = tmp_path / "out.glb"
     arguments = ["--aim", "y", "--up", "x", "--chain", "upper_arm_L", "forearm_L", "--aim", "z"]
     run("orient-joints", samples / "biped.glb", "-o", out, *arguments, "--joints", "thigh_L")
-    from rigtri.pose import worlds
+    from rigtri.evaluation.sampling import worlds
 
     rig = read(out).rig
     world = worlds(rig)

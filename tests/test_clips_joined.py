@@ -16,14 +16,14 @@ from rigs import chain
 from test_bake import control, rigged, run, size
 from test_take_clips import split
 
-from rigtri import pose
 from rigtri.errors import NameNotFoundError
+from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
-from rigtri.ops.joined import joined
-from rigtri.ops.take_clips import Options, take_clips
-from rigtri.records import Clip, Track
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.rejoin_clips import joined
+from rigtri.operations.take_clips.take_clips import Options, take_clips
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 JOINTS = 3
 

@@ -12,7 +12,14 @@ from characters import ARM, CAMERA, HAND, HIPS, SPINE, SWORD, Held, character, s
 from numpy.testing import assert_allclose
 from rigs import chain, random_rig, random_turns, rig_of
 
-from rigtri.compare import (
+from rigtri.errors import FileError
+from rigtri.evaluation.sampling import Motion, between_keys, locals_at, worlds
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.model.records import Mesh
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.clip_pairing import joined
+from rigtri.verification.compare.compare import (
     TOLERANCE,
     Comparison,
     Source,
@@ -21,14 +28,7 @@ from rigtri.compare import (
     self_check,
     verify,
 )
-from rigtri.errors import FileError
-from rigtri.playing import joined
-from rigtri.pose import Motion, between_keys, locals_at, worlds
-from rigtri.quaternions import from_axis_angle, multiply
-from rigtri.records import Mesh
-from rigtri.reframe import reframe
-from rigtri.rig import Rig
-from rigtri.watched import LinearPoints, Moment, Points, points_of
+from rigtri.verification.compare.probes import LinearPoints, Moment, Points, points_of
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])
 Compare = Callable[[Source, Source], Comparison]
@@ -314,7 +314,7 @@ def test_blocks_of_times_do_not_change_the_result(monkeypatch: pytest.MonkeyPatc
     before = character()
     after = replace(before, rig=nudged(before.rig, ARM))
     whole = [compare(before, after).as_json() for compare in (self_check, verify)]
-    monkeypatch.setattr("rigtri.compare._BLOCK", 1)
+    monkeypatch.setattr("rigtri.verification.compare.compare._BLOCK", 1)
     split = [compare(before, after).as_json() for compare in (self_check, verify)]
     for one, other in zip(whole, split, strict=True):
         assert one["deviation"] == pytest.approx(other["deviation"], rel=1e-12)

@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from rigtri.confined import Confined, CrashError
 from rigtri.errors import FileError
+from rigtri.files.worker_process import Confined, CrashError
 
 SERVED = pytest.mark.skipif(
     "forkserver" not in multiprocessing.get_all_start_methods(),

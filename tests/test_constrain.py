@@ -19,31 +19,31 @@ from rigs import chain, rig_of
 from second_opinions import khronos_errors, usd_errors, validator
 
 import rigtri
-from rigtri.compare import verify
-from rigtri.dependence import followed
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, RigtriError, UsageError
-from rigtri.euler import ORDERS, Order, from_angles, to_angles
-from rigtri.following import factored, pole, rotate_of
+from rigtri.evaluation.constraint_solver import factored, pole, rotate_of
+from rigtri.evaluation.dependency_graph import followed
+from rigtri.evaluation.sampling import locals_at, rest, worlds
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
-from rigtri.matrices import compose, inverse, multiply, turn_after, turn_before
-from rigtri.ops.bake import Options as BakeOptions
-from rigtri.ops.bake import bake
-from rigtri.ops.constrain import Options, constrain
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
-from rigtri.ops.strip import strip
-from rigtri.pipeline import edit
-from rigtri.pose import locals_at, rest, worlds
-from rigtri.quaternions import average, between, conjugate, from_axis_angle, slerp, to_axes, unit
-from rigtri.quaternions import multiply as product
-from rigtri.records import Constraint
-from rigtri.reframe import reframe
+from rigtri.frames.constraint_transform import lost_rules
+from rigtri.frames.reframe import reframe
+from rigtri.maths.euler import ORDERS, Order, from_angles, to_angles
+from rigtri.maths.matrices import compose, inverse, multiply, turn_after, turn_before
+from rigtri.maths.quaternions import average, between, conjugate, from_axis_angle, slerp, to_axes, unit
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.constraints import KINDS, Kind, rule_of, rules_of
+from rigtri.model.records import Constraint
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options as BakeOptions
+from rigtri.operations.bake.bake import bake
+from rigtri.operations.constrain.constrain import Options, constrain
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.rules import KINDS, Kind, rule_of, rules_of
-from rigtri.trigonometry import Floats
-from rigtri.turned_rules import lost_rules
+from rigtri.verification.compare.compare import verify
 
 TRUSTING = ReadOptions(allow_external_paths=True)
 NAMES = ["root", "driver", "other", "above", "child", "up"]

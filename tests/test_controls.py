@@ -16,19 +16,19 @@ from rigs import chain
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.cli.main import program
-from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
-from rigtri.limbs import Limb
-from rigtri.matrices import nearest_rotation
-from rigtri.ops.controls import Options, add_controls
-from rigtri.ops.select import Selection
-from rigtri.pipeline import edit
-from rigtri.pose import worlds
-from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options, add_controls
+from rigtri.operations.joint_selection import Selection
+from rigtri.pipeline.edit import edit
+from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.compare.compare import verify
 
 # An output in another folder refers back to its source's.
 TRUSTING = ReadOptions(allow_external_paths=True)
@@ -344,8 +344,8 @@ def test_a_pole_vector_is_drawn_anew_too(samples: Path, tmp_path: Path) -> None:
 def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
     suffix: str, samples: Path, tmp_path: Path
 ) -> None:
-    from rigtri.ops.constrain import Options as Constraint
-    from rigtri.ops.constrain import constrain
+    from rigtri.operations.constrain.constrain import Options as Constraint
+    from rigtri.operations.constrain.constrain import constrain
 
     one, two, three, four = (tmp_path / f"{k}.{suffix}" for k in range(4))
     redone(samples / f"biped.{suffix}", one)

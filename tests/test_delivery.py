@@ -20,15 +20,15 @@ from typing import Any
 import pytest
 from places import slow
 
-from rigtri import delivery
-from rigtri.compare import verify
 from rigtri.errors import DeviationError, FileError, UsageError
+from rigtri.files import atomic_write as delivery
+from rigtri.files.staged_output import write_text
 from rigtri.formats import Options, read
-from rigtri.ops.orient import orient_joints
-from rigtri.outputs import write_text
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.compare.compare import verify
 
 ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
@@ -103,7 +103,7 @@ def test_an_interrupt_while_measuring_leaves_the_old_files(
         raise Interrupt
 
     old = contents(gltf.parent)
-    monkeypatch.setattr("rigtri.pipeline.self_check", stop)
+    monkeypatch.setattr("rigtri.pipeline.edit.self_check", stop)
     with pytest.raises(Interrupt):
         edit(samples / "biped.gltf", gltf, orient, overwrite=True)
     assert contents(gltf.parent) == old
@@ -150,7 +150,7 @@ def deadly_edit(moment: int, source: str, target: str) -> None:
 def started(moment: int, source: Path, target: Path) -> Any:
     """A process that runs `deadly_edit`; it starts at once, because its server has loaded all."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["rigtri.pipeline", "rigtri.formats.gltf.document", "pxr.Usd"])
+    context.set_forkserver_preload(["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "pxr.Usd"])
     process = context.Process(target=deadly_edit, args=(moment, str(source), str(target)))
     process.start()
     return process

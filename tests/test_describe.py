@@ -14,12 +14,12 @@ from conftest import Golden
 from places import SAMPLES
 from rigs import chain, random_rig, random_turns, rig_of
 
-from rigtri.descriptions import as_json, describe
+from rigtri.export.text_description import as_json, describe
 from rigtri.formats import read
-from rigtri.quaternions import from_axis_angle
-from rigtri.reframe import reframe
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.rig import Rig
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 WORLD = ("x→y↑z⊙", "x:+x", "y:+y", "z:+z")
 

@@ -15,15 +15,15 @@ from test_bake import run
 from test_usd_played import without_notes
 
 import rigtri
-from rigtri import pose
+from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
-from rigtri.ops.bake import Options as BakeOptions
-from rigtri.ops.described import as_described
-from rigtri.ops.take_clips import _tell_unkeyed
-from rigtri.quaternions import conjugate, multiply, turn_angle
-from rigtri.records import Clip, Track
+from rigtri.maths.quaternions import conjugate, multiply, turn_angle
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import Options as BakeOptions
+from rigtri.operations.take_clips.restore_metadata import as_described
+from rigtri.operations.take_clips.take_clips import _tell_unkeyed
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 
 def rigged(folder: Path, name: str) -> tuple[Path, Path]:
@@ -126,7 +126,7 @@ def biped() -> Rig:
 
 
 def add_options() -> Any:
-    from rigtri.ops.controls import Options as ControlOptions
+    from rigtri.operations.add_controls import Options as ControlOptions
 
     return ControlOptions(whole_character=True)
 

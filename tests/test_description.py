@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from second_opinions import validator
 
 from rigtri.cli.main import program
-from rigtri.description import description
+from rigtri.export.rig_json import description
 from rigtri.formats import read
 
 

@@ -26,19 +26,19 @@ from second_opinions import validator
 from test_lossless_usd import planted
 
 from rigtri import diff
-from rigtri.changes.change import same_numbers, same_rows
-from rigtri.changes.rig import rig_changes
-from rigtri.changes.turns import axis_words, turn, turns
-from rigtri.difference import Difference
 from rigtri.errors import FileError, RigtriError
 from rigtri.formats import read
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.polevector import Options as PoleOptions
-from rigtri.ops.polevector import add_polevector
-from rigtri.pipeline import edit
-from rigtri.quaternions import multiply, to_axes, unit
-from rigtri.rig import Rig
-from rigtri.vectors import normalise
+from rigtri.maths.quaternions import multiply, to_axes, unit
+from rigtri.maths.vectors import normalise
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
+from rigtri.verification.diff.axis_diff import axis_words, turn, turns
+from rigtri.verification.diff.change import same_numbers, same_rows
+from rigtri.verification.diff.diff import Difference
+from rigtri.verification.diff.rig_diff import rig_changes
 
 
 def lines(found: Difference, terms: str = "both") -> list[str]:
@@ -637,7 +637,7 @@ def test_a_mistake_of_ours_in_diff_is_no_answer(
     def broken(*_: Any, **__: Any) -> None:
         raise AssertionError("a mistake of ours")
 
-    monkeypatch.setattr("rigtri.difference.diff", broken)
+    monkeypatch.setattr("rigtri.verification.diff.diff.diff", broken)
     result = CliRunner().invoke(app, ["diff", str(samples / "biped.glb"), str(samples / "biped.glb")])
     assert result.exit_code == 2
     assert "a mistake of ours" in result.stderr

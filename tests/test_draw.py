@@ -21,20 +21,20 @@ from rigs import chain, random_rig, rig_of
 from second_opinions import validator
 
 import rigtri
-from rigtri.drawing.labels import labels, width
-from rigtri.drawing.marks import Mark, as_json
-from rigtri.drawing.outline import outline
-from rigtri.drawing.picture import Options, draw, seen
 from rigtri.errors import FileError, NameNotFoundError
+from rigtri.export.drawing.labels import labels, width
+from rigtri.export.drawing.picture import Options, draw, seen
+from rigtri.export.drawing.primitives import Mark, as_json
+from rigtri.export.drawing.silhouette import outline
 from rigtri.formats import read
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.select import Selection, chosen
-from rigtri.records import Mesh, Surface
+from rigtri.frames.skeleton import skeleton
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.model.records import Mesh, Surface
+from rigtri.model.rig import Rig
+from rigtri.operations.joint_selection import Selection, chosen
+from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.skeleton import skeleton
-from rigtri.trigonometry import Floats
-from rigtri.vectors import normalise
 
 SPACE = "{http://www.w3.org/2000/svg}"
 
@@ -374,7 +374,7 @@ def test_png_is_made_by_resvg_and_where_it_is_missing_it_says_how_to_get_it(
     found = (tmp_path / "arm.png").read_bytes()
     assert found[:8] == b"\x89PNG\r\n\x1a\n"
     assert (int.from_bytes(found[16:20]), int.from_bytes(found[20:24])) == (320, 200)
-    monkeypatch.setattr("rigtri.drawing.png.find_spec", lambda name: None)
+    monkeypatch.setattr("rigtri.export.drawing.png.find_spec", lambda name: None)
     assert "pip install 'rigtri[png]'" in run(SAMPLES / "arm.gltf", "-o", "b.png", code=2).stderr
 
 

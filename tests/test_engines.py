@@ -22,14 +22,14 @@ from places import (
     slow,
 )
 
-from rigtri.compare import TOLERANCE, verify
 from rigtri.errors import RigtriError
 from rigtri.formats import read
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.presets import PRESETS
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.compare.compare import TOLERANCE, verify
 
 # What runs without --slow: one of each kind, and these samples.
 SAMPLED = [

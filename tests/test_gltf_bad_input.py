@@ -18,8 +18,8 @@ from test_vrm import vrm_0, vrm_1
 from rigtri.errors import FileError
 from rigtri.formats import Options
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.reframe import reframe, scale_allows
+from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.maths.quaternions import IDENTITY, unit
 
 Spoil = Callable[[dict[str, Any]], Any]
 

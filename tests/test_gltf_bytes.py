@@ -14,12 +14,12 @@ from rigtri.errors import FileError, UsageError
 from rigtri.formats import Options
 from rigtri.formats.gltf.container import Piece, open_container
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.formats.gltf.rounding import Singles, round_spline, round_tracks
-from rigtri.formats.gltf.spelling import Spelling, parse
+from rigtri.formats.gltf.float32_rounding import Singles, round_spline, round_tracks
+from rigtri.formats.gltf.json_style import Spelling, parse
 from rigtri.formats.gltf.uris import escape, file_of, is_own
-from rigtri.quaternions import meant_unit, unit
-from rigtri.records import Track
-from rigtri.reframe import reframe
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import meant_unit, unit
+from rigtri.model.records import Track
 
 TURN = unit([[0.1, 0.2, 0.3, 0.9]])
 

@@ -17,14 +17,14 @@ from packed_files import EXT, KHR, Fallback, pack
 from places import ASSETS, NO_ASSETS
 from second_opinions import khronos_errors
 
-from rigtri.compare import self_check, verify
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.ops.orient import orient_joints
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.reframe import reframe, scale_allows
-from rigtri.rig import Rig
+from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.verification.compare.compare import self_check, verify
 
 Spoil = Callable[[dict[str, Any]], object]
 

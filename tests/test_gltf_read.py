@@ -11,9 +11,9 @@ import pytest
 from gltf_files import Builder, character, small
 
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Options, read
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.pose import worlds
 
 
 def opened(builder: Builder, folder: Path, **options: Any) -> GltfDocument:

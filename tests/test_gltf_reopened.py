@@ -8,11 +8,11 @@ import numpy as np
 from gltf_files import small
 from rigs import lawful
 
-from rigtri.compare import self_check
 from rigtri.errors import FileError
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.quaternions import unit
-from rigtri.reframe import reframe
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import unit
+from rigtri.verification.compare.compare import self_check
 
 
 def _told(before: GltfDocument, read: object) -> str:

@@ -11,12 +11,12 @@ from urllib.parse import unquote
 import pytest
 from gltf_files import small
 
-from rigtri.checks import check
 from rigtri.errors import FileError
 from rigtri.formats import Options, read
-from rigtri.pipeline import Outcome, edit
+from rigtri.model.rig import Rig
+from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.checks import check
 
 ALLOWED = Options(allow_external_paths=True)
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.spelling import Spelling, parse, parse_placed
-from rigtri.formats.gltf.splice import splice
+from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_splice import splice
+from rigtri.formats.gltf.json_style import Spelling, parse, parse_placed
 
 ODD = """ {
 \t"asset" : {"version":"2.0", "x": 1.0},   "big":123456789012345678901234567890,

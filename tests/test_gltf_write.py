@@ -16,15 +16,15 @@ from places import ASSETS, GLTF, asset_files, sample_files
 from rigs import lawful
 from second_opinions import khronos_errors
 
-from rigtri.compare import verify
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Companion, Options
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, conjugate, unit
-from rigtri.records import Clip, Track
-from rigtri.reframe import reframe, scale_allows
-from rigtri.rig import Rig
+from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.maths.quaternions import IDENTITY, conjugate, unit
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import verify
 
 FILES = [*sample_files(*GLTF), *asset_files(*GLTF)]
 KINDS: dict[str, Callable[[Builder, Path], Path]] = {

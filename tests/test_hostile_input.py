@@ -22,19 +22,19 @@ from pxr import Sdf, Tf
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.cli.words import plain
-from rigtri.compare import verify
-from rigtri.confined import Confined, CrashError, tell
 from rigtri.errors import FileError, GeometryError, RigtriError
+from rigtri.files.worker_process import Confined, CrashError, tell
 from rigtri.formats import Options
 from rigtri.formats import read as read_any
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.formats.usd import package
-from rigtri.ops.orient import Options as Everything
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.select import Selection
-from rigtri.pipeline import edit
+from rigtri.formats.usd import usdz as package
+from rigtri.model.rig import Rig
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options as Everything
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.compare.compare import verify
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 LAYER = scene(skeleton(), animation(), MESH)
@@ -605,7 +605,7 @@ def test_custom_data_that_cannot_be_unpacked_are_an_error_of_the_file() -> None:
 
 
 def test_a_finding_of_openusd_that_quotes_bytes_is_told_all_the_same() -> None:
-    from rigtri.checks.usd.openusd import _message
+    from rigtri.verification.checks.usd.usd_validation import _message
 
     assert "no text" in _message(_Spoilt())
 

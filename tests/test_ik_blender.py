@@ -11,17 +11,17 @@ from engines import blender_limbs
 from places import SAMPLES, asset_files
 from test_bake import WHOLE, stored
 
-from rigtri import pose
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.active_controls import keyed_in, size_of
+from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import timelines
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.controls import add_controls
-from rigtri.solve.at_work import keyed_in, size_of
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.ik import Ik
-from rigtri.solve.posed import Posed, sampled
-from rigtri.timelines import timelines
-from rigtri.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options, bake
 
 MOMENTS = 60
 # Of the size: Blender's solver is iterative, and float32. docs/exactness.md has what was measured.

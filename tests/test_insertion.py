@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rigtri.insertion import split, with_keys
-from rigtri.pose import sample
-from rigtri.quaternions import from_axis_angle, multiply, turn_angle
-from rigtri.records import Path, Track
-from rigtri.trigonometry import Floats
+from rigtri.evaluation.key_insertion import split, with_keys
+from rigtri.evaluation.sampling import sample
+from rigtri.maths.quaternions import from_axis_angle, multiply, turn_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Path, Track
 
 TIMES = np.array([0.0, 0.5, 2.0, 2.25])
 

@@ -17,25 +17,25 @@ from scaled_limbs import STRETCH, Limb, usd
 from second_opinions import khronos_errors, usd_errors, validator
 from usd_files import animation, at, save, scene, skeleton
 
-from rigtri.compare import verify
 from rigtri.errors import FileError, UsageError
+from rigtri.evaluation.sampling import bind_worlds, worlds
 from rigtri.formats import Options, read
 from rigtri.formats.gltf.container import open_container
-from rigtri.limbs import given
-from rigtri.ops.controls import Options as Controls
-from rigtri.ops.controls import add_controls
-from rigtri.ops.joints import Kind, add_joint, move_joint, new_skin
-from rigtri.ops.limb import Options as LimbOptions
-from rigtri.ops.limb import make_limb
-from rigtri.ops.orient import Options as Orient
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.polevector import Options as Pole
-from rigtri.ops.polevector import add_polevector
-from rigtri.ops.strip import strip
-from rigtri.pipeline import Outcome, edit
-from rigtri.pose import bind_worlds, worlds
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as Controls
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_polevector import Options as Pole
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.make_limb import Options as LimbOptions
+from rigtri.operations.make_limb import make_limb
+from rigtri.operations.orient_joints.orient import Options as Orient
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.skin_joints import Kind, add_joint, move_joint, new_skin
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import Outcome, edit
+from rigtri.recognition.limbs import given
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.compare.compare import verify
 
 TRUSTING = Options(allow_external_paths=True)
 # Below a leaf and in the middle, so that a chain forks; NAME and where it stands to its parent's place.

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from test_bake import control, rigged
 
-from rigtri.ops.bake import Options, bake
-from rigtri.quaternions import conjugate, from_axis_angle, multiply, slerp, turn_angle, unit
-from rigtri.records import Clip, Track
-from rigtri.solve.keys import WIDEST_TURN, _untold, needed
-from rigtri.trigonometry import Floats
+from rigtri.evaluation.key_reduction import WIDEST_TURN, _untold, needed
+from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, slerp, turn_angle, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track
+from rigtri.operations.bake.bake import Options, bake
 
 
 def turning(degrees: float, count: int) -> Floats:

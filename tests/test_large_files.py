@@ -19,14 +19,16 @@ import pytest
 from characters import Held
 from gltf_files import Builder, character, glb_json, small
 
-from rigtri.compare import self_check
 from rigtri.errors import FileError
 from rigtri.formats import read
-from rigtri.formats.gltf import mapped, meshes, writer
+from rigtri.formats.gltf import mesh_reader as meshes
+from rigtri.formats.gltf import mmap as mapped
+from rigtri.formats.gltf import writer
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.select import Selection
-from rigtri.pipeline import Outcome, edit
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.pipeline.edit import Outcome, edit
+from rigtri.verification.compare.compare import self_check
 
 GIB = 1 << 30
 LIMIT = (1 << 32) - 1

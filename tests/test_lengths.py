@@ -16,22 +16,22 @@ from scaled_limbs import NAMES, Limb, gltf, usd
 from test_reframe import poses
 from usd_files import deviation
 
-from rigtri.compare import TOLERANCE, verify
 from rigtri.errors import DeviationError, FileError
 from rigtri.formats import Options, read
-from rigtri.matrices import inverse
-from rigtri.ops.orient import Options as Orient
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.presets import Style
-from rigtri.ops.select import Selection
-from rigtri.pipeline import Outcome, edit
-from rigtri.quaternions import IDENTITY, from_axis_angle, unit
-from rigtri.reach import Reach, bearable, reaches
-from rigtri.records import Clip, Mesh, Skin, Track
-from rigtri.reframe import Scales, reframe, split
+from rigtri.frames.error_bounds import Reach, bearable, reaches
+from rigtri.frames.reframe import Scales, reframe, split
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Mesh, Skin, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import Style
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options as Orient
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
+from rigtri.verification.compare.compare import TOLERANCE, verify
 
 SUFFIXES = (".glb", ".usda")
 # What float32 leaves where a mesh is a twentieth of the skeleton; elsewhere less.

@@ -20,9 +20,9 @@ from places import ASSETS, NO_ASSETS, SAMPLES
 
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.ops.orient import Options
-from rigtri.ops.presets import Style
-from rigtri.pipeline import edit
+from rigtri.operations.axis_presets import Style
+from rigtri.operations.orient_joints.orient import Options
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 BIPED = SAMPLES / "biped.glb"

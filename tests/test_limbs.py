@@ -12,8 +12,8 @@ from rigs import chain, rig_of
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.formats import read
-from rigtri.limbs import along, given, recognise
-from rigtri.rig import Rig
+from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import along, given, recognise
 
 
 def named(names: list[str], parents: list[int]) -> Rig:

@@ -18,10 +18,10 @@ import pytest
 from places import SAMPLES
 
 from rigtri.formats import Options
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.polevector import Options as PoleOptions
-from rigtri.ops.polevector import add_polevector
-from rigtri.pipeline import edit
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
 
 # What the two edits may change; all else must be there, equal to the character, in its order.
 MAY_CHANGE = re.compile(

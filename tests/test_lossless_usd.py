@@ -15,11 +15,11 @@ import pytest
 import usd_files
 from pxr import Sdf, Usd, UsdUtils
 
-from rigtri.limbs import Limb
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.polevector import Options as PoleOptions
-from rigtri.ops.polevector import add_polevector
-from rigtri.pipeline import edit
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
+from rigtri.recognition.limbs import Limb
 
 # Attributes of joints whose values the edits may change.
 MAY_CHANGE = ("restTransforms", "bindTransforms", "translations", "rotations", "scales")

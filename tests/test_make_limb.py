@@ -17,18 +17,18 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.cli.main import program
 from rigtri.cli.make_limb import spread
-from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read, write_blank
-from rigtri.ops.limb import Options, make_limb
-from rigtri.ops.polevector import Options as PoleOptions
-from rigtri.ops.presets import PRESETS, Style
-from rigtri.pipeline import edit
-from rigtri.pose import locals_at, worlds
-from rigtri.quaternions import from_axis_angle
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.make_limb import Options, make_limb
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.compare.compare import verify
 
 TRUSTING = ReadOptions(allow_external_paths=True, empty=True)
 # The article's: shoulder, elbow, wrist. AB × BC points along −z.

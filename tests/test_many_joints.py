@@ -15,12 +15,12 @@ from click.testing import CliRunner
 from gltf_files import Builder
 from rigs import chain, random_rig, rig_of
 
-from rigtri.bend import between
+from rigtri.evaluation.sampling import bind_worlds
 from rigtri.formats import read
-from rigtri.matching import match
-from rigtri.pose import bind_worlds
+from rigtri.model.rig import DEEPEST_PATH, Rig
+from rigtri.recognition.bend_plane import between
 from rigtri.report import Notice, Report
-from rigtri.rig import DEEPEST_PATH, Rig
+from rigtri.verification.compare.correspondence import match
 
 DEEP = sys.getrecursionlimit() + 500
 
@@ -150,7 +150,7 @@ def test_nodes_of_deep_chains_find_their_partners_by_their_whole_path() -> None:
 
 
 def test_a_numbered_limb_is_the_first_three_joints_below_each_other() -> None:
-    from rigtri.limbs import recognise
+    from rigtri.recognition.limbs import recognise
 
     names = ["torso", "leg_joint_L_1", "leg_joint_L_2", "leg_joint_L_3", "leg_joint_L_4"]
     for parents, limbs in (([-1, 0, 1, 2, 1], [(1, 2, 3)]), ([-1, 0, 1, 1, 2], [])):
@@ -168,7 +168,7 @@ def test_words_that_were_said_are_not_said_again() -> None:
 
 
 def test_a_long_straight_chain_that_nothing_bends_is_straight(tmp_path: Path) -> None:
-    from rigtri.ops.orient import orient_joints
+    from rigtri.operations.orient_joints.orient import orient_joints
 
     rig = chain(*[(0.0, float(k), 0.0) for k in range(8)])
     report = Report()

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
 
-from rigtri.compare import self_check, verify
 from rigtri.errors import DeviationError
 from rigtri.formats import read
-from rigtri.formats.gltf import meshes
-from rigtri.ops.orient import orient_joints
-from rigtri.pipeline import edit
+from rigtri.formats.gltf import mesh_reader as meshes
+from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.compare.compare import self_check, verify
 
 
 def orient(rig: Rig, report: Report) -> Rig:

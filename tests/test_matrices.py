@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from strategies import directions, frames, quaternions, scales, vectors
 
-from rigtri import matrices as m
-from rigtri.quaternions import to_axes
-from rigtri.trigonometry import Floats
+from rigtri.maths import matrices as m
+from rigtri.maths.quaternions import to_axes
+from rigtri.maths.trigonometry import Floats
 
 Z_TURN = np.array([[0.0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 

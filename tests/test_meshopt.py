@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meshopt_streams import Job, by_the_c_library, encode_attributes, encode_indices
 
-from rigtri.formats.gltf.meshopt import decode_attributes, decode_indices
-from rigtri.formats.gltf.meshopt_filters import FILTERS, color, exponential, octahedral, quaternion
-from rigtri.formats.gltf.meshopt_triangles import decode_triangles
+from rigtri.formats.gltf.meshopt.attributes import decode_attributes, decode_indices
+from rigtri.formats.gltf.meshopt.filters import FILTERS, color, exponential, octahedral, quaternion
+from rigtri.formats.gltf.meshopt.triangles import decode_triangles
 
 # Around every border: a group, a block, and more than one portion.
 COUNTS = (1, 15, 16, 17, 64, 255, 256, 257, 1000)

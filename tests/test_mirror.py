@@ -17,25 +17,25 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Options as Reading
 from rigtri.formats import read
-from rigtri.limbs import given
-from rigtri.matrices import from_frame, nearest_rotation
-from rigtri.matrices import multiply as matmul
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
-from rigtri.ops.mirror import Options, mirror
-from rigtri.ops.mirroring.asymmetry import asymmetry
-from rigtri.ops.polevector import Options as PoleOptions
-from rigtri.ops.polevector import add_polevector
-from rigtri.ops.select import Selection
-from rigtri.ops.twins import Across, Mirror, mirrored_axes, side_of, twin_of
-from rigtri.pipeline import edit
-from rigtri.pose import worlds
-from rigtri.quaternions import from_axis_angle, multiply, to_axes, unit
+from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
+from rigtri.frames.skeleton import skeleton
+from rigtri.maths.matrices import from_frame, nearest_rotation
+from rigtri.maths.matrices import multiply as matmul
+from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.mirror.mirror import Options, mirror
+from rigtri.operations.mirror.symmetry_check import asymmetry
+from rigtri.pipeline.edit import edit
+from rigtri.recognition.limbs import given
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.skeleton import skeleton
 
 TRUSTING = Reading(lenient=True, allow_external_paths=True)
 MODES: tuple[Mirror, ...] = ("behavior", "orientation", "blender")

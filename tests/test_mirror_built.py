@@ -15,35 +15,35 @@ from numpy.testing import assert_allclose
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.cli.main import program
-from rigtri.descriptions import describe
-from rigtri.following import evaluate
+from rigtri.evaluation.constraint_solver import evaluate
+from rigtri.evaluation.pose_readers import Reader, weights
+from rigtri.evaluation.sampling import rest, worlds
+from rigtri.export.text_description import describe
 from rigtri.formats import read
-from rigtri.matrices import multiply as after
-from rigtri.matrices import nearest_rotation
-from rigtri.ops.constrain import Options as Constraint
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import Options as Controls
-from rigtri.ops.controls import add_controls
-from rigtri.ops.limb import Options as Limb
-from rigtri.ops.limb import make_limb
-from rigtri.ops.mirror import Options, mirror
-from rigtri.ops.mirroring.asymmetry import asymmetry
-from rigtri.ops.posereader import Goal, add_posereader
-from rigtri.ops.posereader import Options as Reading
-from rigtri.ops.rivet import Options as Rivet
-from rigtri.ops.rivet import add_rivet
-from rigtri.ops.select import Selection
-from rigtri.ops.twins import MIRRORS, Across, Mirror, mirrored_axes
-from rigtri.ops.twist import Options as Twist
-from rigtri.ops.twist import add_twist
-from rigtri.pipeline import edit
-from rigtri.pose import rest, worlds
-from rigtri.quaternions import from_axis_angle, multiply
-from rigtri.readers import Reader, weights
+from rigtri.frames.mirror_modes import MIRRORS, Across, Mirror, mirrored_axes
+from rigtri.maths.matrices import multiply as after
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.constraints import rules_of
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as Controls
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_posereader.posereader import Goal, add_posereader
+from rigtri.operations.add_posereader.posereader import Options as Reading
+from rigtri.operations.add_rivet.rivet import Options as Rivet
+from rigtri.operations.add_rivet.rivet import add_rivet
+from rigtri.operations.add_twist.twist import Options as Twist
+from rigtri.operations.add_twist.twist import add_twist
+from rigtri.operations.constrain.constrain import Options as Constraint
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.make_limb import Options as Limb
+from rigtri.operations.make_limb import make_limb
+from rigtri.operations.mirror.mirror import Options, mirror
+from rigtri.operations.mirror.symmetry_check import asymmetry
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.rules import rules_of
-from rigtri.trigonometry import Floats
 
 FILES = ["biped.glb", "biped.usda"]
 REFLECT = np.array([-1.0, 1.0, 1.0])

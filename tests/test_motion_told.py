@@ -15,23 +15,23 @@ from morphs import arm
 from places import SAMPLES
 from test_bake import WHOLE, control
 
-from rigtri import pose
 from rigtri.errors import GeometryError
+from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import add_controls
-from rigtri.ops.described import as_described
-from rigtri.ops.posing import Options as PoseOptions
-from rigtri.ops.posing import take_pose
-from rigtri.ops.snap import Options as SnapOptions
-from rigtri.ops.snap import snap
-from rigtri.ops.take_clips import take_clips
-from rigtri.pipeline import Outcome, edit
-from rigtri.records import Track
+from rigtri.model.records import Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.pose import Options as PoseOptions
+from rigtri.operations.pose import take_pose
+from rigtri.operations.snap import Options as SnapOptions
+from rigtri.operations.snap import snap
+from rigtri.operations.take_clips.restore_metadata import as_described
+from rigtri.operations.take_clips.take_clips import take_clips
+from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 NAMES = ["biped.glb", "biped.usda"]
 MOVE = np.array([0.3, 0.0, 0.4])  # half a unit

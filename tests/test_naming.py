@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rigtri.naming import side, twin, without_prefix
+from rigtri.model.joint_names import side, twin, without_prefix
 
 
 @pytest.mark.parametrize(

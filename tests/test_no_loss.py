@@ -14,10 +14,10 @@ from usd_files import MESH, animation, save, scene, skeleton
 
 from rigtri.errors import DeviationError, UsageError
 from rigtri.formats import Options
-from rigtri.ops.orient import orient_joints
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 
 def orient(rig: Rig, report: Report) -> Rig:

@@ -15,18 +15,18 @@ from scaled_limbs import NAMES, STRETCH, Limb, gltf, usd
 from second_opinions import validator
 from usd_files import deviation
 
-from rigtri.compare import verify
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import Options, read
-from rigtri.ops.orient import Options as Orient
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.presets import Style
-from rigtri.pipeline import Outcome, edit
-from rigtri.pose import locals_at, worlds
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import Style
+from rigtri.operations.orient_joints.orient import Options as Orient
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
-from rigtri.vectors import normalise
+from rigtri.verification.compare.compare import verify
 
 BLINK = ((1, 1, 1), (1, 0.007, 1), (1, 1, 1), (1, 0.007, 1), (1, 1, 1))
 ONE, MIRROR, OTHER = (1, 1, 1), (-1, 1, 1), (1, -1, 1)
@@ -280,9 +280,9 @@ def test_stretched_thighs_and_blinking_eyes_keep_their_motion(
 def test_axes_and_locators_do_not_care_for_the_worlds_scale(
     scale: float, suffix: str, tmp_path: Path
 ) -> None:
-    from rigtri.limbs import given
-    from rigtri.ops.polevector import Options as Pole
-    from rigtri.ops.polevector import add_polevector
+    from rigtri.operations.add_polevector import Options as Pole
+    from rigtri.operations.add_polevector import add_polevector
+    from rigtri.recognition.limbs import given
 
     found = []
     for size in (1.0, scale):

@@ -13,19 +13,19 @@ from places import ROOT
 from rigs import chain, rig_of
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.limbs import given
-from rigtri.matrices import inverse
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.presets import PRESETS, Style
-from rigtri.ops.select import Selection
-from rigtri.pose import skin_matrices, worlds
-from rigtri.quaternions import conjugate, from_axis_angle, multiply, rotate, unit
-from rigtri.records import Clip, Skin, Track
+from rigtri.evaluation.sampling import skin_matrices, worlds
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotate, unit
+from rigtri.maths.triangle import axis_of
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, normalise
+from rigtri.model.records import Clip, Skin, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.recognition.limbs import given
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.triangle import axis_of
-from rigtri.trigonometry import Floats
-from rigtri.vectors import cross, normalise
 
 # An arm that bends at the elbow towards −z: hinge n = AB × BC = −y … see each test.
 SHOULDER, ELBOW, WRIST, TIP = (0.0, 0.0, 0.0), (2.0, 0.0, -0.5), (4.0, 0.0, 0.0), (5.0, 0.0, 0.0)
@@ -375,7 +375,7 @@ def test_a_rotation_common_to_the_whole_skeleton_is_taken_out_of_like() -> None:
 
 
 def test_stored_frames_are_applied_and_undone() -> None:
-    from rigtri.ops.frames import frames_json
+    from rigtri.operations.orient_joints.frame_sources import frames_json
 
     report = Report()
     out = oriented(arm(), report)
@@ -416,7 +416,7 @@ def stretched() -> Rig:
 
 
 def posed(rig: Rig) -> Floats:
-    from rigtri.pose import locals_at
+    from rigtri.evaluation.sampling import locals_at
 
     return worlds(rig, locals_at(rig, rig.clips[0], np.linspace(-0.5, 2.5, 25)))
 
@@ -508,7 +508,7 @@ def test_each_of_two_characters_has_limbs_of_its_own() -> None:
 
 
 def test_frames_of_characters_that_share_names_are_not_mixed_up() -> None:
-    from rigtri.ops.frames import frames_json
+    from rigtri.operations.orient_joints.frame_sources import frames_json
 
     report = Report()
     out = oriented(twins(), report, style=Style("y", "x"))

@@ -17,13 +17,13 @@ import pytest
 from places import SAMPLES, sample_files
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
+from rigtri.files.staged_output import Written
 from rigtri.formats import Options, read
-from rigtri.ops.orient import orient_joints
-from rigtri.outputs import Written
-from rigtri.pipeline import Outcome, edit
-from rigtri.recognition.engine import recognise
+from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import Outcome, edit
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 
 def orient(rig: Rig, report: Report) -> Rig:
@@ -132,8 +132,8 @@ def test_a_gltf_takes_its_files_along(samples: Path, tmp_path: Path) -> None:
 
 
 def test_edits_of_a_gltf_in_place_do_not_pile_up_buffers(samples: Path, tmp_path: Path) -> None:
-    from rigtri.ops.orient import Options
-    from rigtri.ops.presets import PRESETS
+    from rigtri.operations.axis_presets import PRESETS
+    from rigtri.operations.orient_joints.orient import Options
 
     for name in ("biped.gltf", "biped.bin"):
         shutil.copyfile(samples / name, tmp_path / name)
@@ -212,7 +212,7 @@ def test_an_override_is_measured_over_its_source(override: str, samples: Path, t
 def test_a_split_is_exact_in_gltf_and_refused_in_usd(samples: Path, tmp_path: Path) -> None:
     import numpy as np
 
-    from rigtri.ops.orient import Options as Orient
+    from rigtri.operations.orient_joints.orient import Options as Orient
 
     def squash_and_split(rig: Rig, report: Report) -> Rig:
         joint = rig.find("forearm_L")
@@ -259,8 +259,8 @@ def test_the_part_of_a_run_that_was_killed_is_removed_by_the_next(samples: Path,
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_pole_vector_may_be_moved_by_a_second_run(name: str, samples: Path, tmp_path: Path) -> None:
-    from rigtri.ops.polevector import Options as Pole
-    from rigtri.ops.polevector import add_polevector
+    from rigtri.operations.add_polevector import Options as Pole
+    from rigtri.operations.add_polevector import add_polevector
 
     one, two = tmp_path / f"one{name}", tmp_path / f"two{name}"
     edit(samples / name, one, lambda rig, report: add_polevector(rig, options=Pole(auto=True)))

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from test_bake import BOUND, apart, rigged
 
-from rigtri import pose
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
+from rigtri.evaluation import sampling as pose
+from rigtri.model.constraints import rules_of
+from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.rules import rules_of
 
 WAVE = Options(to="controls", clips=("wave",), fps=10)
 

@@ -32,13 +32,13 @@ from characters import (
 from places import SAMPLES, asset_files
 from rigs import random_turns
 
-from rigtri.compare import self_check, verify
+from rigtri.evaluation.sampling import key_times
 from rigtri.formats import Document, read
-from rigtri.pose import key_times
-from rigtri.quaternions import from_axis_angle, multiply, unit
-from rigtri.records import Track
-from rigtri.reframe import reframe, scale_allows
-from rigtri.rig import Rig
+from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.maths.quaternions import from_axis_angle, multiply, unit
+from rigtri.model.records import Track
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import self_check, verify
 
 Fault = Callable[[Rig], Rig]
 A_TENTH = from_axis_angle([0.0, 0.6, 0.8], np.radians(0.1))

@@ -11,16 +11,16 @@ from numpy.testing import assert_allclose
 from rigs import chain, rig_of
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
-from rigtri.limbs import given
-from rigtri.matrices import inverse
-from rigtri.ops.polevector import Options, add_polevector
-from rigtri.pose import worlds
-from rigtri.quaternions import from_axis_angle
-from rigtri.records import Clip, Skin, Track
+from rigtri.evaluation.sampling import worlds
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.model.records import Clip, Skin, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import Options, add_polevector
+from rigtri.recognition.limbs import given
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
-from rigtri.vectors import normalise
 
 
 def arm() -> Rig:

@@ -10,11 +10,11 @@ from characters import ARM, HIPS, SPINE, character
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, rig_of
 
-from rigtri import pose
-from rigtri.quaternions import IDENTITY, from_axis_angle, unit
-from rigtri.records import Clip, Mesh, Track
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
+from rigtri.evaluation import sampling as pose
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Mesh, Track
+from rigtri.model.rig import Rig
 
 QUARTER = from_axis_angle([0, 0, 1], np.pi / 2)
 
@@ -209,7 +209,7 @@ def test_in_the_bind_pose_points_are_where_the_mesh_has_them() -> None:
 
 def test_points_take_nothing_from_joints_without_weight_and_the_sum_of_the_others() -> None:
     """Σ w·(p·M) over the named joints, a joint named twice included; NaN stays with whom it moves."""
-    from rigtri.pose import _blended
+    from rigtri.evaluation.sampling import _blended
 
     random = np.random.default_rng(2)
     points, matrices = random.normal(size=(5, 3)), random.normal(size=(3, 4, 4, 4))

@@ -17,23 +17,23 @@ from numpy.testing import assert_allclose
 from pxr import Usd
 from second_opinions import khronos_errors, usd_errors, validator
 
-from rigtri import pose
-from rigtri.compare import self_check, verify
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.pose_readers import Reader, Target, twist, weights
 from rigtri.formats import read
-from rigtri.matrices import compose, identity
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
-from rigtri.ops.orient import Options as OrientOptions
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.posereader import Goal, Options, add_posereader
-from rigtri.ops.select import Selection
-from rigtri.pipeline import Outcome, edit
-from rigtri.quaternions import IDENTITY, from_axis_angle
-from rigtri.readers import Reader, Target, twist, weights
+from rigtri.maths.matrices import compose, identity
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle
+from rigtri.maths.trigonometry import Floats, exponential
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_posereader.posereader import Goal, Options, add_posereader
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options as OrientOptions
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats, exponential
+from rigtri.verification.compare.compare import self_check, verify
 
 X, Y, Z = np.eye(3)
 # Up at rest; the arm's clip turns the lower joint's y axis to −x.

@@ -13,16 +13,16 @@ from places import SAMPLES, slow
 from second_opinions import validator
 from test_bake import control, moved, rigged, run, size, stored
 
-from rigtri import pose
 from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
-from rigtri.ops.bake import Options as BakeOptions
-from rigtri.ops.bake import bake
-from rigtri.ops.posing import Options, pose_of, table, take_pose
-from rigtri.pipeline import edit
-from rigtri.records import Track
+from rigtri.model.records import Track
+from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import Options as BakeOptions
+from rigtri.operations.bake.bake import bake
+from rigtri.operations.pose import Options, pose_of, table, take_pose
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 
 def test_the_pose_is_the_one_that_baking_gives() -> None:

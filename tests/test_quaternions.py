@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from strategies import directions, quaternions, vectors
 
-from rigtri import quaternions as q
-from rigtri.trigonometry import Floats
-from rigtri.vectors import cross, dot, length, normalise
+from rigtri.maths import quaternions as q
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise
 
 shares = st.floats(0, 1)
 

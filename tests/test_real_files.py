@@ -11,24 +11,24 @@ import pytest
 from numpy.testing import assert_allclose
 from places import ASSETS, FROZEN, NO_LIMB, leave_out, leave_out_refused, real_files
 
-from rigtri.compare import verify
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
-from rigtri.limbs import recognise
-from rigtri.matrices import nearest_rotation
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.polevector import Options as PoleOptions
-from rigtri.ops.polevector import add_polevector
-from rigtri.ops.presets import PRESETS
-from rigtri.pipeline import edit
-from rigtri.pose import worlds
-from rigtri.quaternions import from_axis_angle, multiply
+from rigtri.frames.skeleton import reference, skeleton
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.triangle import STRAIGHT_SINE, bend_sine, pole_position
+from rigtri.maths.vectors import angle, length, normalise
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.pipeline.edit import edit
+from rigtri.recognition.limbs import recognise
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.skeleton import reference, skeleton
-from rigtri.triangle import STRAIGHT_SINE, bend_sine, pole_position
-from rigtri.vectors import angle, length, normalise
+from rigtri.verification.compare.compare import verify
 
 # A result in another folder refers to the layers of its source, which lie outside that folder.
 TRUSTING = ReadOptions(allow_external_paths=True)
@@ -151,7 +151,7 @@ def _with_rotation(rig: Rig, node: int, rotation: Any) -> Any:
     """World matrices with one joint turned further, matrix nodes included."""
     from dataclasses import replace
 
-    from rigtri.matrices import compose, decompose
+    from rigtri.maths.matrices import compose, decompose
 
     translation, _, scale = decompose(rig.local[node])
     matrix, rotations = rig.matrix.copy(), rig.rotation.copy()

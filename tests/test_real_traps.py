@@ -16,20 +16,20 @@ from numpy.testing import assert_allclose
 from places import ASSETS, NO_ASSETS
 from second_opinions import khronos_errors, usd_errors
 
-from rigtri.compare import Comparison, verify
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import read
-from rigtri.limbs import Limb
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.polevector import Options as PoleOptions
-from rigtri.ops.polevector import add_polevector
-from rigtri.ops.select import Selection
-from rigtri.pipeline import edit
-from rigtri.pose import worlds
-from rigtri.quaternions import from_axis_angle, unit
+from rigtri.maths.quaternions import from_axis_angle, unit
+from rigtri.maths.triangle import bend_angle, pole_position
+from rigtri.maths.vectors import angle
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.pipeline.edit import edit
+from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.triangle import bend_angle, pole_position
-from rigtri.vectors import angle
+from rigtri.verification.compare.compare import Comparison, verify
 
 ALL = Options(selection=Selection(joints=("*",)))
 # Keys and inverse binds are stored as float32; what that costs a figure two units high.

@@ -33,14 +33,14 @@ from second_opinions import validator
 import rigtri
 from rigtri.errors import FileError
 from rigtri.formats import read
-from rigtri.limbs import recognise as limbs
-from rigtri.matrices import compose, multiply
-from rigtri.quaternions import from_axis_angle
-from rigtri.recognition.engine import recognise, sure_limbs
+from rigtri.maths.matrices import compose, multiply
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.records import Skin
+from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, Layout
-from rigtri.recognition.schemes import own_scheme, said, schemes
-from rigtri.records import Skin
-from rigtri.rig import Rig
+from rigtri.recognition.limbs import recognise as limbs
+from rigtri.recognition.naming_schemes import own_scheme, said, schemes
+from rigtri.recognition.recognise import recognise, sure_limbs
 
 FOUR = {
     "left arm": "upper_arm.L forearm.L hand.L",

@@ -15,8 +15,8 @@ from recognition.table import Result, results
 from recognition.truth import files, nameless, truth_of
 
 from rigtri import read
-from rigtri.recognition.engine import recognise, sure_limbs
 from rigtri.recognition.layout import Chain, Layout
+from rigtri.recognition.recognise import recognise, sure_limbs
 
 
 def limbs(findings: Iterable[Finding]) -> list[Finding]:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 from recognition.skeletons import MAN, Joint, both, line, rig_with
 
-from rigtri.ops.polevector import Options, add_polevector
-from rigtri.recognition.engine import recognise
+from rigtri.operations.add_polevector import Options, add_polevector
+from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure
 from rigtri.recognition.layout import Layout
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.spec.starter import left_out, starter, unsure
 
 
 def renamed(joints: list[Joint], names: dict[str, str]) -> Layout:

@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, random_turns
 
-from rigtri.matrices import from_frame, multiply
-from rigtri.pose import locals_at, rest, skin_matrices, worlds
-from rigtri.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes
-from rigtri.quaternions import multiply as then
-from rigtri.records import Bound, Clip, Track
-from rigtri.reframe import reframe, scale_allows, split
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
+from rigtri.evaluation.sampling import locals_at, rest, skin_matrices, worlds
+from rigtri.frames.reframe import reframe, scale_allows, split
+from rigtri.maths.matrices import from_frame, multiply
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes
+from rigtri.maths.quaternions import multiply as then
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Bound, Clip, Track
+from rigtri.model.rig import Rig
 
 seeds = st.integers(0, 2**32 - 1)
 TIMES = [-1.0, 0.0, 0.1, 0.4, 0.55, 0.7, 1.0, 2.0]

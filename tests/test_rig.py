@@ -12,9 +12,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, rig_of
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
-from rigtri.pose import worlds
-from rigtri.records import Skin
-from rigtri.rig import Rig
+from rigtri.evaluation.sampling import worlds
+from rigtri.model.records import Skin
+from rigtri.model.rig import Rig
 
 
 def hero() -> Rig:

@@ -12,30 +12,30 @@ from engines import apart, blender, blender_ik, blender_scene, three_rig
 from numpy.testing import assert_allclose
 from places import ASSETS, NO_ASSETS, SAMPLES, USD, slow
 
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import read
-from rigtri.ops.constrain import Options as Constrain
-from rigtri.ops.constrain import constrain
-from rigtri.ops.controls import Options as Controls
-from rigtri.ops.controls import add_controls
-from rigtri.ops.limb import Options as Limb
-from rigtri.ops.limb import make_limb
-from rigtri.ops.mirror import mirror
-from rigtri.ops.orient import Options as Orient
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.polevector import Options as Poles
-from rigtri.ops.polevector import add_polevector
-from rigtri.ops.posereader import Goal, add_posereader
-from rigtri.ops.posereader import Options as Reader
-from rigtri.ops.presets import PRESETS
-from rigtri.ops.rivet import Options as Rivet
-from rigtri.ops.rivet import add_rivet
-from rigtri.ops.twist import Options as Twist
-from rigtri.ops.twist import add_twist
-from rigtri.pipeline import edit
-from rigtri.pose import worlds
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as Controls
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_polevector import Options as Poles
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_posereader.posereader import Goal, add_posereader
+from rigtri.operations.add_posereader.posereader import Options as Reader
+from rigtri.operations.add_rivet.rivet import Options as Rivet
+from rigtri.operations.add_rivet.rivet import add_rivet
+from rigtri.operations.add_twist.twist import Options as Twist
+from rigtri.operations.add_twist.twist import add_twist
+from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.constrain.constrain import Options as Constrain
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.make_limb import Options as Limb
+from rigtri.operations.make_limb import make_limb
+from rigtri.operations.mirror.mirror import mirror
+from rigtri.operations.orient_joints.orient import Options as Orient
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
 Step = Callable[[Rig, Report], Rig]
 BIPEDS = [SAMPLES / "biped.glb", SAMPLES / "biped.usda", SAMPLES / "biped.usdz"]

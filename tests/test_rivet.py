@@ -15,20 +15,20 @@ from numpy.testing import assert_allclose
 from places import NOTHING_DRAWN, files_of_all_kinds, leave_out, leave_out_refused
 from second_opinions import khronos_errors, usd_errors, validator
 
-from rigtri import pose
-from rigtri.carried import Carried
-from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.timelines import looked_at, timelines
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
-from rigtri.ops.rivet import Options, add_rivet
-from rigtri.ops.strip import strip
-from rigtri.pipeline import edit
-from rigtri.records import Mesh, Surface
+from rigtri.model.mesh_triangles import nearest, triangles
+from rigtri.model.records import Mesh, Surface
+from rigtri.model.rig import Rig
+from rigtri.operations.add_rivet.rivet import Options, add_rivet
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.timelines import looked_at, timelines
-from rigtri.triangles import nearest, triangles
+from rigtri.verification.compare.compare import verify
 
 TRUSTING = ReadOptions(allow_external_paths=True)
 MIDDLE = Options(mesh="Skin", triangles=(0,), names=("button",))

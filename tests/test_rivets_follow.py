@@ -9,15 +9,17 @@ import pytest
 from morphs import arm, arm_usd
 from places import slow
 
-from rigtri.carried import Carried
+from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
-from rigtri.ops import posereader, rivet, twist
-from rigtri.ops.strip import strip
-from rigtri.pipeline import edit
-from rigtri.pose import locals_at, worlds
+from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader import posereader
+from rigtri.operations.add_rivet import rivet
+from rigtri.operations.add_twist import twist
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.timelines import timelines
 
 
 def off(path: Path) -> float:

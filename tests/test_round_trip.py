@@ -10,17 +10,17 @@ import pytest
 from engines import blender_edit
 from places import ASSETS, NO_ASSETS, SAMPLES, slow
 
-from rigtri import pose
+from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
-from rigtri.ops.bake import Options as Bake
-from rigtri.ops.bake import bake
-from rigtri.ops.controls import Options as Controls
-from rigtri.ops.controls import add_controls
-from rigtri.ops.take_clips import Options, take_clips
-from rigtri.pipeline import edit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as Controls
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options as Bake
+from rigtri.operations.bake.bake import bake
+from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
 # File, clip, and the joint at the end of the limb that is moved.
 SLOW = pytest.mark.slow

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.testing import assert_allclose
 
-from rigtri.formats.gltf.rounding import round_tracks
-from rigtri.pose import sample
-from rigtri.records import Track
+from rigtri.evaluation.sampling import sample
+from rigtri.formats.gltf.float32_rounding import round_tracks
+from rigtri.model.records import Track
 
 
 def test_turns_half_a_turn_apart_to_the_bit_keep_the_way_round_that_players_see() -> None:

@@ -11,20 +11,20 @@ import pytest
 from gltf_files import glb_bytes, glb_parts
 from scaled_limbs import NAMES, Limb, gltf
 
-from rigtri.advice import nearly_uniform, why_near
-from rigtri.compare import verify
 from rigtri.errors import DeviationError
 from rigtri.formats import read
-from rigtri.ops.orient import Options as Orient
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.presets import Style
-from rigtri.pipeline import Outcome, edit
-from rigtri.reach import reaches
-from rigtri.records import Clip, Track
+from rigtri.frames.error_bounds import reaches
+from rigtri.frames.rig_size import size_of
+from rigtri.maths.vectors import length
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import Style
+from rigtri.operations.orient_joints.orient import Options as Orient
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.size import size_of
-from rigtri.vectors import length
+from rigtri.verification.compare.advice import nearly_uniform, why_near
+from rigtri.verification.compare.compare import verify
 
 ONE, MIRROR = (1, 1, 1), (-1, 1, 1)
 AXES = ("x", "-x", "y", "-y", "z", "-z")

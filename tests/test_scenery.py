@@ -14,10 +14,10 @@ import pytest
 import usd_files
 from click.testing import CliRunner
 
-from rigtri.compare import self_check, verify
 from rigtri.formats import read
-from rigtri.ops.orient import orient_joints
-from rigtri.scenery import flat
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.verification.compare.compare import self_check, verify
+from rigtri.verification.compare.scene_facts import flat
 
 # glTF
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rigtri import scratch
+from rigtri.files import temp_dirs as scratch
 
 HOLD = "import sys; from rigtri import scratch; print(scratch.folder().name, flush=True); sys.stdin.read()"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")

@@ -12,11 +12,11 @@ from numpy.testing import assert_allclose
 from second_opinions import usd_errors
 
 from rigtri.formats import read
-from rigtri.ops.added import add, group
-from rigtri.pipeline import edit
+from rigtri.model.control_shapes import KINDS, drawn
+from rigtri.model.rig import Rig
+from rigtri.operations.rigtri_nodes import add, group
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.shapes import KINDS, drawn
 
 AXES = [*np.eye(3), *-np.eye(3)]
 

@@ -15,21 +15,21 @@ from places import SAMPLES, asset_files, slow
 from second_opinions import validator
 from test_bake import animated, control, moved, rigged, run, size, stored
 
-from rigtri import pose
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.timelines import timelines, times_within
 from rigtri.formats import read
-from rigtri.ops.bake import Options as BakeOptions
-from rigtri.ops.bake import bake
-from rigtri.ops.constrain import Options as ConstrainOptions
-from rigtri.ops.constrain import constrain
-from rigtri.ops.posing import Options as PoseOptions
-from rigtri.ops.posing import pose_of
-from rigtri.ops.snap import Options, snap
-from rigtri.quaternions import from_axis_angle
-from rigtri.records import Track
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.records import Track
+from rigtri.model.rig import Rig
+from rigtri.operations.bake.bake import Options as BakeOptions
+from rigtri.operations.bake.bake import bake
+from rigtri.operations.constrain.constrain import Options as ConstrainOptions
+from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.pose import Options as PoseOptions
+from rigtri.operations.pose import pose_of
+from rigtri.operations.snap import Options, snap
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.timelines import timelines, times_within
 
 # The bound: of the character's size.
 BOUND = 1e-5

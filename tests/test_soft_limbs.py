@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from places import SAMPLES, slow
 
-from rigtri import pose
-from rigtri.following import Parts
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
-from rigtri.ops.bake import Options, bake
-from rigtri.ops.controls import Options as ControlOptions
-from rigtri.ops.controls import add_controls
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as ControlOptions
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options, bake
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.solve.evaluate import Solver
-from rigtri.solve.ik import Ik
-from rigtri.trigonometry import Floats
 
 SOFTS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.9)
 # How far the knee of the rest pose is to the side of its pole, as a share of the leg: bent well, straight

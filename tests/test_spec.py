@@ -19,20 +19,20 @@ from ruamel.yaml import YAML
 from second_opinions import validator
 
 from rigtri.cli.main import program
-from rigtri.compare import verify
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Options, read
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.pipeline.edit import edit
+from rigtri.pipeline.rigspec.build import build
+from rigtri.pipeline.rigspec.errors import SpecError
+from rigtri.pipeline.rigspec.load import load
+from rigtri.pipeline.rigspec.models.base import StepModel
+from rigtri.pipeline.rigspec.models.spec import AnyStep
+from rigtri.pipeline.rigspec.models.values import UNKNOWN
+from rigtri.pipeline.rigspec.spec_init import starter
+from rigtri.pipeline.steps import STEPS, step
 from rigtri.report import Notice
-from rigtri.rig import Rig
-from rigtri.spec.building import build
-from rigtri.spec.faults import SpecError
-from rigtri.spec.loading import load
-from rigtri.spec.models.base import StepModel
-from rigtri.spec.models.spec import AnyStep
-from rigtri.spec.models.values import UNKNOWN
-from rigtri.spec.starter import starter
-from rigtri.steps import STEPS, step
+from rigtri.verification.compare.compare import verify
 
 MODELS: dict[str, type[StepModel]] = {
     get_args(model.model_fields["do"].annotation)[0]: model for model in get_args(get_args(AnyStep)[0])
@@ -681,7 +681,7 @@ def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None
         return document
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rigtri.pipeline.read", doubting)
+        patch.setattr("rigtri.pipeline.edit.read", doubting)
         built = build(source, tmp_path / "out.glb", spec)
     told = [notice.text for notice in built.outcome.report.warnings if notice.code == "mesh-unread"]
     assert told == [f"{source}: a mesh cannot be read"]

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from places import ROOT, SAMPLES
 from ruamel.yaml import YAML
 
-from rigtri.spec import json_text
-from rigtri.spec.building import build
-from rigtri.spec.faults import SpecError
-from rigtri.spec.loading import Spec, load
+from rigtri.pipeline.rigspec import json_positions as json_text
+from rigtri.pipeline.rigspec.build import build
+from rigtri.pipeline.rigspec.errors import SpecError
+from rigtri.pipeline.rigspec.load import Spec, load
 
 
 def write(folder: Path, text: str, name: str = "rig.yaml") -> Path:

@@ -11,8 +11,8 @@ from places import SAMPLES
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
-from rigtri.plain_files import text_of
-from rigtri.spec.building import build
+from rigtri.files.text_files import text_of
+from rigtri.pipeline.rigspec.build import build
 
 TWO = "steps:\n- {do: orient-joints, preset: maya}\n- {do: add-controls, whole-character: true}\n"
 

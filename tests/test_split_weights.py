@@ -17,15 +17,15 @@ from second_opinions import khronos_errors, validator
 
 from rigtri.errors import FileError
 from rigtri.formats import Document, read
-from rigtri.ops.controls import Options as Controls
-from rigtri.ops.controls import add_controls
-from rigtri.ops.strip import strip
-from rigtri.ops.twist import Options, add_twist
-from rigtri.pipeline import edit
-from rigtri.records import Spread
+from rigtri.model.records import Spread
+from rigtri.model.rig import Rig
+from rigtri.model.skin_weights import folded, shared
+from rigtri.operations.add_controls import Options as Controls
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.add_twist.twist import Options, add_twist
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.spread import folded, shared
 
 # A bone of three twist joints, and a triangle with points at 0, 0.5 and 1 of it.
 POINTS = [[0, 1, 0], [1, 1.5, 0], [0, 2, 0]]

@@ -13,12 +13,12 @@ from rigtri import diff, verify
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Options as Reading
 from rigtri.formats import read
-from rigtri.ops.controls import Options, add_controls
-from rigtri.ops.select import Selection
-from rigtri.ops.strip import strip
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options, add_controls
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 TRUSTING = Reading(lenient=True, allow_external_paths=True)
 

@@ -18,14 +18,16 @@ from rigtri import diff, verify
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Options as Reading
 from rigtri.formats import read
-from rigtri.limbs import given
-from rigtri.ops import orient, posereader, twist
-from rigtri.ops.presets import Style
-from rigtri.ops.select import Selection
-from rigtri.ops.strip import strip
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader import posereader
+from rigtri.operations.add_twist import twist
+from rigtri.operations.axis_presets import Style
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints import orient
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import edit
+from rigtri.recognition.limbs import given
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 TRUSTING = Reading(lenient=True, allow_external_paths=True)
 # To measure all points in all their clips takes minutes; that the bytes are the same says more.

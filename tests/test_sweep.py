@@ -13,15 +13,16 @@ from morphs import arm
 from rigtri import verify
 from rigtri.formats import read
 from rigtri.formats.gltf.references import used_accessors
-from rigtri.ops import posereader, rivet
-from rigtri.ops.mirror import Options as Mirroring
-from rigtri.ops.mirror import mirror
-from rigtri.ops.orient import Options as Orienting
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.strip import strip
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader import posereader
+from rigtri.operations.add_rivet import rivet
+from rigtri.operations.mirror.mirror import Options as Mirroring
+from rigtri.operations.mirror.mirror import mirror
+from rigtri.operations.orient_joints.orient import Options as Orienting
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 
 def _mirror(rig: Rig, report: Report) -> Rig:

@@ -12,15 +12,15 @@ from pxr import Sdf, Usd
 from test_take_clips import BIPED, notices, places, rig_of
 
 from rigtri.errors import UsageError
-from rigtri.ops.bake import Options as Bake
-from rigtri.ops.bake import bake
-from rigtri.ops.controls import Options as Controls
-from rigtri.ops.controls import add_controls
-from rigtri.ops.take_clips import Options, take_clips
-from rigtri.pipeline import edit
+from rigtri.evaluation.timelines import played_at_once
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as Controls
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options as Bake
+from rigtri.operations.bake.bake import bake
+from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.timelines import played_at_once
 
 CONTROLS = Controls(whole_character=True)
 

@@ -16,24 +16,24 @@ from places import SAMPLES, asset_files, leave_out_refused, sample_files
 from pxr import Usd
 from rigs import chain
 
-from rigtri import pose
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.following import factored
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.constraint_solver import factored
 from rigtri.formats import read
-from rigtri.matrices import inverse
-from rigtri.matrices import multiply as matrices
-from rigtri.ops.bake import Options as Bake
-from rigtri.ops.bake import bake
-from rigtri.ops.controls import Options as Controls
-from rigtri.ops.controls import add_controls
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.take_clips import Options, take_clips
-from rigtri.pipeline import edit
-from rigtri.quaternions import from_axis_angle, multiply
-from rigtri.records import Clip, Track, key_values
+from rigtri.maths.matrices import inverse
+from rigtri.maths.matrices import multiply as matrices
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track, key_values
+from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import Options as Controls
+from rigtri.operations.add_controls import add_controls
+from rigtri.operations.bake.bake import Options as Bake
+from rigtri.operations.bake.bake import bake
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
 BIPED = SAMPLES / "biped.glb"
 # Of the size of a character two metres high; float32 matrices between.

@@ -13,10 +13,10 @@ from places import SAMPLES
 from rigs import chain
 
 from rigtri.errors import UsageError
-from rigtri.ops.take_clips import Options, take_clips
-from rigtri.records import Clip, Track
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.take_clips import Options, take_clips
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 LONG = 2.0
 

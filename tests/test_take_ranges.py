@@ -10,13 +10,13 @@ import pytest
 from test_take_clips import SAMPLES, apart, notices, rig_of, turned_key, with_tracks
 
 from rigtri.errors import GeometryError
-from rigtri.ops.take_clips import take_clips
-from rigtri.ops.taking.ranges import cut, held
-from rigtri.pose import sample
-from rigtri.records import Track
+from rigtri.evaluation.sampling import sample
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Track
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.take_clips import take_clips
+from rigtri.operations.take_clips.time_ranges import cut, held
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
 # Of the rig's size; key times become float32.
 NEAR = 1e-5

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from rigs import chain
 
-from rigtri.ops.take_clips import take_clips
-from rigtri.pose import sample
-from rigtri.quaternions import from_axis_angle
-from rigtri.records import Clip, Track
-from rigtri.records import Path as TrackPath
+from rigtri.evaluation.sampling import sample
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track
+from rigtri.model.records import Path as TrackPath
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
 
 # Keys of thirty frames a second, and frames of twenty-four: most keys lie between two frames.
 KNOTS = np.arange(20) * 4 / 30

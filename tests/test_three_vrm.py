@@ -16,12 +16,12 @@ from avatars import NODES, avatar, avatar_0
 from engines import three_vrm
 
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.presets import PRESETS, Style
-from rigtri.ops.select import Selection
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.reframe import reframe
-from rigtri.rig import Rig
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options, orient_joints
 
 # Keys and inverse binds are float32; what swings adds up over 40 steps. The figure is about 1.6 high.
 CLOSE = 1e-5

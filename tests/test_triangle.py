@@ -10,13 +10,13 @@ from hypothesis import assume, given
 from numpy.testing import assert_allclose, assert_array_equal
 from strategies import directions, quaternions, vectors
 
-from rigtri import triangle
-from rigtri.bend import in_pose
-from rigtri.limbs import Limb
-from rigtri.matrices import from_frame, inverse, multiply
-from rigtri.quaternions import from_axis_angle, rotate
-from rigtri.trigonometry import Floats
-from rigtri.vectors import angle, cross, dot, length, normalise
+from rigtri.maths import triangle
+from rigtri.maths.matrices import from_frame, inverse, multiply
+from rigtri.maths.quaternions import from_axis_angle, rotate
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, cross, dot, length, normalise
+from rigtri.recognition.bend_plane import in_pose
+from rigtri.recognition.limbs import Limb
 
 AXES = ["x", "y", "z", "-x", "-y", "-z"]
 PAIRS = [(a, u) for a, u in itertools.product(AXES, AXES) if a[-1] != u[-1]]

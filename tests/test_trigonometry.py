@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from rigtri.trigonometry import arc_tangent, sin_cos
+from rigtri.maths.trigonometry import arc_tangent, sin_cos
 
 angles = st.floats(-1e4, 1e4)
 

@@ -13,19 +13,19 @@ from rigs import chain, random_rig
 from strategies import directions, quaternions
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.evaluation.twist_joints import swing_twist, twist_angle, twists
 from rigtri.formats import read
-from rigtri.limbs import Limb
-from rigtri.ops.twist import Options, add_twist
-from rigtri.ops.twist_keys import BOUND
-from rigtri.pose import locals_at, worlds
-from rigtri.quaternions import IDENTITY, conjugate, from_axis_angle, multiply, rotate, turn_angle
-from rigtri.records import Clip, Spread, Track
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply, rotate, turn_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.model.records import Clip, Spread, Track
+from rigtri.model.rig import Rig
+from rigtri.model.skin_weights import shared
+from rigtri.operations.add_twist.key_baking import BOUND
+from rigtri.operations.add_twist.twist import Options, add_twist
+from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.spread import shared
-from rigtri.trigonometry import Floats
-from rigtri.twist import swing_twist, twist_angle, twists
-from rigtri.vectors import normalise
 
 # Upper arm, forearm, hand and a finger, along x.
 ARM = chain((0, 0, 0), (4, 0, 0), (8, 0, 0), (9, 0, 0))
@@ -122,8 +122,8 @@ def test_notes_alone_say_what_the_keys_hold(seed: int) -> None:
 
 
 def _turns(local: Floats) -> Floats:
-    from rigtri.matrices import nearest_rotation
-    from rigtri.quaternions import from_axes
+    from rigtri.maths.matrices import nearest_rotation
+    from rigtri.maths.quaternions import from_axes
 
     return from_axes(nearest_rotation(local))
 

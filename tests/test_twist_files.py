@@ -13,23 +13,23 @@ from numpy.testing import assert_allclose
 from places import NO_LIMB, SAMPLES, files_of_all_kinds, leave_out, leave_out_refused
 from second_opinions import khronos_errors, usd_errors, validator
 
-from rigtri.compare import verify
-from rigtri.descriptions import describe
 from rigtri.errors import FileError, GeometryError
+from rigtri.evaluation.sampling import key_times, locals_at
+from rigtri.evaluation.twist_joints import twists
+from rigtri.export.text_description import describe
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read
-from rigtri.limbs import recognise
-from rigtri.matrices import nearest_rotation
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.twist import Options, add_twist
-from rigtri.pipeline import edit
-from rigtri.pose import key_times, locals_at
-from rigtri.quaternions import conjugate, from_axes, multiply, turn_angle
+from rigtri.frames.skeleton import skeleton
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import conjugate, from_axes, multiply, turn_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.add_twist.twist import Options, add_twist
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
+from rigtri.recognition.limbs import recognise
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.skeleton import skeleton
-from rigtri.trigonometry import Floats
-from rigtri.twist import twists
+from rigtri.verification.compare.compare import verify
 
 TRUSTING = ReadOptions(allow_external_paths=True)
 

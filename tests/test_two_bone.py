@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rigtri.quaternions import rotate
-from rigtri.solve.two_bone import distance_for, two_bone
+from rigtri.evaluation.two_bone_ik import distance_for, two_bone
+from rigtri.maths.quaternions import rotate
 
 X = np.array([1.0, 0.0, 0.0])
 

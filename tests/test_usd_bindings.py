@@ -14,8 +14,8 @@ from click.testing import CliRunner
 from pxr import Usd, UsdSkel
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, turned, write
 
-from rigtri.compare import verify
-from rigtri.pose import key_times, locals_at, worlds
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.verification.compare.compare import verify
 
 LIBRARY = 'def Scope "Lib" (active = {active})\n{{\n{prim}\n}}'
 ABOVE = {"source": "rel skel:animationSource = </Root/Lib/Anim>"}

@@ -14,8 +14,8 @@ from pxr import Sdf
 from second_opinions import usd_errors
 from usd_files import deviation, error_of, read, turned, write
 
-from rigtri.compare import self_check
-from rigtri.pose import worlds
+from rigtri.evaluation.sampling import worlds
+from rigtri.verification.compare.compare import self_check
 
 FILES = [path for path in (*sample_files(*USD), *asset_files(*USD)) if not error_of(path)]
 TOUCHED = {"restTransforms", "bindTransforms", "translations", "rotations", "scales"}

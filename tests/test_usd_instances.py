@@ -12,13 +12,13 @@ from crowds import ACTOR, TURNS, alike, contents, crowd, instance, prototypes, s
 from pxr import Sdf, Usd, UsdSkel, UsdUtils
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
 
-from rigtri.compare import self_check
 from rigtri.errors import FileError
 from rigtri.formats.usd import layers
-from rigtri.formats.usd.confirm import Expected
-from rigtri.formats.usd.values import set_value
-from rigtri.quaternions import IDENTITY
-from rigtri.reframe import reframe
+from rigtri.formats.usd.composition_check import Expected
+from rigtri.formats.usd.edits import set_value
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY
+from rigtri.verification.compare.compare import self_check
 
 
 @pytest.mark.parametrize("arc", ["references", "payload"])

@@ -12,18 +12,18 @@ from places import USD, asset_files, leave_out_refused, sample_files
 from pxr import Sdf, Usd, UsdGeom, UsdSkel, UsdUtils
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, write
 
-from rigtri.compare import verify
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.timelines import placed, timelines, without_steps
 from rigtri.formats import Options as ReadOptions
 from rigtri.formats import read as open_file
-from rigtri.formats.usd.layer_changes import layer_changes
-from rigtri.pose import sample
-from rigtri.quaternions import from_axis_angle
-from rigtri.records import Interpolation, Track
-from rigtri.records import Path as Way
-from rigtri.rig import Rig
-from rigtri.timelines import placed, timelines, without_steps
-from rigtri.trigonometry import Floats
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Interpolation, Track
+from rigtri.model.records import Path as Way
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import verify
+from rigtri.verification.diff.usd_layer_diff import layer_changes
 
 TRUSTING = ReadOptions(allow_external_paths=True)
 X = (1.0, 0.0, 0.0)

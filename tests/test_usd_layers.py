@@ -12,7 +12,7 @@ from usd_files import MESH, ONE, animation, deviation, read, save, scene, skelet
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import layers
-from rigtri.formats.usd.samples import time_samples
+from rigtri.formats.usd.time_samples import time_samples
 
 QUARTER = "[(1, 0, 0, 0), (0.6, 0, 0.8, 0), (1, 0, 0, 0)]"
 OTHER = "[(0.8, 0, 0.6, 0), (1, 0, 0, 0), (0.6, 0, 0.8, 0)]"

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from pxr import Usd
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
 
-from rigtri.compare import self_check, verify
+from rigtri.verification.compare.compare import self_check, verify
 
 
 def library(*blocks: str) -> str:

@@ -13,10 +13,10 @@ from pxr import Sdf, Usd, UsdGeom
 from second_opinions import usd_errors
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, write
 
-from rigtri.formats.usd import notes
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.rig import Rig
+from rigtri.evaluation.sampling import worlds
+from rigtri.formats.usd import metadata_attributes as notes
+from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.model.rig import Rig
 
 POLE = {
     "v": 1,

@@ -11,7 +11,7 @@ from pxr import Sdf, Usd
 from usd_files import MESH, animation, deviation, error_of, read, save, scene, skeleton, turned, write
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import package
+from rigtri.formats.usd import usdz as package
 
 LAYER = scene(skeleton(), animation(), MESH).encode()
 PICTURE = bytes(range(256)) * 3

@@ -15,18 +15,18 @@ from rigs import chain
 from test_bake import run
 
 from rigtri.errors import DeviationError
+from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.timelines import played_at_once, timelines
 from rigtri.formats import read
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd.document import UsdDocument
-from rigtri.matching import match
-from rigtri.pipeline import edit
-from rigtri.pose import sample
-from rigtri.quaternions import from_axis_angle
-from rigtri.quaternions import multiply as product
-from rigtri.records import Clip, Track
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import multiply as product
+from rigtri.model.records import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
-from rigtri.timelines import played_at_once, timelines
+from rigtri.verification.compare.correspondence import match
 
 # A quarter of a turn about z, xyzw, and the keys that lead to it.
 TURN = from_axis_angle([0.0, 0.0, 1.0], np.pi / 2)

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from pxr import Usd, UsdGeom
 from usd_files import MESH, animation, read, save, scene, skeleton, turned, write
 
-from rigtri.compare import self_check, verify
-from rigtri.pose import locals_at, worlds
+from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.verification.compare.compare import self_check, verify
 
 MOVING = """def Xform "Prop" {
     double3 xformOp:translate.timeSamples = { 1: (1, 0, 0), 10: (2, 0, 0) }

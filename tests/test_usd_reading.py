@@ -25,7 +25,7 @@ from usd_files import (
 )
 
 from rigtri.errors import FileError
-from rigtri.pose import deformed, locals_at, morph_weights, worlds
+from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
 
 NO_ANIMATION = {"source": ""}
 NOTHING = np.zeros((1, 0))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from usd_files import MESH, animation, read, save, scene, skeleton, turned, write
 
-from rigtri.compare import Comparison, self_check, verify
+from rigtri.verification.compare.compare import Comparison, self_check, verify
 
 HAT = MESH.replace('"Skin"', '"Hat"').replace("/Root/Skel", "/Root/Twin")
 # A clip of the name that the copy gets makes both go by their paths.

@@ -15,10 +15,11 @@ from pxr import Gf, Sdf, Vt
 from test_lossless_usd import EDITS, HEAD, MAY_CHANGE, PRIMS, SUB, packed
 
 from rigtri.formats import Options
-from rigtri.formats.usd import splice, text
-from rigtri.formats.usd.text import UnknownTextError
-from rigtri.ops.orient import orient_joints
-from rigtri.pipeline import edit
+from rigtri.formats.usd.text import splice
+from rigtri.formats.usd.text import statements as text
+from rigtri.formats.usd.text.statements import UnknownTextError
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import edit
 
 # Properties out of order, comments wherever USD allows them, spellings that USD does not use.
 ODD = """#usda 1.0

@@ -14,20 +14,20 @@ from scaled_limbs import STRETCH, TOKENS, Limb, usd, usda
 from second_opinions import usd_errors
 from usd_files import deviation, save
 
-from rigtri.checks import check
-from rigtri.compare import verify
 from rigtri.errors import FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import Options, read
-from rigtri.formats.usd.tokens import split_token, unsplit
-from rigtri.limbs import given
-from rigtri.ops.orient import Options as Orient
-from rigtri.ops.orient import orient_joints
-from rigtri.ops.polevector import Options as Pole
-from rigtri.ops.polevector import add_polevector
-from rigtri.ops.select import Selection
-from rigtri.pipeline import Outcome, edit
+from rigtri.formats.usd.joint_tokens import split_token, unsplit
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import Options as Pole
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options as Orient
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.pipeline.edit import Outcome, edit
+from rigtri.recognition.limbs import given
 from rigtri.report import Report
-from rigtri.rig import Rig
+from rigtri.verification.checks import check
+from rigtri.verification.compare.compare import verify
 
 LIMB = Limb(keys={"elbow": STRETCH})
 ELBOW = "root/shoulder/elbow_orient/elbow"

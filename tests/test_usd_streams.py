@@ -13,9 +13,9 @@ from usd_files import MESH, animation, deviation, save, scene, skeleton, turned
 
 from rigtri.errors import UsageError
 from rigtri.formats import Options
-from rigtri.pipeline import edit
+from rigtri.model.rig import Rig
+from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 SHOT = """#usda 1.0
 (

@@ -22,7 +22,7 @@ from usd_files import (
     write,
 )
 
-from rigtri.compare import self_check, verify
+from rigtri.verification.compare.compare import self_check, verify
 
 FLIPPED = "((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
 MIRRORED = {name: SKELETON[name].replace(at(0, 2, 0), FLIPPED) for name in ("bind", "rest")}

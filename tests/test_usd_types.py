@@ -11,10 +11,10 @@ from numpy.testing import assert_allclose
 from pxr import Gf, Usd, UsdGeom, UsdSkel
 from usd_files import animation, read, save, scene, skeleton, turned, write
 
-from rigtri.compare import verify
 from rigtri.errors import FileError
-from rigtri.pose import deformed, locals_at, morph_weights, worlds
-from rigtri.trigonometry import Floats
+from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
+from rigtri.maths.trigonometry import Floats
+from rigtri.verification.compare.compare import verify
 
 ATTRIBUTES = [*MISTYPED, ("joints", "token[]", "string[]")]
 TIME = 5.0

@@ -12,10 +12,10 @@ from crowds import alike, contents, instance, prototypes, shot
 from pxr import Usd
 from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
 
-from rigtri.compare import self_check
 from rigtri.errors import FileError
 from rigtri.formats.usd import layers
-from rigtri.rig import Rig
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import self_check
 
 RUN = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)]"
 TALL = f"uniform matrix4d[] restTransforms = [{at(0, 0, 0)}, {at(0, 3, 0)}, {at(0, 2, 2)}]"

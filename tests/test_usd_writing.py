@@ -20,10 +20,10 @@ from usd_files import (
     write,
 )
 
-from rigtri.compare import self_check
 from rigtri.errors import FileError, UsageError
-from rigtri.quaternions import IDENTITY
-from rigtri.reframe import reframe
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY
+from rigtri.verification.compare.compare import self_check
 
 ASSET = scene(skeleton(), animation(), MESH)
 

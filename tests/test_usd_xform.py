@@ -11,11 +11,11 @@ from numpy.testing import assert_allclose
 from pxr import Usd, UsdGeom
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
 
-from rigtri.compare import self_check
 from rigtri.errors import FileError, NameNotFoundError
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, conjugate, unit
-from rigtri.reframe import reframe
+from rigtri.evaluation.sampling import worlds
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY, conjugate, unit
+from rigtri.verification.compare.compare import self_check
 
 LEG = """#usda 1.0
 def Xform "Rig" {

@@ -10,11 +10,11 @@ import pytest
 from places import NO_SKELETON, SEVERAL_ANIMATIONS, asset_files, leave_out, sample_files
 
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
 from rigtri.formats import read
-from rigtri.pose import deformed, locals_at, morph_weights, worlds
-from rigtri.records import Clip, Mesh
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Mesh
+from rigtri.model.rig import Rig
 
 # float32 points and UsdSkel's own float arithmetic, as a share of the largest coordinate.
 FLOAT = 2e-6

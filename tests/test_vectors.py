@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from strategies import directions, quaternions, vectors
 
-from rigtri import vectors as v
-from rigtri.quaternions import rotate
-from rigtri.recognition.vector import Vector
-from rigtri.trigonometry import Floats
+from rigtri.maths import vectors as v
+from rigtri.maths.quaternions import rotate
+from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.trigonometry import Floats
 
 # GDC 2018, appendices "The Dot Product" and "The Cross Product".
 FIRST, SECOND = [-3.132, -4.317, 6.369], [-6.032, 5.884, 1.618]

@@ -15,13 +15,13 @@ from second_opinions import validator
 
 from rigtri import diff, verify
 from rigtri.formats import read
-from rigtri.ops import controls
-from rigtri.ops.added import noted
-from rigtri.ops.select import Selection
-from rigtri.ops.strip import strip
-from rigtri.pipeline import Outcome, edit
+from rigtri.model.rig import KNOWN, Rig
+from rigtri.operations import add_controls as controls
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.rigtri_nodes import noted
+from rigtri.operations.strip import strip
+from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.rig import KNOWN, Rig
 
 KEPT = GOLDENS / "versions"
 FILES = sorted(path for path in KEPT.glob("*/*") if path.suffix in (".glb", ".usda"))

@@ -21,11 +21,11 @@ from click.testing import CliRunner, Result
 from gltf_files import Builder, small
 from places import ROOT, SAMPLES
 
-from rigtri.drawing.picture import seen
+from rigtri.export.drawing.picture import seen
+from rigtri.export.viewer.page_data import facts
+from rigtri.export.viewer.view import Begin, shown_page
 from rigtri.formats import Options, read
 from rigtri.report import Report
-from rigtri.viewer.facts import facts
-from rigtri.viewer.shown import Begin, shown_page
 
 NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
 PNG = b"\x89PNG\r\n\x1a\n"

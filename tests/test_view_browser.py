@@ -16,12 +16,12 @@ from places import ASSETS, NO_ASSETS, SAMPLES
 from test_view import EVIL, evil
 
 import rigtri
-from rigtri.compare import TOLERANCE
+from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
+from rigtri.evaluation.timelines import moment
 from rigtri.formats import read
-from rigtri.pose import deformed, locals_at, morph_weights, worlds
-from rigtri.rig import Rig
-from rigtri.timelines import moment
-from rigtri.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import TOLERANCE
 
 ON_SCREEN = "document.getElementById('messages').textContent"
 BUTTONS = "[...document.querySelectorAll('button')]"

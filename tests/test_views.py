@@ -11,10 +11,10 @@ from rigs import chain
 from strategies import directions
 
 from rigtri.errors import UsageError
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
-from rigtri.vectors import cross
-from rigtri.views import NAMED, View, view_of
+from rigtri.export.drawing.view import NAMED, View, view_of
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross
+from rigtri.model.rig import Rig
 
 
 def gltf() -> Rig:

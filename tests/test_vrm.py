@@ -11,13 +11,13 @@ from avatars import NODES, avatar
 from gltf_files import Builder, glb_json, small
 
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.presets import PRESETS
-from rigtri.ops.select import Selection
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.reframe import reframe
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options, orient_joints
 from rigtri.report import Report
 
 QUARTER = unit([0.0, 0.0, 1.0, 1.0])  # about Z: X goes to Y

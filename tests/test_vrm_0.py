@@ -16,16 +16,16 @@ from gltf_files import glb_json
 from numpy.testing import assert_allclose
 from second_opinions import khronos_errors
 
-from rigtri.compare import verify
 from rigtri.errors import FileError, NameNotFoundError, UsageError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.presets import PRESETS, Style
-from rigtri.ops.select import Selection
-from rigtri.pose import worlds
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.reframe import reframe
-from rigtri.rig import Rig
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.verification.compare.compare import verify
 
 WORLD = Style(world=True)
 FLIP = np.diag([1.0, 1.0, -1.0])

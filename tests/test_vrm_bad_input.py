@@ -12,12 +12,12 @@ from avatars import avatar, avatar_0
 from gltf_files import Builder, glb_bytes, small
 from test_gltf_bad_input import places
 
-from rigtri.compare import self_check
 from rigtri.errors import RigtriError
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.presets import Style
+from rigtri.operations.axis_presets import Style
+from rigtri.operations.orient_joints.orient import Options, orient_joints
 from rigtri.report import Report
+from rigtri.verification.compare.compare import self_check
 
 WRONG: list[object] = [None, True, -1, 1.5, 3.0, 1e300, "node", [], {}, [1, 2, 3], {"node": 0}, [[]], 10**20]
 

@@ -16,18 +16,18 @@ from avatars import CONSTRAINTS, NODES, Driven, avatar, mul, quaternion
 from gltf_files import Builder, glb_json, small
 from numpy.testing import assert_allclose
 
-from rigtri.constraints import broken
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.ops.constrained import bonds
-from rigtri.ops.orient import Options, orient_joints
-from rigtri.ops.presets import PRESETS, Style
-from rigtri.ops.scale import cardinal_turns
-from rigtri.ops.select import Selection
-from rigtri.quaternions import IDENTITY, from_axis_angle, multiply
-from rigtri.reframe import reframe, turned
+from rigtri.frames.node_constraints import broken
+from rigtri.frames.reframe import reframe, turned
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.orient_joints.constraint_policy import bonds
+from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.scale_policy import cardinal_turns
 from rigtri.report import Report
-from rigtri.rig import Rig
 
 WEIGHTS = {name: weight for name, (_, _, _, weight) in CONSTRAINTS.items()}
 ALL = Selection(joints=("*",))

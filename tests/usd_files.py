@@ -13,12 +13,12 @@ from pxr import Usd, UsdGeom, UsdSkel
 from rigtri.errors import RigtriError
 from rigtri.formats import Options
 from rigtri.formats.usd.document import UsdDocument
-from rigtri.lengths import ties
-from rigtri.quaternions import IDENTITY, unit
-from rigtri.reach import TOLERANCE, Reach
-from rigtri.reframe import reframe, scale_allows
-from rigtri.rig import Rig
-from rigtri.trigonometry import Floats
+from rigtri.frames.error_bounds import TOLERANCE, Reach
+from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.frames.scale_tolerance import ties
+from rigtri.maths.quaternions import IDENTITY, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
 
 ONE = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))"
 

@@ -13,7 +13,7 @@ import { parseArgs } from 'node:util';
 const here = dirname(fileURLToPath(import.meta.url));
 const { values } = parseArgs({ options: { modules: { type: 'string' }, out: { type: 'string' } } });
 const modules = join(resolve(values.modules ?? here), 'node_modules');
-const out = resolve(values.out ?? join(here, '..', 'rigtri', 'viewer'));
+const out = resolve(values.out ?? join(here, '..', 'rigtri', 'export', 'viewer'));
 const { build } = createRequire(join(modules, 'esbuild', 'package.json'))('esbuild');
 
 const wanted = JSON.parse(readFileSync(join(here, 'package.json'), 'utf8')).devDependencies;

@@ -13,13 +13,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal, Protocol
 
-from rigtri.changes.change import Change
 from rigtri.errors import FileError, UsageError
-from rigtri.plain_files import check_no_pointer
-from rigtri.records import Mesh
+from rigtri.files.text_files import check_no_pointer
+from rigtri.model.records import Mesh
+from rigtri.model.rig import Rig
 from rigtri.report import Notice
-from rigtri.rig import Rig
-from rigtri.scenery import Scenery
+from rigtri.verification.compare.scene_facts import Scenery
+from rigtri.verification.diff.change import Change
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
 # What three.js makes of points with more joints than it has room for.
@@ -225,11 +225,11 @@ def file_changes(before: Path, after: Path, options: Options, tolerance: float =
     """
     suffixes = {before.suffix.lower(), after.suffix.lower()}
     if suffixes <= set(GLTF_SUFFIXES):
-        from rigtri.formats.gltf import diff as gltf
+        from rigtri.verification.diff import gltf_file_diff as gltf
 
         return gltf.file_changes(before, after, options, tolerance)
     if suffixes <= set(USD_SUFFIXES):
-        from rigtri.formats.usd import diff as usd
+        from rigtri.verification.diff import usd_file_diff as usd
 
         return usd.file_changes(before, after, options, tolerance)
     return None

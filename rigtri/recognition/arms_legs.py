@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from rigtri.naming import Side
-from rigtri.plain import a
-from rigtri.recognition.body import Body, Limbs, within
-from rigtri.recognition.drafts import Draft
+from rigtri.maths.scalar_vector import Vector
+from rigtri.model.joint_names import Side
+from rigtri.recognition.body_shape import Body, Limbs, within
+from rigtri.recognition.candidates import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
-from rigtri.recognition.schemes import said, said_roles
-from rigtri.recognition.vector import Vector
+from rigtri.recognition.naming_schemes import said, said_roles
+from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
 _MAPPED, _AGREES, _CONTRADICTED = 0.99, 0.7, 0.7

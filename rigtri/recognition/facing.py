@@ -7,14 +7,14 @@ from math import fsum
 
 import numpy as np
 
-from rigtri.recognition.bending import offset
-from rigtri.recognition.body import Body, Limbs
-from rigtri.recognition.poses import Poses, finite
+from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, normalise
+from rigtri.recognition.body_shape import Body, Limbs
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_bends import offset
+from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Plane
-from rigtri.recognition.tree import Tree
-from rigtri.recognition.vector import Vector
-from rigtri.trigonometry import Floats
-from rigtri.vectors import cross, dot, normalise
 
 
 def facing_of(tree: Tree, body: Body, plane: Plane, poses: Poses) -> tuple[Vector, float, tuple[str, ...]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from rigtri.naming import Side
+from rigtri.model.joint_names import Side
 
 Role = Literal["deform", "twist", "end", "helper", "attachment", "control"]
 Kind = Literal["spine", "neck", "head", "arm", "leg", "hand", "finger", "foot", "tail", "wing", "limb"]

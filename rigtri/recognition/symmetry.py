@@ -13,10 +13,10 @@ from math import fsum
 
 import numpy as np
 
-from rigtri.recognition.tree import Tree
-from rigtri.recognition.vector import Vector
-from rigtri.trigonometry import Floats
-from rigtri.vectors import dot
+from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot
+from rigtri.recognition.joint_tree import Tree
 
 # Branches shorter than this part of the whole are no limbs.
 SHORT = 0.06

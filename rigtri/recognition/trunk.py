@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
-from rigtri.recognition.drafts import Draft
+from rigtri.recognition.candidates import Draft
 from rigtri.recognition.layout import MAP, NAMES
-from rigtri.recognition.schemes import said, said_roles
-from rigtri.recognition.vector import Vector
+from rigtri.recognition.naming_schemes import said, said_roles
 
 _SPINE = ("spine", "chest", "upperChest")
 # A tail has so many joints, and is so long a part of the legs.

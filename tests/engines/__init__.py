@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rigtri.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats
 
 NO_BLENDER = "Blender is not here: set BPY_PYTHON"
 NO_THREE = "three.js is not here: set RIGTRI_THREE"

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz import cases, corpus, usd
-from rigtri.confined import Confined, CrashError
+from rigtri.files.worker_process import Confined, CrashError
 from rigtri.formats import GLTF_SUFFIXES
 
 SECONDS, MEMORY = 20.0, 1 << 30

@@ -24,11 +24,11 @@ from click.testing import CliRunner, Result
 
 from fuzz import floor, gltf, raw, usd
 from rigtri.cli.main import program
-from rigtri.compare import self_check, verify
 from rigtri.errors import RigtriError
 from rigtri.formats import GLTF_SUFFIXES, Document, Options, read
-from rigtri.ops.presets import PRESETS
-from rigtri.records import Mesh
+from rigtri.model.records import Mesh
+from rigtri.operations.axis_presets import PRESETS
+from rigtri.verification.compare.compare import self_check, verify
 
 # One in so many outputs is compared point by point, and made once more.
 SHARE = 4

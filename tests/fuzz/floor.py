@@ -6,7 +6,7 @@ the old ones. Three things in a source explain one:
 
 * Scales or numbers far beyond the size of what is seen blow those last bits up to a good part of the
   tolerance: no program could write the file exactly enough.
-* Scales that differ by noise are taken for one number (`rigtri.reframe.SAME_SCALE`); where much hangs
+* Scales that differ by noise are taken for one number (`rigtri.frames.reframe.SAME_SCALE`); where much hangs
   on such a joint, that noise is seen.
 * A scale that is next to nothing beside the others of its joint: what is turned out of that direction
   is lost in the last bits of the others.
@@ -19,13 +19,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.compare import TOLERANCE, self_check
 from rigtri.formats import Document
-from rigtri.records import Clip, Mesh, Skin, Track
-from rigtri.reframe import SAME_SCALE
-from rigtri.rig import Rig
-from rigtri.scenery import Scenery
-from rigtri.trigonometry import Floats
+from rigtri.frames.reframe import SAME_SCALE
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Mesh, Skin, Track
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import TOLERANCE, self_check
+from rigtri.verification.compare.scene_facts import Scenery
 
 # Half a step of float32, relative to the largest number beside it: new axes mix the three of a vector.
 STEP = 2.0**-24

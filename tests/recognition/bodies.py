@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from places import SAMPLES
 
-from rigtri.trigonometry import Floats
+from rigtri.maths.trigonometry import Floats
 
 if str(SAMPLES) not in sys.path:
     sys.path.append(str(SAMPLES))
 
 from figure import Figure, about
 
-from rigtri.quaternions import rotate
+from rigtri.maths.quaternions import rotate
 
 SIDES = (("left", 1.0), ("right", -1.0))
 FINGERS = {

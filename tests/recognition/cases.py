@@ -14,7 +14,7 @@ from recognition.schemes import SCHEMES, body
 from recognition.truth import Truth, files, truth_of
 from recognition.varied import varied
 from rigtri import read
-from rigtri.rig import Rig
+from rigtri.model.rig import Rig
 
 from write_gltf import glb  # isort: skip - bodies has put the samples on the path
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from recognition.truth import COUNTED, GROUPS, TrueCharacter, TruePart, Truth
+from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Chain, Character, Layout
-from rigtri.rig import Rig
 
 Outcome = Literal["right", "missed", "wrong", "surely wrong"]
 # Directions that are less than some 15° apart are the same: a pose leans.

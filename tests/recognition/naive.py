@@ -6,9 +6,9 @@ a side from its first or last letter, no look at the tree or at places.
 
 from __future__ import annotations
 
-from rigtri.naming import Side
+from rigtri.model.joint_names import Side
+from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Chain, Character, Kind, Layout
-from rigtri.rig import Rig
 
 _WORDS: dict[Kind, tuple[tuple[str, ...], ...]] = {
     "arm": (("upperarm", "uparm", "shoulder", "arm"), ("forearm", "lowerarm", "elbow"), ("hand", "wrist")),

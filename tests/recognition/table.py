@@ -12,8 +12,8 @@ from recognition.cases import Case
 from recognition.measure import Finding, by_group, measure, roles_wrong, share, stands_right
 from recognition.naive import naive
 from recognition.truth import nameless
+from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Layout
-from rigtri.rig import Rig
 
 Recognise = Callable[[Rig], Layout]
 SOURCES = {

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from rigtri.rig import Rig
+from rigtri.model.rig import Rig
 
 FOLDER = Path(__file__).parent / "truth"
 # The kinds of parts that are counted, and in which column.

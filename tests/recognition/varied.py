@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from recognition.bodies import FINGERS, SIDES, Body, Extra, Places, build, ordered, parents, standing
-from rigtri.quaternions import IDENTITY, rotate, unit
-from rigtri.trigonometry import Floats
+from rigtri.maths.quaternions import IDENTITY, rotate, unit
+from rigtri.maths.trigonometry import Floats
 
 from figure import Figure, about  # isort: skip - bodies has put the samples on the path
 

@@ -1,6 +1,6 @@
 // What the page carries: facts as JSON, and files as base64, each in an element of its own.
 
-/** The facts that rigtri has written about the files; rigtri/viewer/facts.py says what is in them. */
+/** The facts that rigtri has written about the files; rigtri/export/viewer/page_data.py says what is in them. */
 export function facts() {
   return JSON.parse(document.getElementById('facts').textContent);
 }

@@ -11,9 +11,9 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.buffers import Buffers
-from rigtri.formats.gltf.compression import compression_of, decode_view
-from rigtri.formats.gltf.values import Value
-from rigtri.trigonometry import Floats
+from rigtri.formats.gltf.meshopt.views import compression_of, decode_view
+from rigtri.formats.json_values import Value
+from rigtri.maths.trigonometry import Floats
 
 FLOAT = 5126
 COMPONENTS: dict[int, np.dtype[Any]] = {

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.formats.gltf.container import Container
-from rigtri.formats.gltf.mapped import Mapped, load
+from rigtri.formats.gltf.mmap import Mapped, load
 from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_own, is_there, why_absent
-from rigtri.formats.gltf.values import Value
+from rigtri.formats.json_values import Value
 
 # Where a buffer lies: in the GLB, in its URI, in a file of ours, in a file of the user's, nowhere.
 Place = Literal["bin", "data", "own", "file", "none"]

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.mapped import load
-from rigtri.formats.gltf.spelling import Spelling, encode, parse_placed
-from rigtri.formats.gltf.splice import splice
+from rigtri.formats.gltf.json_splice import splice
+from rigtri.formats.gltf.json_style import Spelling, encode, parse_placed
+from rigtri.formats.gltf.mmap import load
 from rigtri.report import Notice
 
 MAGIC = b"glTF"

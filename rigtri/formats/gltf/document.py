@@ -16,36 +16,36 @@ import numpy as np
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Companion, Embedded, Options
 from rigtri.formats.gltf.accessors import Accessors
-from rigtri.formats.gltf.animations import ClipReader, animated_nodes
+from rigtri.formats.gltf.animation_reader import ClipReader, animated_nodes
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, open_container
-from rigtri.formats.gltf.drawn import Drawn
-from rigtri.formats.gltf.embedded import embedded
-from rigtri.formats.gltf.lines import read_lines
-from rigtri.formats.gltf.mapped import load
+from rigtri.formats.gltf.control_shape_reader import read_lines
+from rigtri.formats.gltf.embed import embedded
 from rigtri.formats.gltf.materials import Materials
-from rigtri.formats.gltf.meshes import MeshReader
-from rigtri.formats.gltf.nodes import Rest, read_rest, read_tree
+from rigtri.formats.gltf.mesh_cache import Drawn
+from rigtri.formats.gltf.mesh_reader import MeshReader
+from rigtri.formats.gltf.mmap import load
+from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.resources import files
-from rigtri.formats.gltf.scenery import read_scenery
-from rigtri.formats.gltf.skins import read_skins
-from rigtri.formats.gltf.uris import decode_data, file_of, is_data
-from rigtri.formats.gltf.validate import (
+from rigtri.formats.gltf.scene_facts import read_scenery
+from rigtri.formats.gltf.skin_reader import read_skins
+from rigtri.formats.gltf.structure import (
     check_extensions,
     check_lists,
     check_references,
     shows,
     unknown_extension,
 )
-from rigtri.formats.gltf.values import Value
+from rigtri.formats.gltf.uris import decode_data, file_of, is_data
 from rigtri.formats.gltf.writer import write_file
-from rigtri.formats.vrm import read_bindings
-from rigtri.formats.vrm_facts import read_facts
-from rigtri.records import Bound, Constraint, Mesh
+from rigtri.formats.json_values import Value
+from rigtri.formats.vrm.scene_facts import read_facts
+from rigtri.formats.vrm.vrm1 import read_bindings
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Bound, Constraint, Mesh
+from rigtri.model.rig import Rig, illegible
 from rigtri.report import Notice
-from rigtri.rig import Rig, illegible
-from rigtri.scenery import Scenery
-from rigtri.trigonometry import Floats
+from rigtri.verification.compare.scene_facts import Scenery
 
 # What files of these suffixes have, by the specifications of VRM 0.0, VRM 1.0 and VRMA 1.0.
 _AVATARS = {".vrm": ("VRM", "VRMC_vrm"), ".vrma": ("VRMC_vrm_animation",)}

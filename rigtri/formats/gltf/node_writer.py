@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.validate import SHOWN_EXTENSIONS
-from rigtri.formats.node_constraints import CONSTRAINT, stored, stored_axis
-from rigtri.formats.vrm import mesh_references
-from rigtri.formats.vrm0 import stored_vector
-from rigtri.matrices import SKEW, decompose, inverse, multiply, skew
-from rigtri.pose import worlds
-from rigtri.quaternions import meant_unit
-from rigtri.records import Constraint, Integers
-from rigtri.rig import Rig, illegible
-from rigtri.trigonometry import Floats
+from rigtri.evaluation.sampling import worlds
+from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.structure import SHOWN_EXTENSIONS
+from rigtri.formats.vrm.node_constraints import CONSTRAINT, stored, stored_axis
+from rigtri.formats.vrm.vrm0 import stored_vector
+from rigtri.formats.vrm.vrm1 import mesh_references
+from rigtri.maths.matrices import SKEW, decompose, inverse, multiply, skew
+from rigtri.maths.quaternions import meant_unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Constraint, Integers
+from rigtri.model.rig import Rig, illegible
 
 PARTS = ("translation", "rotation", "scale")
 
@@ -316,7 +316,7 @@ class NodeWriter:
     def repair(self, repaired: set[int]) -> None:
         """Give nodes that contradicted themselves the TRS that was understood, and nothing else.
 
-        repaired: file indices, as in `rigtri.formats.gltf.nodes.Rest`.
+        repaired: file indices, as in `rigtri.formats.gltf.node_reader.Rest`.
         """
         for node, index in enumerate(self.index):
             if index in repaired:

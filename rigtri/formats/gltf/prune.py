@@ -14,10 +14,10 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.clip_writer import drop_channels, drop_empty_animations
-from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.storage import Storage
-from rigtri.formats.gltf.sweep import sweep
+from rigtri.formats.gltf.animation_writer import drop_channels, drop_empty_animations
+from rigtri.formats.gltf.buffer_writer import Storage
+from rigtri.formats.gltf.garbage_collect import sweep
+from rigtri.formats.gltf.json_copy_on_write import Draft
 
 # Meshes and materials that rigtri draws shapes with; others stay, whoever used them.
 _OURS = {"meshes": re.compile("rigtri_"), "materials": re.compile("rigtri_[0-9a-f]{6}$")}

@@ -6,21 +6,21 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rigtri.delivery import same_file, settling
 from rigtri.errors import FileError
+from rigtri.files.atomic_write import same_file, settling
 from rigtri.formats import Companion
-from rigtri.formats.gltf import mapped
-from rigtri.formats.gltf.clip_writer import ClipWriter, refuse_early
+from rigtri.formats.gltf import mmap as mapped
+from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
+from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.container import Piece
-from rigtri.formats.gltf.draft import Draft
-from rigtri.formats.gltf.mapped import pour
+from rigtri.formats.gltf.control_shape_writer import write_shapes
+from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.mmap import pour
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
 from rigtri.formats.gltf.resources import accompany, missing, relink
-from rigtri.formats.gltf.shape_writer import write_shapes
-from rigtri.formats.gltf.storage import Storage
-from rigtri.formats.gltf.weight_writer import WeightWriter
-from rigtri.rig import Rig
+from rigtri.formats.gltf.skin_weight_writer import WeightWriter
+from rigtri.model.rig import Rig
 
 if TYPE_CHECKING:
     from rigtri.formats.gltf.document import GltfDocument

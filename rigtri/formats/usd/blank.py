@@ -6,8 +6,9 @@ from pathlib import Path
 
 from pxr import Sdf, UsdGeom
 
-from rigtri.formats.usd import layers, package
-from rigtri.formats.usd.values import define
+from rigtri.formats.usd import layers
+from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd.edits import define
 
 ROOT = "/Root"
 

@@ -13,40 +13,66 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd
 
-from rigtri.delivery import same_file
 from rigtri.errors import FileError, UsageError
+from rigtri.files.atomic_write import same_file
 from rigtri.formats import Companion, Embedded, Options
 from rigtri.formats.usd import (
-    external,
-    instances,
-    joint_keys,
-    joint_tracks,
-    joints,
+    dependencies as needed,
+)
+from rigtri.formats.usd import (
+    drop_redundant_opinions as repeated,
+)
+from rigtri.formats.usd import (
+    external_paths as external,
+)
+from rigtri.formats.usd import (
+    instance_edits as instances,
+)
+from rigtri.formats.usd import (
     layers,
-    meshes,
-    needed,
-    new_keys,
-    package,
-    repeated,
-    splice,
-    splits,
-    variant_edits,
-    weights,
     writer,
 )
-from rigtri.formats.usd.confirm import Expected
-from rigtri.formats.usd.embedded import embedded
-from rigtri.formats.usd.expressions import variables_of
+from rigtri.formats.usd import (
+    mesh_reader as meshes,
+)
+from rigtri.formats.usd import (
+    skin_weight_writer as weights,
+)
+from rigtri.formats.usd import (
+    usdz as package,
+)
+from rigtri.formats.usd.composition_check import Expected
+from rigtri.formats.usd.control_shapes import read_lines
+from rigtri.formats.usd.edits import Edit, kind, parts
+from rigtri.formats.usd.embed import embedded
+from rigtri.formats.usd.passes import (
+    add_joints as joints,
+)
+from rigtri.formats.usd.passes import (
+    remove_joint_columns as joint_tracks,
+)
+from rigtri.formats.usd.passes import (
+    retime_samples as joint_keys,
+)
+from rigtri.formats.usd.passes import (
+    route_tracks as new_keys,
+)
+from rigtri.formats.usd.passes import (
+    route_variants as variant_edits,
+)
+from rigtri.formats.usd.passes import (
+    split_joints as splits,
+)
 from rigtri.formats.usd.reader import Source, read_source
-from rigtri.formats.usd.scenery import read_scenery
-from rigtri.formats.usd.shapes import read_lines
+from rigtri.formats.usd.scene_facts import read_scenery
 from rigtri.formats.usd.stage import open_stage, quiet
-from rigtri.formats.usd.text import UnknownTextError
-from rigtri.formats.usd.values import Edit, kind, parts
-from rigtri.records import Mesh
+from rigtri.formats.usd.text import splice
+from rigtri.formats.usd.text.statements import UnknownTextError
+from rigtri.formats.usd.variable_expressions import variables_of
+from rigtri.model.records import Mesh
+from rigtri.model.rig import Rig
 from rigtri.report import Notice
-from rigtri.rig import Rig
-from rigtri.scenery import Scenery
+from rigtri.verification.compare.scene_facts import Scenery
 
 # An override of ours says so here, and a bare one also what it is for; editing it again edits this layer.
 MARK = "rigtri"

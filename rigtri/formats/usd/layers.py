@@ -11,9 +11,9 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdUtils
 
-from rigtri import scratch
 from rigtri.errors import FileError
-from rigtri.formats.usd.expressions import evaluated, is_one, prefixed, variables_of
+from rigtri.files import temp_dirs as scratch
+from rigtri.formats.usd.variable_expressions import evaluated, is_one, prefixed, variables_of
 
 Rename = Callable[[str], str]
 

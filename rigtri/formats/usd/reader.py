@@ -11,20 +11,34 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Options
-from rigtri.formats.usd import library, meshes, notes, prim_clip, tokens
-from rigtri.formats.usd.animations import Animation, clips, read_animation
-from rigtri.formats.usd.bound_animation import bound_animation
-from rigtri.formats.usd.skeletons import Skeleton, read_skeleton
+from rigtri.formats.usd import (
+    animation_library as library,
+)
+from rigtri.formats.usd import (
+    joint_tokens as tokens,
+)
+from rigtri.formats.usd import (
+    mesh_reader as meshes,
+)
+from rigtri.formats.usd import (
+    metadata_attributes as notes,
+)
+from rigtri.formats.usd import (
+    xform_sampling as prim_clip,
+)
+from rigtri.formats.usd.animation_binding import bound_animation
+from rigtri.formats.usd.animation_reader import Animation, clips, read_animation
+from rigtri.formats.usd.skeleton_reader import Skeleton, read_skeleton
 from rigtri.formats.usd.stage import DEFAULT, quiet
 from rigtri.formats.usd.value_types import ignored
-from rigtri.formats.usd.xform_rig import read_stand, rooted
-from rigtri.matrices import compose, decompose, identity, inverse
-from rigtri.pose import worlds
-from rigtri.quaternions import from_axes, to_axes
-from rigtri.records import Clip, Interpolation, Skin, Track
+from rigtri.formats.usd.xform_hierarchy import read_stand, rooted
+from rigtri.maths.matrices import compose, decompose, identity, inverse
+from rigtri.maths.quaternions import from_axes, to_axes
+from rigtri.model.records import Clip, Interpolation, Skin, Track
+from rigtri.model.rig import ADDED, Rig, illegible
 from rigtri.report import Notice
-from rigtri.rig import ADDED, Rig, illegible
 
 # The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
 GROUP = "rigtri"

@@ -17,8 +17,16 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import extent, external, schemas
-from rigtri.formats.usd.silence import silent
+from rigtri.formats.usd import (
+    codeless_schemas as schemas,
+)
+from rigtri.formats.usd import (
+    composition_limits as extent,
+)
+from rigtri.formats.usd import (
+    external_paths as external,
+)
+from rigtri.formats.usd.stderr_silence import silent
 from rigtri.formats.usd.value_types import demand
 from rigtri.report import Notice
 

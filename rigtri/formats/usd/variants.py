@@ -13,8 +13,8 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.bound_animation import idle_above
-from rigtri.formats.usd.skeletons import Skeleton
+from rigtri.formats.usd.animation_binding import idle_above
+from rigtri.formats.usd.skeleton_reader import Skeleton
 from rigtri.formats.usd.stage import DEFAULT
 
 # What of a skeleton and its animation decides how they look.

@@ -14,20 +14,32 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import locators, new_keys, notes, prim_keys, xform
-from rigtri.formats.usd.alike import united
-from rigtri.formats.usd.animations import HELD, Animation, Property
-from rigtri.formats.usd.bound_animation import bind
+from rigtri.formats.usd import (
+    metadata_attributes as notes,
+)
+from rigtri.formats.usd import (
+    xform_keys as prim_keys,
+)
+from rigtri.formats.usd import (
+    xform_ops as xform,
+)
+from rigtri.formats.usd import (
+    xform_writer as locators,
+)
+from rigtri.formats.usd.animation_binding import bind
+from rigtri.formats.usd.animation_reader import HELD, Animation, Property
+from rigtri.formats.usd.edits import Edit, apply_schema, kind, parts, set_value
+from rigtri.formats.usd.half_rounding import put
+from rigtri.formats.usd.passes import route_tracks as new_keys
 from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.rounding import put
-from rigtri.formats.usd.samples import time_samples
-from rigtri.formats.usd.skeletons import Skeleton
-from rigtri.formats.usd.values import Edit, apply_schema, kind, parts, set_value
-from rigtri.matrices import inverse
-from rigtri.records import Clip
+from rigtri.formats.usd.skeleton_reader import Skeleton
+from rigtri.formats.usd.time_samples import time_samples
+from rigtri.formats.usd.unify_rounding import united
+from rigtri.maths.matrices import inverse
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip
+from rigtri.model.rig import Rig, illegible
 from rigtri.report import Notice
-from rigtri.rig import Rig, illegible
-from rigtri.trigonometry import Floats
 
 # For each property of an animation: column → new samples (k, c), or the new default (1, c).
 Columns = dict[tuple[str, str, int], Floats]

@@ -16,12 +16,12 @@ sys.path.insert(0, str(HERE.parents[1]))
 def main() -> None:
     from builds import STEPS
 
-    from rigtri.ops.added import noted
-    from rigtri.ops.posereader import Goal, add_posereader
-    from rigtri.ops.posereader import Options as Reading
-    from rigtri.pipeline import edit
+    from rigtri.model.rig import VERSION, Rig
+    from rigtri.operations.add_posereader.posereader import Goal, add_posereader
+    from rigtri.operations.add_posereader.posereader import Options as Reading
+    from rigtri.operations.rigtri_nodes import noted
+    from rigtri.pipeline.edit import edit
     from rigtri.report import Report
-    from rigtri.rig import VERSION, Rig
 
     def built(rig: Rig, report: Report) -> Rig:
         for name in ("controls", "poles", "limbs", "split weights", "rivet", "posereader", "constrain"):

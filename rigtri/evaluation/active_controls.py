@@ -1,0 +1,61 @@
+"""Which controls are at work: in a clip those with keys, at rest those that somebody has moved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import Timeline
+from rigtri.maths.quaternions import turn_angle
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+
+# Channels of controls that differ from zero by less are zero: float32 readers see no difference.
+NOTHING = 1e-6
+
+
+def size_of(rig: Rig) -> float:
+    """The diagonal of the box of the joints at rest, of all nodes where there are none, in file units."""
+    points = rig.world[rig.is_joint, 3, :3] if rig.is_joint.any() else rig.world[:, 3, :3]
+    points = points[np.isfinite(points).all(axis=1)]
+    size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
+    return size or 1.0
+
+
+def movers(rig: Rig) -> frozenset[int]:
+    """The nodes whose keys say that a control is at work: controls and poles."""
+    kinds = ("control", "poleVector")
+    return frozenset(node for node, note in rig.notes.items() if note.get("type") in kinds)
+
+
+def keyed_in(rig: Rig, timeline: Timeline) -> frozenset[int]:
+    """The controls and poles with keys in a timeline."""
+    return frozenset(track.node for track in timeline.clip.tracks) & movers(rig)
+
+
+def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:
+    """The controls whose channels are not zero at rest. size: of the rig, in file units."""
+    still, found = Posed(rig), set[int]()
+    for node in movers(rig):
+        if rig.notes[node].get("type") != "control" or rig.is_joint[node]:
+            continue
+        own = still.part(node)
+        if (
+            np.abs(own.translation).max() > NOTHING * size
+            or float(turn_angle(own.rotation)[0]) > NOTHING
+            or np.abs(own.scale - 1.0).max() > NOTHING
+        ):
+            found.add(node)
+    return frozenset(found)
+
+
+def posed_at(
+    rig: Rig, timeline: Timeline | None, time: float, *, size: float, evaluate: bool = True
+) -> Posed:
+    """The rig at a moment of a timeline, or at rest, one row; ``evaluate``: as what is at work moves it."""
+    parts = {} if timeline is None else sampled(rig, timeline.clip, np.array([time]))
+    if not evaluate:
+        return Posed(rig, parts)
+    at_work = moved_at_rest(rig, size) if timeline is None else keyed_in(rig, timeline)
+    return Solver(rig, at_work).run(parts)

@@ -1,0 +1,286 @@
+"""Samples as near to each other as what lies between them needs: halved until lines between keys tell it.
+
+FK of linear keys is linear; IK, constraints and splines are not. Where a line between two samples leaves what
+it stands for by more than a bound, there is a sample in the middle, too. A limb that passes straight turns
+like the square root of time, so samples may come very near each other there; all are so many a second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.frame_batches import blocks, joined
+from rigtri.evaluation.inverse_solver import Block, matched
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.solver_steps import Step, Turned
+from rigtri.evaluation.timelines import MOST_KEYS, single
+from rigtri.maths.quaternions import slerp
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Clip, Integers
+from rigtri.model.rig import Rig
+
+# Samples a second, at most and on average, where none are asked for; a short clip has those of a second.
+MOST_A_SECOND = 1024.0
+# Times are float32: so much of a piece is a whole one.
+_WHOLE = 1.001
+# Seconds between samples that are not parted any more: beyond that, what float32 rounds decides.
+FINEST = 2.0**-16
+# Where an interval is looked at: the middle, and where two curves do not happen to meet.
+_SHARES = (0.29, 0.5)
+# How often an interval is halved before it is looked at again.
+_HALVINGS = 3
+
+
+class Off(NamedTuple):
+    """How far the rig is from where it ought to be, (f,), in file units, and the worst node, (f,), or −1."""
+
+    far: Floats
+    node: Integers
+
+
+class Curve(Protocol):
+    """What is sampled. at: the parts that keys at some times say, (f, ·) each. off: how far the rig is off
+    while what is keyed has the parts ``shown``; it is asked for no more than one block of times.
+    """
+
+    def at(self, times: Floats) -> dict[int, Parts]: ...
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off: ...
+
+
+class Refined(NamedTuple):
+    """Samples: their times, (f,), and parts. off: the largest deviation between them, in file units, the time
+    before it, and the node that it is of. limited: whether it could not be made smaller.
+    """
+
+    times: Floats
+    parts: dict[int, Parts]
+    off: float
+    limited: bool
+    after: float = 0.0
+    node: int = -1
+
+
+def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> Refined:
+    """Samples at ``times``, (f,), and between them, until no deviation is above ``bound``, in file units.
+
+    per_second: units of the times in a second.
+    """
+    parts, worst, limited = curve.at(times), (0.0, 0.0, -1), False
+    left = np.arange(len(times) - 1)
+    seconds = max((times[-1] - times[0]) / per_second, 1.0)
+    most = min(int(seconds * MOST_A_SECOND) + 1, MOST_KEYS)
+    while len(left):
+        off, nodes = _off(curve, times, parts, left)
+        start, span = times[left], times[left + 1] - times[left]
+        room = np.maximum(np.floor(span / (FINEST * per_second) * _WHOLE), 1.0)
+        pieces = np.minimum(_pieces(off, bound), room)
+        pieces = _affordable(pieces, off, most - len(times))
+        new = _inside(start, span, pieces.astype(np.int64))
+        done = pieces < 2.0
+        if off[done].max(initial=0.0) > worst[0]:
+            k = np.flatnonzero(done)[off[done].argmax()]
+            worst = (float(off[k]), float(start[k]), int(nodes[k]))
+        limited = limited or bool((off[done] > bound).any())
+        if not len(new):
+            break
+        order = np.argsort(np.concatenate([times, new]), kind="stable")
+        parts = _merged(parts, len(times), curve.at(new), len(new), order)
+        times = np.concatenate([times, new])[order]
+        places = np.searchsorted(times, new)
+        left = np.unique(np.concatenate([places - 1, places]))
+    far, after, node = worst
+    return Refined(times, parts, far, limited, after, node)
+
+
+def _pieces(off: Floats, bound: float) -> Floats:
+    """Into how many pieces intervals go, (m,): a deviation falls with the square of the length."""
+    wanted = np.sqrt(off / bound) if bound > 0 else np.where(off > 0, np.inf, 0.0)
+    pieces = np.ones(len(off))
+    for _ in range(_HALVINGS):
+        pieces = np.where(pieces < wanted, 2.0 * pieces, pieces)
+    return pieces
+
+
+def _affordable(pieces: Floats, off: Floats, room: int) -> Floats:
+    """Those pieces, (m,), as far as there is room for the samples between them: the worst first."""
+    order = np.argsort(-off, kind="stable")
+    many = np.cumsum(pieces[order] - 1.0)
+    pieces[order[many > room]] = 1.0
+    return pieces
+
+
+def _inside(start: Floats, span: Floats, pieces: Integers) -> Floats:
+    """The times between so many pieces of each interval, each once, as far as float32 tells them apart."""
+    many = np.maximum(pieces - 1, 0)
+    which = np.repeat(np.arange(len(start)), many)
+    step = np.arange(len(which)) - np.repeat(np.cumsum(many) - many, many) + 1
+    inside = single(start[which] + step / pieces[which] * span[which])
+    return np.unique(inside[(inside > start[which]) & (inside < start[which] + span[which])])
+
+
+def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers) -> Off:
+    """The largest deviation in each of some intervals, (m,); 0 where float32 has no time inside."""
+    start, span = times[left], times[left + 1] - times[left]
+    found = Off(np.zeros(len(left)), np.full(len(left), -1))
+    inside = np.concatenate([single(start + share * span) for share in _SHARES])
+    which = np.tile(np.arange(len(left)), len(_SHARES))
+    real = np.flatnonzero((inside > start[which]) & (inside < start[which] + span[which]))
+    for rows in blocks(len(real)):
+        some = real[rows]
+        k = which[some]
+        shown = _line(parts, left[k], (inside[some] - start[k]) / span[k])
+        off = curve.off(inside[some], shown)
+        order = np.argsort(off.far, kind="stable")  # of several in one interval the last one stays
+        order = order[off.far[order] > found.far[k[order]]]
+        found.far[k[order]], found.node[k[order]] = off.far[order], off.node[order]
+    return found
+
+
+def _line(parts: Mapping[int, Parts], left: Integers, share: Floats) -> dict[int, Parts]:
+    """What lines and great arcs between samples ``left`` and the next ones say, (m, ·) each."""
+
+    def ends(values: Floats) -> tuple[Floats, Floats]:
+        return np.take(values.T, left, axis=1).T, np.take(values.T, left + 1, axis=1).T
+
+    def line(values: Floats) -> Floats:
+        if len(values) == 1:
+            return values
+        start, end = ends(values)
+        return start + (end - start) * share[:, np.newaxis]
+
+    def arc(turns: Floats) -> Floats:
+        if len(turns) == 1:
+            return turns
+        start, end = ends(turns)
+        return slerp(start, end, share)
+
+    return {node: Parts(line(t), arc(r), line(s)) for node, (t, r, s) in parts.items()}
+
+
+def _merged(
+    old: Mapping[int, Parts], count: int, new: Mapping[int, Parts], more: int, order: Integers
+) -> dict[int, Parts]:
+    """Parts of ``count`` and of ``more`` samples as those of all of them, in ``order``."""
+
+    def together(a: Floats, b: Floats) -> Floats:
+        if len(a) == 1 == len(b) and np.array_equal(a, b):
+            return a
+        wide = [np.broadcast_to(each, (k, a.shape[1])).T for each, k in ((a, count), (b, more))]
+        return np.take(np.concatenate(wide, axis=1), order, axis=1).T
+
+    return {
+        node: Parts(*(together(a, b) for a, b in zip(of, new[node], strict=True))) for node, of in old.items()
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class _Curve:
+    """A clip that a solver plays. size: of the rig, in file units."""
+
+    solver: Solver
+    clip: Clip
+    size: float
+
+    @property
+    def rig(self) -> Rig:
+        return self.solver.rig
+
+    @cached_property
+    def nodes(self) -> list[int]:
+        """The nodes that go on curves while controls go on lines, or the other way round.
+
+        Not twist joints, which get keys of their own.
+        """
+        tracks = [t for t in self.clip.tracks if t.path != "weights" and len(t.times) > 1]
+        splines = {t.node for t in tracks if t.interpolation == "CUBICSPLINE"}
+        moving = {t.node for t in tracks} | set(self.solver.sets)
+        found = set[int]()
+        for step in self.solver.steps:
+            if isinstance(step, Fk):
+                carried = any(moving.intersection(self._line(node)) for node in step.needs)
+                if carried or splines.intersection((step.joint, *step.reads)):
+                    found.add(step.joint)
+            elif not isinstance(step, Turned):
+                found.update(step.sets)
+        return sorted(found)
+
+    def _line(self, node: int) -> list[int]:
+        """A node and all above it."""
+        found = []
+        while node >= 0:
+            found.append(node)
+            node = int(self.rig.parents[node])
+        return found
+
+    @cached_property
+    def reach(self) -> dict[int, float]:
+        """How far what hangs on each of the nodes goes, up to the next of them, in file units."""
+        rig, nodes = self.rig, set(self.nodes)
+        far = np.full(len(rig), 0.05 * self.size)
+        for node in range(len(rig) - 1, -1, -1):
+            parent = int(rig.parents[node])
+            if parent >= 0 and node not in nodes:
+                bone = float(np.nan_to_num(length(rig.world[node, 3, :3] - rig.world[parent, 3, :3])))
+                far[parent] = max(far[parent], far[node] + bone)
+        return {node: float(far[node]) for node in nodes}
+
+    @cached_property
+    def steps(self) -> list[Step]:
+        """The steps that the places of the nodes need."""
+        return self.solver.steps_for({above for node in self.nodes for above in self._line(node)})
+
+    def apart(self, a: Posed, b: Posed, count: int) -> Off:
+        """How far what hangs on the nodes is apart, at most."""
+        most = Off(np.zeros(count), np.full(count, -1))
+        for node in self.nodes:
+            one, other = a.world(node), b.world(node)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                turned = length(one[:, :3, :3] - other[:, :3, :3]) / length(other[:, :3, :3])
+            moved = length(one[:, 3, :3] - other[:, 3, :3])
+            far = np.nan_to_num(moved + self.reach[node] * turned.max(axis=1), posinf=0.0)
+            most.node[far > most.far] = node
+            np.maximum(most.far, far, out=most.far)
+        return most
+
+
+class JointCurve(_Curve):
+    """What controls and constraints make of the joints in a clip."""
+
+    def at(self, times: Floats) -> dict[int, Parts]:
+        return self.solver.solved(sampled(self.rig, self.clip, times))
+
+    @cached_property
+    def _used(self) -> frozenset[int]:
+        """The nodes whose keys take part in where the nodes come to."""
+        own = [n for step in self.steps for n in (*step.sets, *step.reads, *step.needs)]
+        return frozenset(above for node in (*own, *self.nodes) for above in self._line(node))
+
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
+        there = self.solver.run(sampled(self.rig, self.clip, times, only=self._used), self.steps)
+        seen = Posed(self.rig, {**there.parts, **{node: shown[node] for node in self.nodes}})
+        return self.apart(there, seen, len(times))
+
+
+class ControlCurve(_Curve):
+    """The controls that give the motion which joints have in a clip."""
+
+    def at(self, times: Floats) -> dict[int, Parts]:
+        found = self._matched(times)
+        return joined([block.found.controls for block in found], len(times))
+
+    def _matched(self, times: Floats) -> list[Block]:
+        return matched(self.solver, sampled(self.rig, self.clip, times), lambda node, parts: parts)
+
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
+        ((source, found),) = self._matched(times)
+        seen = self.solver.run({**source.parts, **shown}, self.steps)
+        return self.apart(found.posed, seen, len(times))

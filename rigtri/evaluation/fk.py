@@ -1,0 +1,171 @@
+"""A control over one joint: what its channels do to the joint, and which channels a joint's pose needs.
+
+A joint whose parent has the control above is moved in its parent's space, so nothing of the world
+takes part: rotation = rest · channel, in the joint's own axes. Any other joint is carried
+rigidly by what its control hangs below, and then moved by the channels.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger"; "Matrix parent constraint"
+(article): local = offset · driver · parent⁻¹.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import Parts, factored
+from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.zero_pose import FkControl, Reference
+from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions
+from rigtri.maths.quaternions import IDENTITY, conjugate, rotate, to_axes, unit
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+
+# Axes of a control this near to its joint's are the joint's: offsets are float32.
+_SAME_AXES = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Fk:
+    """One control and its joint in a rig, with what stays the same in all frames."""
+
+    reference: Reference
+    own: FkControl
+
+    @property
+    def rig(self) -> Rig:
+        return self.reference.rig
+
+    @property
+    def joint(self) -> int:
+        return self.own.joint
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        return (self.joint,)
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        """The nodes whose local parts are read."""
+        return (self.own.control,)
+
+    @cached_property
+    def needs(self) -> tuple[int, ...]:
+        """The nodes whose places in the world are used."""
+        if self._direct:
+            return ()
+        return tuple(node for node in (self._carrier, int(self.rig.parents[self.joint])) if node >= 0)
+
+    @property
+    def _carrier(self) -> int:
+        """What carries the joint while its channels are zero: the joint of the control above, else that."""
+        return self.reference.control_of.get(self.own.above, self.own.above)
+
+    @property
+    def _direct(self) -> bool:
+        return self._carrier == int(self.rig.parents[self.joint]) and self._carrier >= 0
+
+    @cached_property
+    def rest(self) -> Parts:
+        """The joint's local parts while all controls are zero, one row."""
+        rig, joint = self.rig, self.joint
+        local = self.reference.local[joint]
+        if not rig.has_matrix[joint] and np.array_equal(local, rig.local[joint]):
+            row = slice(joint, joint + 1)
+            return Parts(rig.translation[row], unit(rig.rotation[row]), rig.scale[row])
+        return factored(local[np.newaxis])
+
+    @cached_property
+    def _axes(self) -> Floats | None:
+        """The control's axes seen from the joint's stored rotation, (4,); None where they are the same."""
+        above = int(self.rig.parents[self.joint])
+        stored = product(self.reference.turn(above), self.rest.rotation[0])
+        axes = unit(product(conjugate(stored), self.reference.turn(self.own.offset)))
+        axes = axes if axes[3] >= 0 else -axes
+        return None if np.abs(axes - IDENTITY).max() <= _SAME_AXES else axes
+
+    @cached_property
+    def _moves(self) -> Floats:
+        """What takes a move along the control's axes into the space of the joint's carrier, (4, 4)."""
+        carrier = self.reference.world[self._carrier] if self._carrier >= 0 else np.eye(4)
+        return multiply(self.reference.world[self.own.offset], inverse(carrier))
+
+    def _carried(self, posed: Posed) -> tuple[Parts, Floats]:
+        """The joint's local parts while its channels are zero; what takes moves into its parent's space."""
+        if self._direct:
+            return self.rest, self._moves
+        world, parent = self.reference.world, int(self.rig.parents[self.joint])
+        carrier = self._carrier
+        start = inverse(world[carrier]) if carrier >= 0 else np.eye(4)
+        seen = multiply(posed.world(carrier), inverse(posed.world(parent)))
+        still = _still(seen)
+        start = multiply(world[self.joint], start)
+        there = posed.mended(factored(multiply(start, still)), start, carrier, parent)
+        if not np.isfinite(still).all():  # a parent that is flat hides the joint, wherever it is
+            still = np.where(np.isfinite(still), still, np.eye(4))
+        return there, multiply(self._moves, still)
+
+    def run(self, posed: Posed) -> None:
+        """Move the joint as the control's channels say."""
+        rest, moves = self._carried(posed)
+        posed.set(self.joint, self.moved(rest, posed.part(self.own.control), moves))
+
+    def moved(self, rest: Parts, channels: Parts, moves: Floats | None = None) -> Parts:
+        """Local parts of the joint, of those at ``rest`` and the channels of its control."""
+        turn = channels.rotation
+        if self._axes is not None:
+            turn = product(product(self._axes, turn), conjugate(self._axes))
+        move = transform_directions(channels.translation, self._moves if moves is None else moves)
+        return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * channels.scale)
+
+    def riding(self, posed: Posed) -> Parts:
+        """Local parts of the offset where it rides on the joint of the control above, as that is posed."""
+        world, carrier = self.reference.world, self._carrier
+        start = multiply(world[self.own.offset], inverse(world[carrier]))
+        return factored(multiply(multiply(start, posed.world(carrier)), inverse(posed.world(self.own.above))))
+
+    def beneath(self, posed: Posed) -> Parts:
+        """Local parts of the offset, with which the control stands on its joint, as both are posed."""
+        channels, rig = posed.part(self.own.control), self.rig
+        wanted = posed.part(self.joint).rotation
+        above = int(rig.parents[self.joint])
+        wanted = product(posed.turn(above), wanted) if above >= 0 else wanted
+        wanted = wanted if self._axes is None else product(wanted, self._axes)
+        turn = product(wanted, conjugate(channels.rotation))
+        size = self._grown(posed) / np.where(channels.scale == 0, 1.0, channels.scale)
+        axes = to_axes(turn) * size[..., np.newaxis]
+        place = posed.world(self.joint)[:, 3, :3] - rotate(turn, channels.translation * size)
+        return factored(multiply(from_frame(axes, place), inverse(posed.world(self.own.above))))
+
+    def _grown(self, posed: Posed) -> Floats:
+        """How long the axes of a control on its joint are, (1 or f, 3): as the joint has grown."""
+        own, joint = (length(self.reference.world[k, :3, :3]) for k in (self.own.offset, self.joint))
+        grown = length(posed.world(self.joint)[:, :3, :3]) / np.where(joint == 0, 1.0, joint)
+        if self._axes is not None:  # no axis of the one is that of the other
+            grown = (grown[:, :1] + grown[:, 1:2] + grown[:, 2:]) / 3.0
+        return own * grown
+
+    def channels(self, posed: Posed, wanted: Parts) -> Parts:
+        """The channels that give the joint its local parts ``wanted``."""
+        rest, moves = self._carried(posed)
+        return self.needed(rest, wanted, moves)
+
+    def needed(self, rest: Parts, wanted: Parts, moves: Floats | None = None) -> Parts:
+        """The channels that take the joint from ``rest`` to its local parts ``wanted``; see `moved`."""
+        turn = product(conjugate(rest.rotation), wanted.rotation)
+        if self._axes is not None:
+            turn = product(product(conjugate(self._axes), turn), self._axes)
+        back = inverse(self._moves if moves is None else moves)
+        move = transform_directions(wanted.translation - rest.translation, back)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            size = np.where(rest.scale == 0, 1.0, wanted.scale / rest.scale)
+        return Parts(move, turn, size)
+
+
+def _still(matrices: Floats) -> Floats:
+    """One row where all rows are the same to the bit."""
+    return matrices[:1] if len(matrices) > 1 and bool((matrices == matrices[0]).all()) else matrices

@@ -1,0 +1,356 @@
+"""A limb whose end follows a control and whose bend follows a pole, and the place that both need.
+
+The solver turns the rest pose of the limb, carried by what the limb hangs on, from the triangle
+that its joints make there to the one that reaches the target. A control that rounding has put
+beside its joint is taken to be on it, so that a hard limb's rest pose stays as it is. FK controls
+of the limb's joints work below the solver: their channels come on top of what it has found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import Parts, factored, pole
+from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.two_bone_ik import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
+from rigtri.evaluation.zero_pose import SAME_PLACE, IkLimb, Reference
+from rigtri.maths.matrices import from_frame, inverse, transform_directions, transform_points
+from rigtri.maths.quaternions import conjugate, rotate, to_axes
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.constraints import Rule
+from rigtri.model.rig import Rig
+
+# Below this sine of the bend a limb's plane is the rounding of its positions; then its pole tells it.
+_STRAIGHT = 2e-3
+# Radians between pole and plane that rounding may make; a pole that somebody moved is farther off.
+_ROUNDING = 1e-3
+# Sines of the bend from which on, and up to which, a pole is placed by the bend and by the bone.
+_BENDS, _TOLD = 0.15, 0.02
+
+
+class _Rest(NamedTuple):
+    """What stays the same in all frames. lines: of the bones, seen from what the limb hangs on, (3,) each.
+
+    upper, lower: the frames of the bones, seen from its turn. between, last: how the parents of the
+    middle and the end joint are turned, seen from its turn. side: the way it bends, in its axes.
+    """
+
+    lines: tuple[Floats, Floats]
+    upper: Floats
+    lower: Floats
+    between: Floats
+    last: Floats
+    chord: Floats
+    side: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Ik:
+    """One limb of a rig. fk: the FK controls of its joints, by joint. rule: what moves its pole besides.
+
+    carries: offsets of those controls that must stand where the limb has come to, parents first,
+    because something looks at what is below them.
+    """
+
+    reference: Reference
+    limb: IkLimb
+    fk: dict[int, Fk]
+    rule: Rule | None = None
+    carries: tuple[int, ...] = ()
+
+    @property
+    def rig(self) -> Rig:
+        return self.reference.rig
+
+    @cached_property
+    def paths(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """The nodes below the root down to the middle, and below that down to the end."""
+        a, b, c = self.limb.chain
+        return self._path(a, b), self._path(b, c)
+
+    def _path(self, start: int, end: int) -> tuple[int, ...]:
+        path = [end]
+        while int(self.rig.parents[path[-1]]) != start:
+            path.append(int(self.rig.parents[path[-1]]))
+        return tuple(path[::-1])
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        a, _, _ = self.limb.chain
+        upper, lower = self.paths
+        return (a, *upper, *lower) if self.limb.stretch else self.limb.chain
+
+    @cached_property
+    def controls(self) -> tuple[int, ...]:
+        """The FK controls of its joints."""
+        return tuple(fk.own.control for fk in self.fk.values())
+
+    @cached_property
+    def reads(self) -> tuple[int, ...]:
+        above = set[int]()
+        for fk in self.below(self.carries):  # offsets are put on the joints, seen from all that they hang on
+            node = fk.own.above
+            while node >= 0 and node not in above:
+                above.add(node)
+                node = int(self.rig.parents[node])
+        return (*self.controls, *sorted(above.difference(self.carries, self.controls)))
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        nodes = (self.above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ()))
+        return tuple(node for node in nodes if node >= 0)
+
+    @property
+    def above(self) -> int:
+        """What the limb hangs on, −1 for nothing."""
+        return int(self.rig.parents[self.limb.chain[0]])
+
+    @cached_property
+    def _points(self) -> Floats:
+        """Root, middle and end while controls are zero, (3, 3), in the world."""
+        return self.reference.world[list(self.limb.chain), 3, :3]
+
+    @cached_property
+    def _line(self) -> Floats:
+        """The direction from root to end while controls are zero, (3,); of a folded limb, any that fits."""
+        a, b, c = self._points
+        square = cross(b - a, np.eye(3)[np.argmin(np.abs(b - a))])
+        for line in (c - a, square):
+            if length(line) > NOWHERE * (length(b - a) + length(c - b)):
+                return normalise(line)
+        return np.array([1.0, 0.0, 0.0])
+
+    @cached_property
+    def _seat(self) -> Floats:
+        """From the control to the limb's target, seen from how the control is turned, (3,), whatever its
+        scale: to the end joint, where but rounding parts the two."""
+        control = self.limb.control
+        apart = self._points[2] - self.reference.world[control, 3, :3]
+        if length(apart) > SAME_PLACE * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
+            return np.zeros(3)
+        return rotate(conjugate(self.reference.turn(control)), apart)
+
+    @cached_property
+    def _pole(self) -> Floats:
+        """Where the pole tells the rest pose from, (3,): the pole, or the plane where the pole was moved."""
+        a, b, c = self._points
+        line = self._line
+        bend = (b - a) - dot(b - a, line) * line
+        told = self.limb.pole >= 0
+        straight = length(bend) <= _STRAIGHT * (length(b - a) + length(c - b))
+        if told:
+            place = self.reference.world[self.limb.pole, 3, :3]
+            across = (place - a) - dot(place - a, line) * line
+            near = length(cross(normalise(across), normalise(bend))) <= _ROUNDING
+            if straight or (near and dot(across, bend) > 0):
+                return np.asarray(place)
+        if straight:  # nothing says where it bends: an axis of its own, the same one every time
+            return np.asarray(a + cross(line, np.eye(3)[np.argmin(np.abs(line))]))
+        return np.asarray(b + normalise(bend) * (length(b - a) + length(c - b)))
+
+    @cached_property
+    def rest(self) -> _Rest:
+        """The triangle is the one of the joints, in the plane of the pole: turns are counted from it, so
+        bones lie where the solver wants them. What parts the middle joint from that plane, which is
+        rounding, is not seen."""
+        world, above = self.reference.world, self.above
+        a, b, c = self._points
+        chord, side = self._line, self._pole - a
+        bends, _ = sides(chord, side, side, length(b - a) + length(c - b))
+        hinge = cross(chord, bends)
+        upper, lower = (bone - dot(bone, hinge) * hinge for bone in (b - a, c - b))
+        start = conjugate(self.reference.turn(above))
+        back = inverse(world[above]) if above >= 0 else np.eye(4)
+        _, middle, end = self.limb.chain
+        return _Rest(
+            lines=(transform_directions(upper, back), transform_directions(lower, back)),
+            upper=product(start, bone_frame(upper, hinge)),
+            lower=product(start, bone_frame(lower, hinge)),
+            between=product(start, self.reference.turn(int(self.rig.parents[middle]))),
+            last=product(start, self.reference.turn(int(self.rig.parents[end]))),
+            chord=rotate(start, chord),
+            side=rotate(start, side),
+        )
+
+    def _own(self, node: int) -> Parts:
+        """Local parts of a joint of the limb while controls are zero, one row."""
+        if node in self.fk:
+            return self.fk[node].rest
+        return factored(self.reference.local[node][np.newaxis])
+
+    @cached_property
+    def start(self) -> Floats:
+        """Where the limb's root is, (1, 3), seen from what it hangs on."""
+        return self._own(self.limb.chain[0]).translation
+
+    def lengths(self, posed: Posed) -> tuple[Floats, Floats]:
+        """How long the two bones are, (1 or f,) each, in the world."""
+        world = posed.world(self.above)
+        upper, lower = self.rest.lines
+        return length(transform_directions(upper, world)), length(transform_directions(lower, world))
+
+    def solve(self, posed: Posed, target: Floats, place: Floats) -> Solved:
+        """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
+        rest, turn = self.rest, _turn(posed, self.above)
+        root = transform_points(self.start, posed.world(self.above))
+        root, target, place, first, second = _level(root, target, place, *self.lengths(posed))
+        return two_bone(
+            root,
+            (first, second),
+            target,
+            place,
+            chord=rotate(turn, rest.chord),
+            side=rotate(turn, rest.side),
+            soft=self.limb.soft,
+            stretch=self.limb.stretch,
+        )
+
+    def solved(self, posed: Posed, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
+        """Local parts of the limb's joints, before their FK controls. hand: the turn of the end, (f, 4)."""
+        found = self.solve(posed, target, place)
+        rest, turn = self.rest, _turn(posed, self.above)
+        start, middle, end = self.limb.chain
+        upper = product(product(conjugate(turn), found.upper), conjugate(rest.upper))
+        fold = product(product(conjugate(found.upper), found.lower), conjugate(rest.lower))
+        bent = product(product(conjugate(rest.between), product(rest.upper, fold)), rest.between)
+        below = product(product(found.lower, conjugate(rest.lower)), rest.last)
+        parts = {node: self._own(node) for node in (start, middle, end)}
+        turned = {
+            start: product(upper, parts[start].rotation),
+            middle: product(bent, parts[middle].rotation),
+            end: product(conjugate(below), hand),
+        }
+        result = {node: parts[node]._replace(rotation=turned[node]) for node in turned}
+        if self.limb.stretch:
+            for node in (*self.paths[0], *self.paths[1]):
+                own = result.get(node) or self._own(node)
+                grown = own.translation * found.stretch[:, np.newaxis]
+                result[node] = own._replace(translation=grown)
+        return result
+
+    @cached_property
+    def grip(self) -> Floats:
+        """The end joint's turn seen from the control's, (4,): ``hand = control · grip``."""
+        _, _, end = self.limb.chain
+        joint = product(self.reference.turn(int(self.rig.parents[end])), self._own(end).rotation[0])
+        return product(conjugate(self.reference.turn(self.limb.control)), joint)
+
+    def run(self, posed: Posed) -> None:
+        """Move the limb's joints to where control and pole want them."""
+        control = self.limb.control
+        hand = product(_turn(posed, control), self.grip)
+        found = self.solved(posed, self.target(posed), self.place(posed), hand)
+        for node, parts in found.items():
+            if node in self.fk:
+                parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
+            posed.set(node, parts)
+        for fk in self.below(self.carries):
+            posed.set(fk.own.offset, fk.beneath(posed))
+
+    def below(self, offsets: Collection[int]) -> list[Fk]:
+        """The FK controls below some of the limb's offsets, parents first."""
+        found = [fk for fk in self.fk.values() if fk.own.offset in offsets]
+        return sorted(found, key=lambda fk: fk.own.offset)
+
+    def target(self, posed: Posed) -> Floats:
+        """Where the limb is to end, (1 or f, 3), by its control."""
+        control = self.limb.control
+        return posed.world(control)[:, 3, :3] + rotate(_turn(posed, control), self._seat)
+
+    def place(self, posed: Posed) -> Floats:
+        """Where the pole is, (1 or f, 3)."""
+        own = self._own_place(posed)
+        if self.rule is None:
+            return own
+        held = [posed.world(node) for node in self.rule.drivers]
+        count = max(map(len, (*held, own)))
+        drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
+        found = pole(self.rule, drivers)
+        return np.where(np.isfinite(found).all(axis=-1, keepdims=True), found, own)
+
+    def _own_place(self, posed: Posed) -> Floats:
+        """Where the pole is without a rule that moves it, (1 or f, 3)."""
+        if self.limb.pole >= 0:
+            return posed.world(self.limb.pole)[:, 3, :3]
+        # Without a pole it bends to where it bends at rest.
+        turn = _turn(posed, self.above)
+        root = transform_points(self.start, posed.world(self.above))
+        return root + rotate(turn, self.rest.side)
+
+    def grasp(self, built: Posed, source: Posed) -> Floats:
+        """World matrices, (f, 4, 4), of a control with which the limb's end stands as in ``source``.
+
+        built: the rig above the limb as controls make it. The end of a soft limb is nearer than its target.
+        """
+        _, _, end = self.limb.chain
+        parent = _turn(source, int(self.rig.parents[end]))
+        turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
+        place = source.world(end)[:, 3, :3]
+        if self.limb.soft > 0 and not self.limb.stretch:
+            first, second = self.lengths(built)
+            away = place - transform_points(self.start, built.world(self.above))
+            reach = length(away)
+            wanted = distance_for(reach, first + second, self.limb.soft)
+            share = np.where(reach > 0, wanted / np.where(reach > 0, reach, 1.0), 1.0)
+            place = place + away * (share - 1.0)[:, np.newaxis]
+        return from_frame(to_axes(turn), place - rotate(turn, self._seat))
+
+    def side(self, source: Posed) -> Floats:
+        """Where a pole tells the bend that the joints have in ``source``, (f, 3), in the world.
+
+        By the triangle where it bends to the side that it bends to at rest; where it is nearly
+        straight, or bends the other way, by how the upper bone is turned, whose side goes along from the
+        bone to the line from root to end by the shortest way. So a pole never flips.
+        """
+        a, b, c = (source.world(node)[:, 3, :3] for node in self.limb.chain)
+        a, b, c = _level(a, b, c)
+        size = length(b - a) + length(c - b)
+        line = normalise(c - a)
+        bend = (b - a) - dot(b - a, line)[:, np.newaxis] * line
+        start = self.limb.chain[0]
+        turned = product(_turn(source, self.above), source.part(start).rotation)
+        inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
+        own = rotate(turned, inside)
+        bone = normalise(b - a)
+        own = own - dot(own, bone)[:, np.newaxis] * bone
+        both = bone + line
+        spread = np.maximum(1.0 + dot(bone, line), 1e-12)  # 0: folded onto itself, and no way is the shortest
+        own = normalise(own - (dot(own, line) / spread)[:, np.newaxis] * both)
+        told = normalise(bend)
+        sine = 2.0 * length(bend) / size * np.maximum(dot(told, own), 0.0)
+        share = np.clip((sine - _TOLD) / (_BENDS - _TOLD), 0.0, 1.0)
+        share = np.where(np.isfinite(share), share * share * (3.0 - 2.0 * share), 0.0)[:, np.newaxis]
+        mixed = normalise(np.where(share > 0, share * told, 0.0) + (1.0 - share) * own)
+        return b + mixed * self._distance
+
+    @cached_property
+    def _distance(self) -> float:
+        """How far the pole stands from the middle joint, at rest as always."""
+        place = self.reference.world[self.limb.pole, 3, :3] if self.limb.pole >= 0 else self._pole
+        return float(length(place - self._points[1]))
+
+
+def _turn(posed: Posed, node: int) -> Floats:
+    """How a node is turned in the world, (1 or f, 4); by rotations where a scale of zero leaves no axes."""
+    if node < 0:
+        return np.array([[0.0, 0.0, 0.0, 1.0]])
+    found = posed.turn(node)
+    whole = np.isfinite(found).all(axis=-1, keepdims=True)
+    if whole.all():
+        return found
+    above = _turn(posed, int(posed.rig.parents[node]))
+    return np.where(whole, found, product(above, posed.part(node).rotation))
+
+
+def _level(*arrays: Floats) -> list[Floats]:
+    """Arrays with as many rows as the longest of them."""
+    count = max(map(len, arrays))
+    return [np.broadcast_to(each, (count, *each.shape[1:])) for each in arrays]

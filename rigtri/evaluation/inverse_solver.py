@@ -1,0 +1,187 @@
+"""Controls that give a motion that joints have: the inverse of evaluating them.
+
+Every control gets values that a file can hold, and those after it are found from what these make of
+the rig, so that rounding and reduced keys do not add up along chains. What an IK limb cannot hold
+(twist, a nearly straight bend in float32) goes to the FK controls of its joints, below the solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import zip_longest
+from typing import NamedTuple
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.frame_batches import BLOCK, blocks, cut, frames, joined
+from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.inverse_order import Bent, Placed, ends, placing
+from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.solver_steps import Follow, Step
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.quaternions import turn_angle
+from rigtri.maths.vectors import length
+
+# Takes a node and its wanted parts, and gives those that will be read from the file again.
+Keep = Callable[[int, Parts], Parts]
+
+
+class Wanted(NamedTuple):
+    """What is to be kept of a node in some frames. free: where that cannot be told it stays as it is."""
+
+    node: int
+    parts: Parts
+    free: bool = False
+
+
+# Asks for one node after another, and is answered with what is kept of it; None: nothing.
+Asking = Generator[Wanted, Parts | None, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """What the FK controls of a limb hold beside IK, at most. turn: radians. move: file units."""
+
+    limb: Ik
+    turn: float
+    move: float
+
+
+@dataclass(eq=False)
+class Matched:
+    """Parts of each control, and of the offsets that follow a limb. posed: the rig as they make it."""
+
+    posed: Posed
+    controls: dict[int, Parts] = field(default_factory=dict)
+    offsets: dict[int, Parts] = field(default_factory=dict)
+    residuals: list[Residual] = field(default_factory=list)
+
+
+class Block(NamedTuple):
+    """Some of the frames: the motion as it was, and what the controls make of it."""
+
+    source: Posed
+    found: Matched
+
+
+def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int = BLOCK) -> list[Block]:
+    """The controls' parts for a motion, node → (f, ·) each, by the joints that they move; in blocks.
+
+    keep: rounds and thins out what is to be stored of a control, and says what is read from it; it
+    is given all frames at once. From one control to the next places are forgotten where there are
+    several blocks, so that no more is held than what goes in and comes out.
+    """
+    count = frames(parts)
+    each = []
+    for rows in blocks(count, block):
+        some = cut(parts, rows)
+        each.append(Block(Posed(solver.rig, some), Matched(Posed(solver.rig, some))))
+    steps = placing(solver)
+    asking = [_all_steps(solver, steps, found, source) for source, found in each]
+    _answered(asking, keep, each if len(each) > 1 else (), count, block)
+    return each
+
+
+def _answered(
+    asking: Sequence[Asking], keep: Keep, of: Sequence[Block] = (), count: int = 1, block: int = BLOCK
+) -> None:
+    """Take all blocks through their nodes, side by side: each node is kept for all frames at once.
+
+    of: the blocks, where there are several, which are to hold no places from one node to the next.
+    """
+    wanted = [_asked(each, None, some) for each, some in zip_longest(asking, of)]
+    while wanted[0] is not None:
+        node, parts, free = wanted[0]
+        if len(asking) > 1:
+            pieces = [{node: each.parts} for each in wanted if each is not None]
+            parts = joined(pieces, count, block)[node]
+        told = not free or all(bool(np.isfinite(each).all()) for each in parts)
+        kept = keep(node, parts) if told else None
+        answers = (
+            kept if kept is None or len(asking) == 1 else cut({node: kept}, rows)[node]
+            for rows in blocks(count, block)
+        )
+        wanted = [_asked(*each) for each in zip_longest(asking, answers, of)]
+
+
+def _asked(asking: Asking, kept: Parts | None, of: Block | None) -> Wanted | None:
+    """What is asked next; None at the end. of: the block, where there are others besides."""
+    try:
+        return asking.send(kept)
+    except StopIteration:
+        return None
+    finally:
+        if of is not None:
+            of.source.forget()
+            of.found.posed.forget()
+
+
+def _all_steps(solver: Solver, steps: Sequence[Step], found: Matched, source: Posed) -> Asking:
+    for step in steps:
+        if isinstance(step, Bent):
+            yield from _bend(found, step, source, step.still)
+            continue
+        place = step.base if isinstance(step, Follow) else step
+        if isinstance(place, Placed):
+            yield from _store(found, place.control, place.find(found.posed, source))
+        step.run(found.posed)
+    left = solver.offsets - solver.still
+    carried = [fk for limb in solver.limbs for fk in limb.below(left.difference(limb.carries))]
+    for fk in sorted(carried, key=lambda fk: fk.own.offset):
+        yield from _carry(found, fk)
+
+
+def _carry(found: Matched, fk: Fk) -> Asking:
+    """Let an offset follow IK, so that whoever shows the file sees its control on the joint."""
+    # Where a scale of zero leaves no frame to stand in, the offset stays at rest.
+    kept = yield Wanted(fk.own.offset, fk.beneath(found.posed), free=True)
+    if kept is not None:
+        found.offsets[fk.own.offset] = kept
+        found.posed.set(fk.own.offset, kept)
+
+
+def _store(found: Matched, node: int, parts: Parts) -> Asking:
+    kept = yield Wanted(node, parts)
+    if kept is not None:
+        found.controls[node] = kept
+        found.posed.set(node, kept)
+
+
+def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
+    """The controls of one limb whose joints are to stand as in ``source``; ``found`` takes them up."""
+    _answered([_limb(found, ik, source, ruled)], keep)
+
+
+def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int]) -> Asking:
+    for place in ends(ik, ruled):
+        yield from _store(found, place.control, place.find(found.posed, source))
+    yield from _bend(found, ik, source, ruled)
+
+
+def _bend(found: Matched, ik: Ik, source: Posed, still: Collection[int]) -> Asking:
+    """What the limb's FK controls hold below the solver, but for those that keep ``still``; its joints."""
+    built = found.posed
+    solved = ik.solved(
+        built,
+        ik.target(built),
+        ik.place(built),
+        product(built.turn(ik.limb.control), ik.grip),
+    )
+    turn = move = 0.0
+    for node, parts in solved.items():
+        if node in ik.fk:
+            fk = ik.fk[node]
+            if fk.own.control not in still:
+                channels = fk.needed(parts, source.part(node))
+                turn = max(turn, float(turn_angle(channels.rotation).max()))
+                move = max(move, float(length(channels.translation).max()))
+                yield from _store(found, fk.own.control, channels)
+            parts = fk.moved(parts, built.part(fk.own.control))
+        built.set(node, parts)
+    for fk in ik.below(ik.carries):
+        yield from _carry(found, fk)
+    found.residuals.append(Residual(ik, turn, move))

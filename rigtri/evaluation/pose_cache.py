@@ -1,0 +1,134 @@
+"""A rig in many poses at once, of which only what is asked for is worked out."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import Parts, factored, turn_of
+from rigtri.evaluation.sampling import sample
+from rigtri.maths.matrices import compose, determinant, inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import from_axes, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Booleans, Clip
+from rigtri.model.rig import Rig
+
+# What stands for a scale of zero, as a share of the largest beside it, where the turn of a flat frame is
+# asked for: near enough to the limit, and what the iteration of the nearest rotation can take.
+FLAT = 1e-3
+
+
+class Posed:
+    """Local parts and world matrices of a rig's nodes, one row a frame; a single row where nothing moves.
+
+    A node's place in the world is worked out when it is first asked for, so what moves it must be
+    set before.
+    """
+
+    def __init__(self, rig: Rig, parts: Mapping[int, Parts] | None = None) -> None:
+        self.rig = rig
+        self.parts = dict(parts or {})
+        self._worlds: dict[int, Floats] = {}
+
+    def local(self, node: int) -> Floats:
+        """The local matrices of a node, (1 or f, 4, 4)."""
+        if node in self.parts:
+            return compose(*self.parts[node])
+        rest: Floats = self.rig.local[node][np.newaxis]
+        return rest
+
+    def part(self, node: int) -> Parts:
+        """Translation, rotation and scale of a node, one row or f."""
+        if node in self.parts:
+            return self.parts[node]
+        rig = self.rig
+        if rig.has_matrix[node]:
+            return factored(rig.local[node][np.newaxis])
+        rows = slice(node, node + 1)
+        return Parts(rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
+
+    def set(self, node: int, parts: Parts) -> None:
+        """Give a node its local parts; ValueError where its place was already used."""
+        if node in self._worlds:
+            raise ValueError(f"'{self.rig.title(node)}' is moved after its place was used")
+        self.parts[node] = parts
+
+    def forget(self) -> None:
+        """Give up places in the world, and their memory; they are worked out again when asked for."""
+        self._worlds.clear()
+
+    def world(self, node: int) -> Floats:
+        """The world matrices of a node, (1 or f, 4, 4); of −1 the world's own."""
+        if node < 0:
+            return np.eye(4)[np.newaxis]
+        line = []
+        above = node
+        while above >= 0 and above not in self._worlds:
+            line.append(above)
+            above = int(self.rig.parents[above])
+        for each in reversed(line):
+            above, local = int(self.rig.parents[each]), self.local(each)
+            self._worlds[each] = local if above < 0 else multiply(local, self._worlds[above])
+        return self._worlds[node]
+
+    def unflattened(self, node: int, least: float) -> Floats:
+        """The world matrices of a node as if no scale on its way were zero, (1 or f, 4, 4).
+
+        A zero is this share of the largest scale beside it; where all three are zero, they are one.
+        """
+        world = np.eye(4)[np.newaxis]
+        while node >= 0:
+            local = self.local(node)
+            if (determinant(local) == 0).any():
+                part = self.part(node)
+                most = np.abs(part.scale).max(axis=1, keepdims=True)
+                instead = np.where(most == 0, 1.0, least * most)
+                local = compose(*part._replace(scale=np.where(part.scale == 0, instead, part.scale)))
+            world = multiply(world, local)
+            node = int(self.rig.parents[node])
+        return world
+
+    def mended(self, found: Parts, start: Floats, carrier: int, above: int) -> Parts:
+        """Local parts below ``above`` of what stands at ``start``, (4, 4), seen from its carrier.
+
+        found: what the matrices say, (1 or f, ·). Of a flat one, the turn is told without the scales of zero;
+        and all of it where ``above`` is flat, which hides what is below it anyway.
+        """
+        if all(np.isfinite(each).all() for each in found):
+            return found
+        turned = multiply(multiply(start, self.unflattened(carrier, FLAT)), inverse(self.world(above)))
+        whole = inverse(self.unflattened(above, 1.0))
+        hidden = factored(multiply(multiply(start, self.unflattened(carrier, 1.0)), whole))
+        near = found._replace(rotation=turn_of(turned))
+        sure = _finite(near.translation) & _finite(near.rotation) & _finite(near.scale)
+        fine = _finite(found.rotation) & sure
+        parts = zip(found, near, hidden, strict=True)
+        return Parts(*(np.where(fine, a, np.where(sure, b, c)) for a, b, c in parts))
+
+    def turn(self, node: int) -> Floats:
+        """How a node is turned in the world, (1 or f, 4), without scale."""
+        return from_axes(orthonormal_axes(self.world(node)))
+
+
+def _finite(rows: Floats) -> Booleans:
+    """Which rows are numbers, (f, 1)."""
+    return np.asarray(np.isfinite(rows).all(axis=-1, keepdims=True))
+
+
+def sampled(rig: Rig, clip: Clip, times: Floats, *, only: Collection[int] | None = None) -> dict[int, Parts]:
+    """The local parts of all nodes that a clip moves, or of some of them, at ``times``, (f,)."""
+    found: dict[int, dict[str, Floats]] = {}
+    for track in clip.tracks:
+        if track.path == "weights" or (only is not None and track.node not in only):
+            continue
+        same = track.times is times or (len(track.times) == len(times) and bool((track.times == times).all()))
+        plain = same and track.interpolation != "CUBICSPLINE"
+        values = track.values if plain else sample(track, times)
+        if len(track.times) == 1:
+            values = values[:1]
+        found.setdefault(track.node, {})[track.path] = unit(values) if track.path == "rotation" else values
+    still = Posed(rig)
+    return {
+        node: still.part(node)._replace(**own) if own else still.part(node) for node, own in found.items()
+    }

@@ -1,0 +1,202 @@
+"""A rig evaluated: which controls, limbs and rules are at work, in which order, over all frames at once.
+
+Source: docs/evaluation.md, which says in words what is done here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
+
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.frame_batches import BLOCK, blocks, cut, frames, joined
+from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.solver_steps import CHANNELS, Follow, Root, Step, Turned
+from rigtri.evaluation.step_order import ordered, steps_for
+from rigtri.evaluation.twist_joints import twists
+from rigtri.evaluation.zero_pose import Reference
+from rigtri.model.constraints import Rule, rules_of
+from rigtri.model.records import Path
+from rigtri.model.rig import Rig
+
+
+class Solver:
+    """The steps of a rig, in the order in which they can be taken.
+
+    driven: the controls, IK ends and poles that are at work; None: all of them.
+    Raises CircleError.
+    """
+
+    def __init__(self, rig: Rig, driven: Collection[int] | None = None) -> None:
+        self.rig = rig
+        self.reference = Reference(rig)
+        self.driven = driven
+        rules = rules_of(rig).values()
+        self.poles = {rule.chain: rule for rule in rules if rule.kind == "polevector"}
+        self.rules: dict[int, list[Rule]] = {}
+        for rule in rules:
+            if rule.kind != "polevector":
+                self.rules.setdefault(rule.child, []).append(rule)
+
+    def _works(self, *controls: int) -> bool:
+        rules = set(self.rules)
+        return self.driven is None or any(node in self.driven or node in rules for node in controls)
+
+    @cached_property
+    def limbs(self) -> list[Ik]:
+        """The limbs whose IK end or pole is at work."""
+        found, taken = [], set[int]()
+        for limb in self.reference.limbs:
+            rule = self.poles.get(limb.chain)
+            works = self._works(limb.control, *((limb.pole,) if limb.pole >= 0 else ()))
+            if works and taken.isdisjoint(limb.chain):
+                taken.update(limb.chain)
+                fk = {
+                    node: Fk(self.reference, self.reference.fk[node])
+                    for node in limb.chain
+                    if node in self.reference.fk
+                }
+                offsets = {each.own.offset for each in fk.values()}
+                found.append(
+                    Ik(
+                        self.reference,
+                        limb,
+                        fk,
+                        rule,
+                        tuple(sorted((offsets & self._looked_at) - self.still)),
+                    )
+                )
+        return found
+
+    @cached_property
+    def _looked_at(self) -> set[int]:
+        """What rules, IK ends, poles and controls beside their joints hang on, and all nodes above that."""
+        own = self._of_limbs
+        looking = [node for rule in rules_of(self.rig).values() for node in rule.sources]
+        looking += [int(self.rig.parents[child]) for child in self.rules if child not in own]
+        for limb in self.reference.limbs:
+            looking += [limb.control, limb.pole]
+        looking += [node for own in self.reference.fk.values() for node in Fk(self.reference, own).needs]
+        found = set[int]()
+        for node in looking:
+            while node >= 0 and node not in found:
+                found.add(node)
+                node = int(self.rig.parents[node])
+        return found
+
+    @cached_property
+    def _of_limbs(self) -> frozenset[int]:
+        """The FK controls of limbs, and their offsets."""
+        joints = [node for limb in self.reference.limbs for node in limb.chain if node in self.reference.fk]
+        owns = [self.reference.fk[node] for node in joints]
+        return frozenset(node for own in owns for node in (own.control, own.offset))
+
+    @cached_property
+    def still(self) -> frozenset[int]:
+        """The FK controls of limbs, and offsets, that rules move or that hold such: IK leaves them alone."""
+        found = set[int]()
+        for node in self._of_limbs.intersection(self.rules):
+            while node >= 0:
+                found.add(node)
+                node = int(self.rig.parents[node])
+        return self._of_limbs & found
+
+    @cached_property
+    def offsets(self) -> frozenset[int]:
+        """The offsets of FK controls that follow their limbs while IK solves these."""
+        return frozenset(fk.own.offset for limb in self.limbs for fk in limb.fk.values())
+
+    @cached_property
+    def steps(self) -> list[Step]:
+        """All that moves a joint or another node, each after what it uses."""
+        found: list[Step] = list(self.limbs)
+        taken = {node for limb in self.limbs for node in limb.sets}
+        for joint, own in self.reference.fk.items():
+            if joint not in taken and self._works(own.control):
+                found.append(Fk(self.reference, own))
+                taken.add(joint)
+        for own in self.reference.roots:
+            if own.joint not in taken and self._works(own.control):
+                found.append(Root(self.reference, own))
+                taken.add(own.joint)
+        found += [Turned(self.rig, twist) for twist in twists(self.rig) if twist.node not in taken]
+        return ordered(self.rig, self._with_rules(found))
+
+    def _with_rules(self, steps: Sequence[Step]) -> list[Step]:
+        """Rules come on top of what else moves their children; what moves a whole limb stays as it is."""
+        moved = {node: step for step in steps for node in step.sets}
+        result = [step for step in steps if len(step.sets) > 1 or step.sets[0] not in self.rules]
+        for child, rules in self.rules.items():
+            base = moved.get(child)
+            if base is not None and len(base.sets) > 1:
+                continue  # the limb's solver moves it; a rule of one of its joints would tear it
+            order = sorted(rules, key=_turn)
+            result.append(Follow(self.rig, tuple(order), base, self._riders(child)))
+        return result
+
+    def _riders(self, joint: int) -> tuple[Fk, ...]:
+        """The FK controls below a joint's own that something looks at, but those that another step moves."""
+        taken = {offset for limb in self.limbs for offset in limb.carries} | self.rules.keys()
+        return tuple(
+            Fk(self.reference, own)
+            for own in self.reference.fk.values()
+            if self.reference.control_of.get(own.above) == joint
+            and own.offset in self._looked_at
+            and own.offset not in taken
+        )
+
+    def steps_for(self, nodes: Collection[int]) -> list[Step]:
+        """The steps that what becomes of some nodes needs, in order."""
+        return steps_for(self.rig, self.steps, nodes)
+
+    def run(self, sampled: Mapping[int, Parts], steps: Sequence[Step] | None = None) -> Posed:
+        """The rig with all steps taken, or some. sampled: the parts of what a clip moves, (f, ·) each."""
+        posed = Posed(self.rig, sampled)
+        for step in self.steps if steps is None else steps:
+            step.run(posed)
+        return posed
+
+    def solved(
+        self, sampled: Mapping[int, Parts], block: int = BLOCK, *, steps: Sequence[Step] | None = None
+    ) -> dict[int, Parts]:
+        """What becomes of the nodes that are moved, (1 or f, ·) each; by some of the steps, or all.
+
+        So many frames at a time that memory does not grow with their number, but for what goes in and
+        comes out; the block changes no bit.
+        """
+        steps = self.steps if steps is None else steps
+        nodes = sorted({node for step in steps for node in step.sets})
+        count = frames(sampled)
+        found = []
+        for rows in blocks(count, block):
+            parts = self.run(cut(sampled, rows), steps).parts
+            found.append({node: parts[node] for node in nodes})
+        return joined(found, count, block)
+
+    @cached_property
+    def writes(self) -> dict[int, list[tuple[Path, bool]]]:
+        """What is set of each node; and whether all of it is, so that its own keys count no more."""
+        return {
+            node: step.writes if isinstance(step, Follow) else [(path, True) for path in CHANNELS.values()]
+            for step in self.steps
+            for node in step.sets
+        }
+
+    @cached_property
+    def sets(self) -> list[int]:
+        """The nodes that are moved, parents first."""
+        return sorted({node for step in self.steps for node in step.sets})
+
+
+def refuse_circles(rig: Rig) -> None:
+    """CircleError where controls and constraints wait for each other, whatever controls are at work."""
+    fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
+    for driven in (None, fk):
+        _ = Solver(rig, driven).steps
+
+
+def _turn(rule: Rule) -> int:
+    """Translations first, then rotations, scale last."""
+    return 0 if any(c[0] == "t" for c in rule.sets) else 1 if any(c[0] == "r" for c in rule.sets) else 2

@@ -1,0 +1,156 @@
+"""What moves nodes of a rig: its root control, rules, twist joints; FK and IK have modules of their own.
+
+Source: docs/evaluation.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import evaluate, factored
+from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.step_order import Uses
+from rigtri.evaluation.twist_joints import Twist
+from rigtri.evaluation.zero_pose import FkControl, Reference
+from rigtri.maths.matrices import inverse, multiply
+from rigtri.model.constraints import Rule
+from rigtri.model.records import Path
+from rigtri.model.rig import Rig
+
+CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
+
+
+class Step(Uses, Protocol):
+    """Something that moves nodes."""
+
+    def run(self, posed: Posed) -> None: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """The control over all, for a joint that has no control of its own: it is carried along."""
+
+    reference: Reference
+    own: FkControl
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        return (self.own.joint,)
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        return ()
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        above = int(self.reference.rig.parents[self.own.joint])
+        return (self.own.control, above) if above >= 0 else (self.own.control,)
+
+    def run(self, posed: Posed) -> None:
+        joint, control = self.own.joint, self.own.control
+        world = self.reference.world
+        start = multiply(world[joint], inverse(world[control]))
+        above = int(self.reference.rig.parents[joint])
+        found = factored(multiply(multiply(start, posed.world(control)), inverse(posed.world(above))))
+        posed.set(joint, posed.mended(found, start, control, above))
+
+
+@dataclass(frozen=True, eq=False)
+class Follow:
+    """Rules of one child, in the order in which they come on top of each other.
+
+    riders: FK controls that hang below the child's own control, and ride on the child wherever rules
+    have it, because something looks at what is below them.
+    """
+
+    rig: Rig
+    rules: tuple[Rule, ...]
+    base: Step | None = None
+    riders: tuple[Fk, ...] = ()
+
+    @property
+    def child(self) -> int:
+        return self.rules[0].child
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        return self.base.sets if self.base is not None else (self.child,)
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        own = self.base.reads if self.base is not None else ()
+        local = [node for rule in self.rules if rule.space != "world" for node in rule.drivers]
+        return (*own, *local)
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        own = self.base.needs if self.base is not None else ()
+        world = [node for rule in self.rules if rule.space == "world" for node in rule.sources]
+        above = int(self.rig.parents[self.child])
+        return (*own, *world, *((above,) if above >= 0 else ()), *(fk.own.above for fk in self.riders))
+
+    @property
+    def carries(self) -> tuple[int, ...]:
+        """The offsets that ride on the child; they get no keys."""
+        return tuple(fk.own.offset for fk in self.riders)
+
+    @property
+    def writes(self) -> list[tuple[Path, bool]]:
+        """See `Solver.writes`. A rule without weights leaves its child alone, or some channels."""
+        whole = [rule for rule in self.rules if rule.weights.any()]
+        found: list[tuple[Path, bool]] = []
+        for letter, path in CHANNELS.items():
+            set_by = [{c for c in rule.sets if c[0] == letter} for rule in whole]
+            if self.base is not None or any(set_by):
+                found.append((path, self.base is not None or any(len(each) == 3 for each in set_by)))
+        return found
+
+    def run(self, posed: Posed) -> None:
+        if self.base is not None:
+            self.base.run(posed)
+        for rule in self.rules:
+            of = posed.world if rule.space == "world" else posed.local
+            drivers = [of(node) for node in rule.drivers]
+            parent, own = posed.world(int(self.rig.parents[self.child])), posed.local(self.child)
+            up = posed.world(rule.up_object) if rule.up_object >= 0 else None
+            held = [*drivers, parent, own, *([up] if up is not None else [])]
+            count = max(map(len, held))
+            wide = [np.broadcast_to(m, (count, 4, 4)) for m in held]
+            there = np.stack(wide[: len(drivers)], axis=1)
+            found = evaluate(
+                rule, there, wide[len(drivers)], wide[len(drivers) + 1], wide[-1] if up is not None else None
+            )
+            posed.set(self.child, factored(found))
+        for fk in self.riders:
+            posed.set(fk.own.offset, fk.riding(posed))
+
+
+@dataclass(frozen=True, eq=False)
+class Turned:
+    """A twist joint."""
+
+    rig: Rig
+    twist: Twist
+
+    @property
+    def sets(self) -> tuple[int, ...]:
+        return (self.twist.node,)
+
+    @property
+    def reads(self) -> tuple[int, ...]:
+        return self.twist.path
+
+    @property
+    def needs(self) -> tuple[int, ...]:
+        return ()
+
+    def run(self, posed: Posed) -> None:
+        local = [posed.local(node) for node in self.twist.path]
+        count = max(map(len, local))
+        matrices = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in local], axis=1)
+        turn = replace(self.twist, path=tuple(range(len(local)))).rotations(matrices)
+        posed.set(self.twist.node, posed.part(self.twist.node)._replace(rotation=turn))

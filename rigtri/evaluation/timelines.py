@@ -1,0 +1,252 @@
+"""What plays at the same time in a file, and how tracks of our own come into it.
+
+A glTF animation plays alone. Animations of a USD stage share its time: their keys are
+tuples, and what drives prims, skeletons and morphs together gives one pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.sampling import sample
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.model.rig import Rig
+
+# float32 readers see no difference below this share; a second run must change no byte.
+SAME_VALUE = 1e-6
+# Formats that keep times as float32 can tell two keys this far apart, as a share of the time.
+_SINGLE = np.float32
+# The key of the clip that `played_at_once` makes.
+PLAYED = ("played", "")
+# Keys that evenly spaced times may come to in one clip.
+MOST_KEYS = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Timeline:
+    """Clips that play together: all their tracks in ``clip``, their places in `Rig.clips` in ``members``."""
+
+    clip: Clip
+    members: tuple[int, ...]
+
+    @property
+    def name(self) -> str:
+        """The name of the clip that new tracks go into, or its number."""
+        return self.clip.name or f"#{self.members[0]}"
+
+    def track(self, node: int, path: Path) -> Track | None:
+        """What drives a property; None where nothing does."""
+        return next((t for t in self.clip.tracks if (t.node, t.path) == (node, path)), None)
+
+
+def timelines(rig: Rig) -> list[Timeline]:
+    """All that can be played, in the file's order; clips without tracks, and what is idle, are left out."""
+    alone = [k for k, clip in enumerate(rig.clips) if not isinstance(clip.key, tuple)]
+    together = [k for k, clip in enumerate(rig.clips) if isinstance(clip.key, tuple)]
+    found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].played.tracks]
+    if any(rig.clips[k].played.tracks for k in together):
+        # Defaults are seen only where no samples are, so they come first and samples go over them.
+        order = sorted(together, key=lambda k: not _is_default(rig.clips[k]))
+        tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].played.tracks}
+        first = min(together, key=lambda k: _is_default(rig.clips[k]))
+        members = (first, *(k for k in together if k != first))
+        found.append(Timeline(Clip(rig.clips[first].name, tuple(tracks.values())), members))
+    return found
+
+
+def played_at_once(rig: Rig, name: str) -> Rig:
+    """The rig with all that shares its time in one clip called ``name``: a prim's keys stand in other clips
+    of a stage than a joint's, and one pose is all that is seen of them.
+
+    What is seen without a time, or not at all, stays in clips of its own. Without keys nothing changes.
+    """
+    found = next((t for t in timelines(rig) if isinstance(rig.clips[t.members[0]].key, tuple)), None)
+    if found is None or _is_default(rig.clips[found.members[0]]):
+        return rig
+    apart = [
+        clip
+        for k, clip in enumerate(rig.clips)
+        if k not in found.members or _is_default(clip) or (clip.idle and clip.tracks)
+    ]
+    return replace(rig, clips=(replace(found.clip, name=name, key=PLAYED), *apart))
+
+
+def moment(rig: Rig, text: str) -> tuple[Timeline | None, float]:
+    """The timeline and the time that ``CLIP@TIME`` names, the last @ splits; None and 0 for ``rest``.
+
+    Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
+    """
+    if text == "rest":
+        return None, 0.0
+    name, mark, time = text.rpartition("@")
+    try:
+        at = float(time)
+    except ValueError:
+        at = float("nan")
+    if not mark or not np.isfinite(at):
+        units = "seconds" if rig.per_second == 1.0 else f"time codes, {rig.per_second:g} a second"
+        raise UsageError(f"'{text}' is no pose: give CLIP@TIME in {units}, e.g. walk@0.5, or rest")
+    clip = rig.clip(name)
+    number = next((k for k, known in enumerate(rig.clips) if known is clip or known.played is clip), -1)
+    found = next((t for t in timelines(rig) if number in t.members), None)
+    if found is None:
+        raise GeometryError(f"Clip '{name}' has no keys")
+    return found, at
+
+
+def _is_default(clip: Clip) -> bool:
+    return isinstance(clip.key, tuple) and clip.key[0] == "default"
+
+
+def placed(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
+    """The rig with tracks put into a timeline: each takes the place of the one that drove the same.
+
+    A track that says what the one before it said leaves it as it is, to the bit.
+    """
+    clips = list(rig.clips)
+    for track in tracks:
+        home, at = _place(clips, timeline, track)
+        now = list(clips[home].tracks)
+        if at < 0:
+            now.append(track)
+        elif _says_the_same(now[at], track):
+            continue
+        else:
+            now[at] = replace(track, key=now[at].key)
+        clips[home] = replace(clips[home], tracks=tuple(now))
+    unchanged = all(now is was for now, was in zip(clips, rig.clips, strict=True))
+    return rig if unchanged else replace(rig, clips=tuple(clips))
+
+
+def _place(clips: Sequence[Clip], timeline: Timeline, track: Track) -> tuple[int, int]:
+    """The clip, and the place in it, of what drives the same; −1 and the first clip where nothing does."""
+    for k in timeline.members:
+        for at, known in enumerate(clips[k].tracks):
+            if (known.node, known.path) == (track.node, track.path) and not _is_default(clips[k]):
+                return k, at
+    return timeline.members[0], -1
+
+
+def _says_the_same(was: Track, now: Track) -> bool:
+    if was.interpolation != now.interpolation and "CUBICSPLINE" in (was.interpolation, now.interpolation):
+        return False
+    if was.interpolation == "LINEAR":
+        now = without_steps(now)  # what formats without steps made of it
+    if was.interpolation != now.interpolation and len(was.times) > 1 < len(now.times):
+        return False
+    if len(now.times) < len(was.times) and np.isin(now.times, was.times).all():
+        # Where all joints share their key times, a track has those of the others, too.
+        if was.interpolation == "CUBICSPLINE":
+            return False
+        now = replace(now, times=was.times, values=sample(now, was.times))
+    if not np.array_equal(was.times, now.times) or was.values.shape != now.values.shape:
+        return False
+    values = now.values
+    if now.path == "rotation":  # q and −q are one rotation
+        product = was.values * values
+        ahead = product[..., 0] + product[..., 1] + product[..., 2] + product[..., 3]
+        values = np.where(ahead[..., np.newaxis] < 0, -values, values)
+    size = max(1.0, float(np.abs(values).max(initial=0.0))) if now.path != "translation" else _size(values)
+    return bool(np.abs(was.values - values).max(initial=0.0) <= SAME_VALUE * size)
+
+
+def _size(values: Floats) -> float:
+    return max(float(np.abs(values).max(initial=0.0)), 1e-30)
+
+
+def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0) -> Floats:
+    """The times to start from, (f,): all keys, and with ``fps`` so many evenly spaced ones a second.
+
+    per_second: units of the clip's time in a second. UsageError where that would be too many.
+    """
+    distinct = {id(track.times): track.times for track in timeline.clip.tracks if len(track.times) > 1}
+    keys = np.unique(np.concatenate([*distinct.values(), np.zeros(0)]))
+    keys = keys[np.isfinite(keys)]
+    if not len(keys):
+        firsts = [float(t.times[0]) for t in timeline.clip.tracks if len(t.times) and np.isfinite(t.times[0])]
+        return np.array([min(firsts, default=0.0)])
+    if fps is None:
+        return np.asarray(keys)
+    wanted = (float(keys[-1]) - float(keys[0])) / per_second * fps
+    if not wanted <= MOST_KEYS:
+        raise UsageError(
+            f"--fps {fps:g}: that would be {wanted:.6g} keys in clip '{timeline.name}', and "
+            f"{MOST_KEYS} are the most"
+        )
+    step = per_second / fps
+    count = int((keys[-1] - keys[0]) / step)
+    even = single(keys[0] + step * np.arange(1, count + 1))
+    return np.unique(np.concatenate([keys, even[even < keys[-1]]]))
+
+
+def single(times: Floats) -> Floats:
+    """Times as float32 keeps them."""
+    return np.asarray(times.astype(_SINGLE).astype(np.float64))
+
+
+def just_before(times: Floats) -> Floats:
+    """The last times before these that float32 can tell from them."""
+    return np.asarray(np.nextafter(times.astype(_SINGLE), _SINGLE(-np.inf)).astype(np.float64))
+
+
+def looked_at(keys: Floats) -> Floats:
+    """Keys and two places between each two, as far as float32 has times there.
+
+    Across a jump, between a key and the one just before it, there is nothing to look at.
+    """
+    inside = single(np.concatenate([keys[:-1] + share * np.diff(keys) for share in (0.29, 0.5)]))
+    return np.unique(np.concatenate([keys, inside]))
+
+
+def jumps(timeline: Timeline) -> Floats:
+    """The times, (k,), at which a track that holds its values goes on to the next one."""
+    held = {id(t.times): t.times[1:] for t in timeline.clip.tracks if t.interpolation == "STEP"}
+    return np.unique(np.concatenate([*held.values(), np.zeros(0)]))
+
+
+def steps_only(timeline: Timeline) -> bool:
+    """Whether nothing of it moves between keys."""
+    return all(t.interpolation == "STEP" or len(t.times) == 1 for t in timeline.clip.tracks)
+
+
+def without_steps(track: Track) -> Track:
+    """A track that says the same without holding values: a key just before each jump keeps it.
+
+    The jump then takes the last bit of its time in float32. Other tracks are as they were.
+    """
+    if track.interpolation != "STEP" or len(track.times) < 2:
+        return track
+    jumps = (track.values[1:] != track.values[:-1]).any(axis=1)
+    before = just_before(track.times[1:])
+    before = before[jumps & (before > track.times[:-1])]
+    times = np.unique(np.concatenate([track.times, before]))
+    return replace(track, interpolation="LINEAR", times=times, values=sample(track, times))
+
+
+def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Floats) -> Track:
+    """A weights track with some of its columns replaced: keys at the union of both times.
+
+    values: (f, len(columns)) at ``times``, linear between. The other columns go on saying what
+    they said: exactly, but for the rounding of values that new keys repeat between old ones.
+    ValueError for splines, whose curves no union of keys can keep.
+    """
+    if was.interpolation == "CUBICSPLINE" and len(was.times) > 1:
+        raise ValueError("splines cannot take keys of another track")
+    was = without_steps(was)
+    # What has one key says the same at all times.
+    old = was.times if len(was.times) > 1 else was.times[:0]
+    together = np.unique(np.concatenate([old, times]))
+    rows = sample(was, together)
+    new = Track(was.node, "weights", "LINEAR", times, values)
+    rows[:, list(columns)] = sample(new, together)
+    unlisted = was.unlisted.difference(columns)
+    return replace(was, interpolation=_linear(together), times=together, values=rows, unlisted=unlisted)
+
+
+def _linear(times: Floats) -> Interpolation:
+    return "LINEAR" if len(times) > 1 else "STEP"

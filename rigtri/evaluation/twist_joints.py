@@ -1,0 +1,165 @@
+"""Swing and twist: how far a turn goes about an axis, and what twist joints make of it.
+
+A turn q is ``multiply(swing, twist)``: first the twist about the axis, which leaves the axis
+where it is, then the swing, which carries the axis to where the turn takes it. In the other
+order the twist would move what the swing has aimed.
+
+Twist joints are evaluated from their notes alone (docs/file-description.md), all frames at once.
+
+Source: P. Dobrowolski, "Swing-twist decomposition in Clifford algebra", 2015; "Matrix parent
+constraint" (twist distribution, announced).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rigtri.errors import GeometryError
+from rigtri.maths.matrices import (
+    determinant,
+    inverse,
+    multiply,
+    orthonormal_axes,
+    transform_directions,
+    transform_points,
+)
+from rigtri.maths.quaternions import as_quaternions, conjugate, from_axes, from_axis_angle
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats, arc_tangent
+from rigtri.maths.vectors import dot, normalise
+from rigtri.model.rig import Rig
+
+# A turn whose part about the axis is shorter than this has swung half round: it has no twist.
+HALF_ROUND = 1e-9
+
+
+def twist_angle(q: ArrayLike, axis: ArrayLike) -> Floats:
+    """How far unit quaternions (..., 4) twist about a unit axis (..., 3), in radians, −π to π.
+
+    0 where they swing by 180°, where every twist would do.
+
+    >>> q = product(from_axis_angle([0, 1, 0], 1.0), from_axis_angle([1, 0, 0], 0.5))
+    >>> float(twist_angle(q, [1.0, 0.0, 0.0]).round(12))
+    0.5
+    """
+    q = as_quaternions(q)
+    along, w = dot(q[..., :3], axis), q[..., 3]
+    # q and −q are one turn: the one with w ≥ 0 has the shorter angle.
+    sign = np.where(w < 0, -1.0, 1.0)
+    angle = 2.0 * arc_tangent(along * sign, w * sign)
+    return np.where(along * along + w * w < HALF_ROUND * HALF_ROUND, 0.0, angle)
+
+
+def swing_twist(q: ArrayLike, axis: ArrayLike) -> tuple[Floats, Floats]:
+    """Unit quaternions (..., 4) as a swing and a twist about ``axis``: ``multiply(swing, twist)``."""
+    q = as_quaternions(q)
+    twist = from_axis_angle(axis, twist_angle(q, axis))
+    return product(q, conjugate(twist)), twist
+
+
+@dataclass(frozen=True, eq=False)
+class Twist:
+    """A twist joint, ready to be evaluated.
+
+    node: the joint. path: the nodes whose locals, multiplied, are what turns: the driver first.
+    rest: its rotation at rest, (4,). axis: in the space above the path, (3,). own_axis: the same
+    line in the space that the joint stands in, (3,). weight: the share of the twist that the
+    joint takes; against the driver where negative. standing: the joint's rotation at rest, (4,).
+    """
+
+    node: int
+    path: tuple[int, ...]
+    rest: Floats
+    axis: Floats
+    own_axis: Floats
+    weight: float
+    standing: Floats
+
+    def angles(self, local: Floats) -> Floats:
+        """The twist of the driver, (f,), in radians, where the nodes' local matrices are (f, n, 4, 4)."""
+        now = _rotation([local[..., node, :, :] for node in self.path])
+        return twist_angle(product(now, conjugate(self.rest)), self.axis)
+
+    def rotations(self, local: Floats) -> Floats:
+        """The local rotations of the twist joint, (f, 4)."""
+        return product(from_axis_angle(self.own_axis, self.weight * self.angles(local)), self.standing)
+
+
+def twists(rig: Rig) -> list[Twist]:
+    """The twist joints that a rig's notes tell of, in the order of the nodes.
+
+    Raises NameNotFoundError for a joint that is no longer there, GeometryError for a bone
+    without length.
+    """
+    return [twist_of(rig, node, note) for node, note in sorted(rig.notes.items()) if is_twist(note)]
+
+
+def is_twist(note: Mapping[str, Any] | None) -> bool:
+    """Whether a note tells of a twist joint."""
+    return note is not None and note.get("type") == "twist"
+
+
+def twist_of(rig: Rig, node: int, note: Mapping[str, Any]) -> Twist:
+    """The twist joint ``node`` of a note."""
+    joint, to, driver = (rig.find(str(note[key])) for key in ("joint", "to", "driver"))
+    own_axis = _own_axis(rig, joint, to, note.get("axis"))
+    upper = driver == joint
+    path = driver_path(rig, driver, -1 if upper else joint)
+    local = [rig.local[k] for k in path]
+    axis, sign = own_axis, 1.0
+    if upper:
+        whole = _product(local)
+        axis = normalise(transform_directions(own_axis, whole))
+        sign = -1.0 if determinant(whole) < 0 else 1.0
+    return Twist(
+        node=node,
+        path=path,
+        rest=_rotation(local),
+        axis=axis,
+        own_axis=own_axis,
+        weight=sign * float(note["weight"]),
+        standing=from_axes(orthonormal_axes(rig.local[node])),
+    )
+
+
+def driver_path(rig: Rig, driver: int, below: int) -> tuple[int, ...]:
+    """The nodes from a driver up to, without it, ``below``; −1: the driver, with what holds its axes."""
+    path, node = [driver], int(rig.parents[driver])
+    while node >= 0 and node != below and (below >= 0 or node in rig.holders):
+        path.append(node)
+        node = int(rig.parents[node])
+    if below >= 0 and node != below:
+        raise GeometryError(f"'{rig.title(driver)}' does not lie below '{rig.title(below)}'")
+    return tuple(path)
+
+
+def bone(rig: Rig, joint: int, to: int) -> Floats:
+    """Where ``to`` stands at rest as ``joint`` sees it, (3,)."""
+    return transform_points(rig.world[to, 3, :3], inverse(rig.world[joint]))
+
+
+def _own_axis(rig: Rig, joint: int, to: int, given: Any) -> Floats:
+    """The axis in the space of ``joint``, (3,): the given one, else the line to ``to``."""
+    line = bone(rig, joint, to) if given is None else np.array(given, dtype=np.float64)
+    axis = normalise(line)
+    if not np.isfinite(axis).all():
+        raise GeometryError(
+            f"'{rig.title(joint)}' and '{rig.title(to)}' are at one place: there is no bone to twist about"
+        )
+    return axis
+
+
+def _product(matrices: Sequence[Floats]) -> Floats:
+    total = matrices[0]
+    for matrix in matrices[1:]:
+        total = multiply(total, matrix)
+    return total
+
+
+def _rotation(matrices: Sequence[Floats]) -> Floats:
+    return from_axes(orthonormal_axes(_product(matrices)))

@@ -1,0 +1,146 @@
+"""Two bones that reach for a target, bent to the side of a pole: analytic, all frames at once.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018 (the triangle of a limb, pole vector); the law
+of cosines; A. Nicholas, "Soft IK", 2009 (the reach that never quite becomes straight).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rigtri.maths.quaternions import from_axes
+from rigtri.maths.trigonometry import Floats, exponential
+from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.records import Booleans
+
+# As shares of the limb: a target nearer than this to the root tells no direction, and a pole nearer than
+# this to the line to the target no side: files hold float32, some nodes deep.
+NOWHERE, ON_LINE = 1e-7, 1e-5
+# How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
+BEYOND, _NEWTON = 5.0, 12
+
+
+class Solved(NamedTuple):
+    """The frames, xyzw (f, 4), of the upper and the lower bone: x along the bone, z about which it
+    bends; how much longer bones are made, (f,); how far short of the target the end stays, (f,), in
+    file units; and where neither target nor pole told a direction, (f,) bool.
+    """
+
+    upper: Floats
+    lower: Floats
+    stretch: Floats
+    short: Floats
+    lost: Booleans
+
+
+def two_bone(
+    root: Floats,
+    lengths: tuple[Floats, Floats],
+    target: Floats,
+    pole: Floats,
+    *,
+    chord: Floats,
+    side: Floats,
+    soft: float = 0.0,
+    stretch: bool = False,
+) -> Solved:
+    """Solve a limb that starts at ``root``, (f, 3), and whose bones have ``lengths``, (f,) each.
+
+    target, pole: (f, 3), in the world. chord, side: (f, 3), what holds where the target stands at
+    the root, or the pole on the line to the target. soft: as a share of the limb, how far before
+    it is straight it slows down. stretch: bones grow so that the end reaches the target.
+    """
+    first, second = lengths
+    total = first + second
+    away = target - root
+    distance = length(away)
+    near = distance <= NOWHERE * total
+    along = np.where(near[..., np.newaxis], normalise(chord), normalise(away))
+    reach = np.maximum(_reach(distance, total, soft), np.abs(first - second))
+    growth = np.ones_like(reach)
+    if stretch:
+        grows = (distance > reach) & (reach > 0)
+        growth = np.where(grows, distance / np.where(grows, reach, 1.0), 1.0)
+    bends, poleless = sides(along, pole - root, side, total)
+    high = _height(first, second, reach)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        foot = (reach * reach + first * first - second * second) / (2.0 * reach)
+    foot = np.where(reach > 0, foot, 0.0)  # both bones as long, and folded: all the way aside
+    high = np.where(reach > 0, high, first)
+    middle = foot[..., np.newaxis] * along + high[..., np.newaxis] * bends
+    hinge = cross(along, bends)
+    rest = reach[..., np.newaxis] * along - middle
+    return Solved(
+        bone_frame(middle, hinge),
+        bone_frame(rest, hinge),
+        growth,
+        np.maximum(distance - reach * growth, 0.0),
+        np.asarray(near | poleless),
+    )
+
+
+def _reach(distance: Floats, total: Floats, soft: float) -> Floats:
+    """How far the end goes, (f,): as far as the target, at most the whole limb."""
+    if soft <= 0:
+        return np.minimum(distance, total)
+    last = soft * total
+    first = total - last
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        slow = first + last * (1.0 - exponential(-np.maximum(distance - first, 0.0) / last))
+    return np.where((distance > first) & (last > 0), np.minimum(slow, total), np.minimum(distance, total))
+
+
+def distance_for(reach: Floats, total: Floats, soft: float) -> Floats:
+    """How far off, (f,), a target is for which a soft limb's end goes as far as ``reach``, (f,).
+
+    The inverse of what `two_bone` makes of the distance. A limb that is nearly straight would need a
+    target at any distance: it is at most `BEYOND` of the ways over which the limb slows down, from
+    where it begins to.
+    """
+    if soft <= 0:
+        return reach
+    last = soft * total
+    first = total - last
+    with np.errstate(invalid="ignore", divide="ignore"):
+        left = np.where(last > 0, (total - reach) / last, 1.0)
+    left = np.clip(left, exponential(-BEYOND), 1.0)
+    ways = np.zeros_like(left)
+    for _ in range(_NEWTON):  # e^-ways = left, by Newton's method, which comes from below
+        ways = ways + 1.0 - left / exponential(-ways)
+    return np.where(reach > first, first + last * ways, reach)
+
+
+def sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Floats, Booleans]:
+    """Unit directions, (f, 3), square to ``along``, on the pole's side; and where the pole told none."""
+    across = pole - dot(pole, along)[..., np.newaxis] * along
+    lost = length(across) <= ON_LINE * total
+    own = side - dot(side, along)[..., np.newaxis] * along
+    # A limb that points where its side was: any direction is as good, the same one every time.
+    aside = cross(along, np.eye(3)[np.argmin(np.abs(along), axis=-1)])
+    own = np.where((length(own) <= NOWHERE)[..., np.newaxis], aside, own)
+    return normalise(np.where(lost[..., np.newaxis], own, across)), lost
+
+
+def _height(first: Floats, second: Floats, reach: Floats) -> Floats:
+    """The height of the triangle over the side ``reach``, (f,).
+
+    Source: W. Kahan, "Miscalculating area and angles of a needle-like triangle", 2014: from
+    products of sums, so that a nearly straight limb keeps its digits.
+    """
+    around = (
+        (first + second + reach)
+        * (first + second - reach)
+        * (reach + first - second)
+        * (reach - first + second)
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.sqrt(np.maximum(around, 0.0)) / (2.0 * reach)
+
+
+def bone_frame(bone: Floats, hinge: Floats) -> Floats:
+    """The turn, (f, 4), whose x axis lies along a bone and z along the hinge, square to it."""
+    x = normalise(bone)
+    x = np.where(np.isfinite(x), x, np.array([1.0, 0.0, 0.0]))
+    return from_axes(np.stack([x, cross(hinge, x), hinge], axis=-2))

@@ -1,0 +1,152 @@
+"""What stands where while all controls are zero: the pose that controls move joints away from.
+
+A joint with a control is where the control's offset is, so that a pose which has once been baked
+into the joints is not added to itself. Where the two differ by no more than rounding, the joint's
+own numbers are the truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotation, orthonormal_axes
+from rigtri.maths.quaternions import from_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+
+# Offsets are float32 and some nodes deep; a pose that anybody has set is farther off than this.
+SAME_PLACE = 2e-6
+_WORLD = np.eye(4)
+
+
+@dataclass(frozen=True, eq=False)
+class FkControl:
+    """A control over one joint. above: the control that its offset hangs below, −1 for none."""
+
+    control: int
+    offset: int
+    joint: int
+    above: int
+
+
+@dataclass(frozen=True, eq=False)
+class IkLimb:
+    """A limb with an IK end. chain: root, middle and end joint. pole: −1 where there is none."""
+
+    chain: tuple[int, int, int]
+    control: int
+    pole: int
+    soft: float = 0.0
+    stretch: bool = False
+
+
+class Reference:
+    """The controls of a rig, and its pose while they are zero."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.fk: dict[int, FkControl] = {}  # by joint
+        self.limbs: list[IkLimb] = []
+        self.roots: list[FkControl] = []
+        poles = {
+            _chain(rig, note): node for node, note in rig.notes.items() if note.get("type") == "poleVector"
+        }
+        for node, note in sorted(rig.notes.items()):
+            if note.get("type") != "control":
+                continue
+            joint = rig.known(note.get("joint"))
+            if joint is None:
+                continue
+            kind, offset = note.get("kind"), int(rig.parents[node])
+            if kind == "ik":
+                chain = _chain(rig, note)
+                if chain is not None and self._bends(chain):
+                    soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
+                    self.limbs.append(IkLimb(chain, node, poles.get(chain, -1), soft, stretch))
+            elif offset >= 0 and kind in ("fk", "root"):
+                own = FkControl(node, offset, joint, int(rig.parents[offset]))
+                if kind == "fk":
+                    self.fk[joint] = own
+                else:
+                    self.roots.append(own)
+
+    def _bends(self, chain: tuple[int, int, int]) -> bool:
+        a, b, c = chain
+        return self.rig.is_below(b, a) and self.rig.is_below(c, b) and len({a, b, c}) == 3
+
+    @cached_property
+    def control_of(self) -> Mapping[int, int]:
+        """The joint that each FK control moves, by the control."""
+        return {own.control: joint for joint, own in self.fk.items()}
+
+    @cached_property
+    def world(self) -> Floats:
+        """The world matrices of all nodes while controls are zero, (n, 4, 4)."""
+        rig = self.rig
+        world = np.empty((len(rig), 4, 4))
+        controls = {node for node, note in rig.notes.items() if note.get("type") == "control"}
+        moved = self._posed(controls)
+        for node in range(len(rig)):
+            above = int(rig.parents[node])
+            parent = world[above] if above >= 0 else _WORLD
+            if node in controls and not rig.is_joint[node]:
+                world[node] = parent
+            elif node in moved:
+                world[node] = moved[node]
+            else:
+                world[node] = multiply(rig.local[node], parent)
+        return world
+
+    def _posed(self, controls: set[int]) -> dict[int, Floats]:
+        """Where joints stand by their offsets that do not stand there by themselves."""
+        rig, found = self.rig, {}
+        size = float(np.abs(rig.world[:, 3, :3]).max(initial=0.0)) or 1.0
+        for joint, own in self.fk.items():
+            there = unposed(rig, own.offset, controls)
+            here = rig.world[joint]
+            axes = nearest_rotation(here)
+            turned = orthonormal_axes(there)
+            apart = float(length(there[3, :3] - here[3, :3])) > SAME_PLACE * size
+            if apart or np.abs(turned - axes).max() > 4.0 * SAME_PLACE:
+                stretch = multiply(here, inverse(from_frame(axes, here[3, :3])))
+                found[joint] = multiply(stretch, from_frame(turned, there[3, :3]))
+        return found
+
+    @cached_property
+    def local(self) -> Floats:
+        """The local matrices while controls are zero, (n, 4, 4)."""
+        rig = self.rig
+        parents = np.where((rig.parents >= 0)[:, np.newaxis, np.newaxis], self.world[rig.parents], _WORLD)
+        local = multiply(self.world, inverse(parents))
+        kept = np.abs(local - rig.local).max(axis=(1, 2)) <= 1e-9 * np.maximum(
+            1.0, np.abs(rig.local).max(axis=(1, 2))
+        )
+        return np.where(kept[:, np.newaxis, np.newaxis], rig.local, local)
+
+    def turn(self, node: int) -> Floats:
+        """How a node is turned in the world while controls are zero, (4,), without scale; −1: not at all."""
+        return from_axes(orthonormal_axes(self.world[node] if node >= 0 else _WORLD))
+
+
+def unposed(rig: Rig, node: int, controls: set[int]) -> Floats:
+    """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
+    world = _WORLD
+    while node >= 0:
+        if node not in controls:
+            world = multiply(world, rig.local[node])
+        node = int(rig.parents[node])
+    return world
+
+
+def _chain(rig: Rig, note: Mapping[str, object]) -> tuple[int, int, int] | None:
+    """Root, middle and end of a note; None where one is not there."""
+    names = note.get("chain")
+    if not isinstance(names, list | tuple) or len(names) != 3:
+        return None
+    a, b, c = (rig.known(name) for name in names)
+    return None if a is None or b is None or c is None else (a, b, c)

@@ -1,0 +1,183 @@
+"""What is to be set up in Blender, as plain lists that its script reads: nodes, sockets, bones, constraints.
+
+All matrices are those of the file, row-vector and in the world, while controls are zero; Blender's axes
+are the script's matter. What a constraint is on, or looks at, is told by a word: ``n3`` is a node of the
+file, ``s3`` a socket (an empty object that rides on something), ``b3`` a bone of the script's own.
+
+Source: docs/blender.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from rigtri.evaluation.zero_pose import Reference
+from rigtri.maths.matrices import from_frame, orthonormal_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.rig import Rig
+
+# What of a note tells a node from others, whatever Blender calls it.
+_TELLING = ("type", "kind", "joint", "chain", "child")
+
+
+@dataclass(eq=False)
+class Plan:
+    """The lists, as they grow. limbs: the IK ends by name, in the order of their switches."""
+
+    rig: Rig
+    reference: Reference
+    nodes: list[dict[str, Any]] = field(default_factory=list)
+    sockets: list[dict[str, Any]] = field(default_factory=list)
+    bones: list[dict[str, Any]] = field(default_factory=list)
+    constraints: list[dict[str, Any]] = field(default_factory=list)
+    limbs: list[str] = field(default_factory=list)
+    _words: dict[int, str] = field(default_factory=dict)
+
+    def node(self, node: int) -> str:
+        """The word for a node of the file; the world's for −1."""
+        if node < 0:
+            return ""
+        if node not in self._words:
+            rig = self.rig
+            self._words[node] = f"n{len(self.nodes)}"
+            note = rig.notes.get(node, {})
+            self.nodes.append(
+                {
+                    "name": named(rig, node),
+                    "title": rig.title(node),
+                    "above": _above(rig, node),
+                    "joint": bool(rig.is_joint[node]),
+                    "note": {key: _told(note[key]) for key in _TELLING if key in note},
+                    "world": flat(self.reference.world[node]),
+                    "stands": self._stands(node),
+                }
+            )
+        return self._words[node]
+
+    def _stands(self, node: int) -> list[list[float]]:
+        """Where a first joint stands at rest and in the bind pose, 16 numbers each; nothing for others."""
+        above = int(self.rig.parents[node])
+        if not self.rig.is_joint[node] or (above >= 0 and self.rig.is_joint[above]):
+            return []
+        found = [self.rig.world[node], self.reference.world[node], _binds(self.rig).get(node)]
+        return [flat(place) for place in found if place is not None]
+
+    def bone_axes(self, node: int) -> bool:
+        """Whether Blender makes a bone of a node: bones and objects have other axes there."""
+        return bool(self.rig.is_joint[node])
+
+    def socket(self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False) -> str:
+        """A new empty object that rides on something; stand: (4, 4), in the axes of bones or of objects.
+
+        leads: bones of the script's own copy it.
+        """
+        self.sockets.append({"name": name, "on": on, "stand": flat(stand), "bone": bone, "leads": leads})
+        return f"s{len(self.sockets) - 1}"
+
+    def ride(self, name: str, on: str, node: int) -> str:
+        """A socket that stands where a node does, in its axes, and rides on something else."""
+        stand = self.reference.world[node]
+        return self.socket(f"{self.called(node)} {name}", on, stand, bone=self.bone_axes(node))
+
+    def bone(self, name: str, parent: int, stand: Floats, size: float) -> int:
+        """A new bone of the script's own, its y axis along it, below another or, for −1, none."""
+        about = {"name": name, "parent": parent, "stand": flat(stand), "length": size}
+        self.bones.append(about)
+        return len(self.bones) - 1
+
+    def constrain(
+        self, on: str, kind: str, target: str, *, share: float = 1.0, limb: int = -1, **more: Any
+    ) -> None:
+        """A constraint. share: its influence; limb: the one whose switch takes part, −1 for none."""
+        about = {"on": on, "type": kind, "target": target, "share": share, "limb": limb}
+        self.constraints.append(about | {key: value for key, value in more.items() if value is not None})
+
+    def called(self, node: int) -> str:
+        return self.rig.names[node] or self.rig.labels[node]
+
+    def document(self) -> dict[str, Any]:
+        """All of it, as JSON has it."""
+        return {
+            "v": 1,
+            "nodes": self.nodes,
+            "axes": _axes(self.rig),
+            "sockets": self.sockets,
+            "bones": self.bones,
+            "constraints": self.constraints,
+            "limbs": self.limbs,
+        }
+
+
+def flat(matrix: Floats) -> list[float]:
+    """16 numbers, row by row; −0 is written as 0."""
+    return [float(x) + 0.0 for x in np.asarray(matrix, dtype=np.float64).ravel()]
+
+
+def frame(place: Floats, along: Floats, side: Floats) -> Floats:
+    """The matrix, (4, 4), at a place whose y axis lies along a direction, x to the side as near as it can."""
+    y = normalise(along)
+    x = side - dot(side, y) * y
+    if not length(x) > 0:
+        x = cross(y, np.eye(3)[np.argmin(np.abs(y))])
+    x = normalise(x)
+    return from_frame(np.stack([x, y, cross(x, y)]), place)
+
+
+def _above(rig: Rig, node: int) -> list[str]:
+    """The names of all nodes above, the nearest first."""
+    names, above = [], int(rig.parents[node])
+    while above >= 0:
+        names.append(named(rig, above))
+        above = int(rig.parents[above])
+    return names
+
+
+def named(rig: Rig, node: int) -> str:
+    """A node's name, or what glTF's import calls it where it has none."""
+    return rig.names[node] or f"Node_{rig.labels[node].removeprefix('#')}"
+
+
+def _told(value: Any) -> Any:
+    return list(value) if isinstance(value, list | tuple) else value
+
+
+def _axes(rig: Rig) -> list[dict[str, Any]]:
+    """How joints are turned at rest and in the bind pose, seen from the joint above: 9 numbers each.
+
+    The script sees by it whether bones have the axes that it counts on.
+    """
+    found = []
+    binds = _binds(rig)
+    for joint in np.flatnonzero(rig.is_joint).tolist():
+        above = int(rig.parents[joint])
+        if above < 0 or not rig.is_joint[above]:
+            continue
+        turns = [_seen(rig.world[joint], rig.world[above])]
+        if joint in binds and above in binds:
+            turns.append(_seen(binds[joint], binds[above]))
+        told = [turn for turn in turns if np.isfinite(turn).all()]
+        if told:
+            names = {"name": named(rig, joint), "above": _above(rig, joint)}
+            found.append(names | {"turns": [flat(turn) for turn in told]})
+    return found
+
+
+def _seen(matrix: Floats, above: Floats) -> Floats:
+    """The axes, (3, 3), of a matrix as another sees them, without scale."""
+    one, other = orthonormal_axes(matrix), orthonormal_axes(above)
+    return np.stack([[float(dot(row, axis)) for axis in other] for row in one])
+
+
+def _binds(rig: Rig) -> dict[int, Floats]:
+    """Where joints stand in their skins' bind poses, (4, 4); as in Blender, the last skin counts."""
+    return {
+        joint: matrix
+        for skin in rig.skins
+        if skin.stored
+        for joint, matrix in zip(skin.joints.tolist(), skin.bind, strict=True)
+        if np.isfinite(matrix).all()
+    }

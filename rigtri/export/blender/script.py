@@ -1,0 +1,90 @@
+"""A script that sets a rig up in Blender: the plan of what is to be made, inside of a script that makes it.
+
+The script is a file of its own, `setup_in_blender.py`; the plan is one literal of ASCII text in it, so
+nothing that a file's names hold can become code.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.solver import Solver, refuse_circles
+from rigtri.evaluation.twist_joints import twists
+from rigtri.export.blender.constraints import follow, left_out, twist
+from rigtri.export.blender.controls import controls, pole_place
+from rigtri.export.blender.plan import Plan
+from rigtri.model.constraints import rules_of
+from rigtri.model.rig import Rig
+from rigtri.report import Report
+
+_SLOT = 'json.loads("{}")'
+_WIDE = 96
+
+
+@dataclass(frozen=True)
+class Setup:
+    """The script, and the plan that it holds."""
+
+    script: str
+    plan: dict[str, Any]
+
+
+def blender_setup(
+    rig: Rig, *, gltf: bool, meters: float = 1.0, file: str = "", report: Report | None = None
+) -> Setup:
+    """The script for a rig. gltf: whether it is imported as glTF or as USD; meters: how long a unit is in
+    Blender; file: the name of what the script imports where the scene has no such character.
+
+    What Blender cannot do is a warning of the report. Raises GeometryError where nothing of the rig
+    can be set up, and for controls and constraints that go round in a circle.
+    """
+    report = report if report is not None else Report()
+    plan = planned(rig, report)
+    if not plan.constraints:
+        raise GeometryError(
+            "The file has no controls, constraints or twist joints of rigtri's to set up in Blender; "
+            "add some first: rigtri add-controls IN -o OUT --whole-character"
+        )
+    up = "y" if np.argmax(np.abs(rig.up)) == 1 else "z"
+    document = {"file": file, "gltf": gltf, "up": up, "meters": meters, **plan.document()}
+    return Setup(script(document), document)
+
+
+def planned(rig: Rig, report: Report) -> Plan:
+    """All constraints of a rig, in the order in which they come on top of each other."""
+    solver = Solver(rig)
+    refuse_circles(rig)
+    plan = Plan(rig, solver.reference)
+    poles = {limb.limb.control: pole_place(plan, limb.rule) for limb in solver.limbs if limb.rule is not None}
+    controls(plan, solver.limbs, poles)
+    solved = {joint for limb in solver.limbs for joint in limb.limb.chain}
+    for each in twists(rig):
+        twist(plan, each)
+    ordered = sorted(
+        (rule for rule in rules_of(rig).values() if rule.kind != "polevector"),
+        key=lambda rule: min("trs".index(channel[0]) for channel in rule.sets) if rule.sets else 3,
+    )
+    for rule in ordered:
+        if rule.child in solved:
+            text = f"'{rig.title(rule.child)}' is moved by its limb's IK, and does not follow its constraint"
+            report.warn("blender-left-out", text, joint=rig.title(rule.child))
+        else:
+            follow(plan, rule, report)
+    left_out(plan, report)
+    return plan
+
+
+def script(document: dict[str, Any]) -> str:
+    """The script with a plan in it, as one literal of ASCII text in lines."""
+    text = json.dumps(document, ensure_ascii=True, separators=(",", ":"))
+    lines = [ascii(text[k : k + _WIDE]) for k in range(0, len(text), _WIDE)]
+    literal = "json.loads(\n    " + "\n    ".join(lines) + "\n)"
+    template = files("rigtri.export.blender").joinpath("setup_in_blender.py").read_text("utf-8")
+    before, after = template.split(_SLOT)
+    return f"{before}{literal}{after}"

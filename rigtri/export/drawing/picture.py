@@ -1,0 +1,199 @@
+"""draw: a rig as a picture, alone or beside what it was before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rigtri.errors import FileError, UsageError
+from rigtri.evaluation.timelines import moment
+from rigtri.export.drawing.bones import AIMED
+from rigtri.export.drawing.primitives import Mark
+from rigtri.export.drawing.scene import Scene, marks
+from rigtri.export.drawing.silhouette import Patch, outline, patches
+from rigtri.export.drawing.svg import arrow, heading, number, panel, sheet
+from rigtri.export.drawing.view import NAMED, View, view_of
+from rigtri.export.drawing.viewport import Window
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.joint_selection import Selection
+from rigtri.operations.pose import Options as PoseOptions
+from rigtri.operations.pose import pose_of
+from rigtri.report import Report
+
+# Pixels: what is free around a picture, the room of its title, a cell of the outline.
+_EDGE, _TITLE, _CELL = 28.0, 64.0, 2.0
+# Pictures smaller than this show nothing, larger ones are a mistake.
+_LEAST, _MOST = 64, 16384
+# Many joints have small names.
+_FONTS = ((40, 12.0), (120, 10.0), (1_000_000, 8.0))
+
+
+@dataclass(frozen=True)
+class Options:
+    """What of a rig is drawn, and how. view: one of `NAMED` or x,y,z. at: the pose, ``CLIP@TIME`` or rest.
+
+    arrows: the length of axes as a share of the bone, 0 for none. size: width and height in pixels, as
+    it fits where None. mesh: the outline of what is skinned.
+    """
+
+    view: str = "three-quarter"
+    at: str = "rest"
+    selection: Selection = field(default_factory=Selection)
+    names: bool = True
+    arrows: float = 0.35
+    mesh: bool = True
+    size: tuple[int, int] | None = None
+
+    def checked(self) -> Options:
+        """The same; UsageError for what is no picture."""
+        if not 0 <= self.arrows <= 10:
+            raise UsageError(f"arrows of {self.arrows:g} bones are no arrows: give a share from 0 to 10")
+        if self.size is not None and not all(_LEAST <= side <= _MOST for side in self.size):
+            raise UsageError(
+                f"a picture has {_LEAST} to {_MOST} pixels a side, not {self.size[0]}x{self.size[1]}"
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """One rig of a picture: what there is to see, and the words over it."""
+
+    marks: list[Mark]
+    patches: list[Patch]
+    title: str
+    words: tuple[str, ...]
+    crooked: str
+
+
+# What is no number is left out, whatever it came from.
+@np.errstate(all="ignore")
+def draw(
+    rig: Rig,
+    *,
+    against: Rig | None = None,
+    options: Options = Options(),
+    title: str = "",
+    title_against: str = "before",
+    report: Report | None = None,
+) -> str:
+    """A rig as an SVG picture, the same bytes on every machine; on the left ``against``, which it was before.
+
+    Both are seen from where the view of ``rig`` is, at one scale. A rig without joints is drawn by
+    its nodes, which is a warning of the report. Raises UsageError, NameNotFoundError (a joint, a clip),
+    AmbiguousNameError.
+    """
+    options, report = options.checked(), report if report is not None else Report()
+    sides = [_side(rig, options, title or ("after" if against is not None else ""), report)]
+    if against is not None:
+        sides.insert(0, _side(against, options, title_against, report))
+    wide, high = options.size or ((1500 if against is not None else 1000), 900)
+    view = view_of(rig, options.view)
+    each = wide / len(sides)
+    places = [(each * k, _TITLE, each, max(high - _TITLE, 1.0)) for k in range(len(sides))]
+    # A bone that comes from a joint which is left out goes over the edge.
+    around = [mark.points for side in sides for mark in side.marks if mark.kind not in ("bone", "link")]
+    if not options.selection.named:
+        around += [points[np.unique(faces)] for side in sides for points, faces in side.patches]
+    windows = Window.around(around, view, places, min(_EDGE, 0.1 * min(each, high)))
+    parts: list[str] = []
+    for number_of, (side, window) in enumerate(zip(sides, windows, strict=True)):
+        parts += _panel(side, window, options, number_of)
+    told = " | ".join(f"{side.title}: {', '.join([*side.words, side.crooked])}" for side in sides)
+    return sheet([*parts, *gizmo(view, 40.0, high - 40.0)], wide, high, told)
+
+
+@np.errstate(all="ignore")
+def seen(rig: Rig, options: Options = Options(), report: Report | None = None) -> list[Mark]:
+    """What `draw` would draw of one rig, as lines and arrows in space, for those who draw otherwise."""
+    return _side(rig, options.checked(), "", report if report is not None else Report()).marks
+
+
+def _side(rig: Rig, options: Options, title: str, report: Report) -> _Side:
+    posed = pose_of(rig, PoseOptions(at=options.at), report)
+    scene = Scene.of(rig, posed, options.selection)
+    timeline, time = moment(rig, options.at)
+    found = marks(scene, arrows=options.arrows)
+    covered: list[Patch] = []
+    try:
+        covered = patches(scene, timeline, time) if options.mesh else []
+    except FileError as error:  # the skeleton can be seen all the same
+        report.warn("no-outline", f"The meshes are not drawn: {error}")
+    jointed = bool(rig.is_joint.any())
+    count = len(scene.joints)
+    noun = "joint" if jointed else "node"
+    words = [f"{count} {noun}{'' if count == 1 else 's'}"]
+    if not count and len(scene.tree.joints):
+        report.warn("nothing-selected", f"{title or 'The file'}: the selection leaves no {noun} to be drawn")
+    if not jointed:
+        what = f"its {'node is' if count == 1 else 'nodes are'} drawn" if count else "nor any node"
+        report.warn("no-joints", f"{title or 'The file'} has no joints; {what}")
+        words.append("no joints in this file")
+    words.append(f"from {options.view}" if options.view not in NAMED else f"{options.view} view")
+    words.append("at rest" if options.at == "rest" else options.at)
+    return _Side(found, covered, title, tuple(words), crooked(scene))
+
+
+def crooked(scene: Scene) -> str:
+    """How many joints have no axis along their bone; "" where nothing can be said."""
+    missed = [miss.degrees for joint in scene.joints if (miss := scene.bones.aimed(joint)) is not None]
+    off = [degrees for degrees in missed if degrees > AIMED]
+    if not missed:
+        return ""
+    if off:
+        return f"bones off every axis of their joint: {len(off)} of {len(missed)}, by up to {max(off):.1f}°"
+    return f"bones along an axis of their joint: all {len(missed)}"
+
+
+def _panel(side: _Side, window: Window, options: Options, place: int) -> Iterator[str]:
+    """The elements of one side: outline, marks and names, clipped to their room, and the words over them."""
+    loops = _outlines(side.patches, window)
+    count = sum(mark.form == "dot" and bool(mark.name) for mark in side.marks)
+    font = next(size for most, size in _FONTS if count <= most) if options.names else 0.0
+    elements, unnamed = panel(side.marks, window, loops, font=font)
+    clip = f"room{place}"
+    box = f'x="{number(window.left)}" y="{number(window.top)}" width="{number(window.wide)}"'
+    yield f'<clipPath id="{clip}"><rect {box} height="{number(window.high)}"/></clipPath>'
+    yield f'<g clip-path="url(#{clip})">'
+    yield from elements
+    yield "</g>"
+    words = [*side.words, *([f"{unnamed} names without room"] if unnamed else [])]
+    lines = [("title", side.title)] if side.title else []
+    lines.append(("words", " · ".join(words)))
+    if side.crooked:
+        bad = any(mark.crooked for mark in side.marks)
+        lines.append(("words crooked" if bad else "words", side.crooked))
+    yield from heading(lines, window.left, window.wide)
+
+
+def _outlines(found: Sequence[Patch], window: Window) -> list[Floats]:
+    """The outline of meshes as loops in pixels of the sheet."""
+    if not found:
+        return []
+    corner = np.array([window.left, window.top])
+
+    def flat(points: Floats) -> Floats:
+        cells: Floats = (window.place(points) - corner) / _CELL
+        return cells
+
+    loops = outline(found, flat, int(window.wide / _CELL) + 1, int(window.high / _CELL) + 1)
+    return [loop * _CELL + corner for loop in loops]
+
+
+def gizmo(view: View, x: float, y: float, size: float = 20.0) -> Iterator[str]:
+    """The axes of the world at a corner of the sheet, with their letters."""
+    axes = np.eye(3)
+    flat, depth = view.flat(axes), view.depth(axes)
+    start = np.array([x, y])
+    yield "<g><title>axes of the world</title>"
+    for k in sorted(range(3), key=lambda k: float(depth[k])):
+        end = start + flat[k] * [size, -size]
+        letter = "xyz"[k]
+        yield arrow(start, end, letter, size, bool(depth[k] > 0))
+        off = start + flat[k] * [size + 9, -(size + 9)] + [0.0, 3.5]
+        off = off + ([-9.0, 9.0] if np.abs(flat[k]).max() < 0.35 else [0.0, 0.0])
+        yield f'<text class="letter {letter}" x="{number(off[0])}" y="{number(off[1])}">{letter}</text>'
+    yield "</g>"

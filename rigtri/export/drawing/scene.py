@@ -1,0 +1,227 @@
+"""What there is to see of a rig in a pose: its bones, axes, limbs, controls and constraints as marks.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018: a matrix is a red, a green and a blue arrow, a
+limb a triangle (slides "Transformation Matrix" and "Pole Vector").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.pose_cache import Posed
+from rigtri.export.drawing.bones import Bones
+from rigtri.export.drawing.primitives import Mark
+from rigtri.export.drawing.relations import follows, limbs
+from rigtri.frames.skeleton import Skeleton, skeleton
+from rigtri.maths.matrices import transform_points
+from rigtri.maths.triangle import bend_angle, bend_direction, pole_position
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length, normalise, project
+from rigtri.model.joint_names import without_prefix
+from rigtri.model.rig import Rig
+from rigtri.operations.joint_selection import Selection, chosen
+
+_DEGREES = 180.0 / np.pi
+# A joint's dot and the corner of a right angle, as shares of the bone; no arrow is longer than the last
+# share of the figure.
+_DOT, _CORNER, _LONG = 0.06, 0.08, 0.12
+_LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
+
+
+def worlds(rig: Rig, posed: Posed) -> Floats:
+    """World matrices, (n, 4, 4), of a pose of one row."""
+    if not posed.parts:
+        return rig.world
+    local = rig.local.copy()
+    for node in posed.parts:
+        local[node] = posed.local(node)[0]
+    return pose.worlds(rig, local)
+
+
+def joints_of(rig: Rig) -> Skeleton:
+    """The joints of a rig; of one without joints all nodes, but for those that rigtri has added."""
+    if not len(rig):
+        return Skeleton(rig, (), {}, {}, np.zeros(0, dtype=bool))
+    if rig.is_joint.any() or "hips" in rig.humanoid:
+        return skeleton(rig)
+    every = [node for node in range(len(rig)) if node not in rig.own and node not in rig.aside]
+    return skeleton(rig, joints=every or range(len(rig)))
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A rig as it stands: world (n, 4, 4). joints: those to be seen, of all that ``tree`` has."""
+
+    rig: Rig
+    world: Floats
+    tree: Skeleton
+    joints: tuple[int, ...]
+
+    @staticmethod
+    def of(rig: Rig, posed: Posed, selection: Selection) -> Scene:
+        """The joints that a selection names; all nodes of a rig without joints.
+
+        Raises NameNotFoundError and UsageError as `chosen` does.
+        """
+        tree = joints_of(rig)
+        found = tuple(chosen(tree, selection)) if len(rig) else ()
+        return Scene(rig, worlds(rig, posed), tree, found)
+
+    @property
+    def places(self) -> Floats:
+        """Where the nodes stand, (n, 3)."""
+        place: Floats = self.world[:, 3, :3]
+        return place
+
+    @property
+    def all(self) -> bool:
+        """Whether nothing of the rig is left out."""
+        return len(self.joints) == len(self.tree.joints)
+
+    def size(self) -> float:
+        """The diagonal of the box of the joints seen, in file units; 1 for none and for a point."""
+        points = self.places[list(self.joints)]
+        points = points[np.isfinite(points).all(axis=1)]
+        size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
+        return size or 1.0
+
+    @cached_property
+    def bones(self) -> Bones:
+        """The bones of all joints."""
+        return Bones(self.tree, self.world, self.size(), self.joints)
+
+
+def marks(scene: Scene, *, arrows: float = 0.35) -> list[Mark]:
+    """All that is to be seen of a scene, far things first where order matters.
+
+    arrows: the length of the axes as a share of the joint's bone; 0 leaves them out.
+    """
+    found = [*_follows(scene), *_limbs(scene), *_bones(scene)]
+    with np.errstate(invalid="ignore"):
+        axes = normalise(scene.world[list(scene.joints), :3, :3])
+    for joint, name, own in zip(scene.joints, _names(scene), axes, strict=True):
+        found += _joint(scene, joint, name, own, arrows)
+    return [mark for mark in [*found, *_controls(scene)] if mark.clear]
+
+
+def _names(scene: Scene) -> list[str]:
+    """What to call the joints in a picture: without what all names of the skeleton begin with."""
+    rig = scene.rig
+    joints = [node for node in scene.tree.joints if rig.names[node]]
+    short = dict(zip(joints, without_prefix([rig.names[node] for node in joints]), strict=True))
+    return [short.get(node) or rig.names[node] or rig.labels[node] for node in scene.joints]
+
+
+def _joint(scene: Scene, joint: int, name: str, axes: Floats, arrows: float) -> Iterator[Mark]:
+    """The dot of a joint and the arrows of its axes, (3, 3); an axis without direction has none."""
+    rig, place, bones = scene.rig, scene.places[joint], scene.bones
+    known, address = bool(rig.is_joint[joint]) or not rig.is_joint.any(), rig.address(joint)
+    told, reach, size = rig.title(joint), bones.reach(joint), bones.size
+    if (miss := bones.misses.get(joint)) is not None:
+        told += f": {miss.axis} is {miss.degrees:.1f}° off the bone to {rig.title(miss.child)}"
+    long = min(arrows * reach, _LONG * size)
+    for letter, axis in zip(_LETTERS, axes, strict=True):
+        if arrows > 0 and np.isfinite(axis).all():
+            yield Mark("arrow", letter, np.stack([place, place + axis * long]), address, size=long)
+    dot = _DOT * min(reach, _LONG * size / 0.35)
+    kind: Literal["joint", "node"] = "joint" if known else "node"
+    crooked = bones.crooked(joint)
+    yield Mark("dot", kind, place[np.newaxis], address, name, told, dot, crooked=crooked)
+
+
+def _bones(scene: Scene) -> Iterator[Mark]:
+    """A bone from each joint to every joint below it, one of which is to be seen."""
+    rig, seen = scene.rig, set(scene.joints)
+    for joint in scene.tree.joints:
+        above = scene.tree.above[joint]
+        if above >= 0 and (joint in seen or above in seen):
+            ends = scene.places[[above, joint]]
+            bone = bool(rig.is_joint[joint] and rig.is_joint[above])
+            yield Mark("bone" if bone else "line", "bone" if bone else "link", ends, rig.address(above))
+
+
+def _limbs(scene: Scene) -> Iterator[Mark]:
+    """The triangles of the limbs that names or pole vectors tell of."""
+    rig, seen = scene.rig, set(scene.joints)
+    for (root, middle, end), pole in limbs(rig).items():
+        if middle in seen:
+            yield from triangle(*scene.places[[root, middle, end]], node=rig.address(middle))
+            if pole < 0:
+                yield from pole_arrow(*scene.places[[root, middle, end]], node=rig.address(middle))
+            else:
+                yield from _located(scene, middle, pole)
+
+
+def _located(scene: Scene, middle: int, pole: int) -> Iterator[Mark]:
+    """A pole vector that the file has, and the way to it from the joint that bends towards it."""
+    ends, address = scene.places[[middle, pole]], scene.rig.address(pole)
+    far = float(length(ends[1] - ends[0]))
+    name = scene.rig.names[pole] or scene.rig.labels[pole]
+    yield Mark("arrow", "pole", ends, address, size=far)
+    told = f"pole vector {scene.rig.title(pole)}"
+    yield Mark("dot", "locator", ends[1:], address, name, told, size=_DOT * min(far, scene.size() * _LONG))
+
+
+def triangle(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:
+    """A limb as the talk draws it: triangle, chord, the projection of the middle and its right angle."""
+    yield Mark("face", "limb", np.stack([a, b, c]), node, closed=True)
+    yield Mark("line", "chord", np.stack([a, c]), node)
+    foot, side = project(b, a, c), bend_direction(a, b, c)
+    if not np.isfinite(side).all():  # three points on one line, which have no side
+        return
+    yield Mark("line", "upright", np.stack([foot, b]), node)
+    corner = min(_CORNER * float(length(c - a)), 0.5 * float(length(b - foot)))
+    along = normalise(c - a) * corner
+    square = np.stack([foot + along, foot + along + side * corner, foot + side * corner])
+    yield Mark("line", "square", square, node)
+    told = f"projection of the middle joint on the chord; the limb bends by {_bend(a, b, c)}"
+    yield Mark("dot", "foot", foot[np.newaxis], node, told=told, size=0.2 * corner)
+
+
+def pole_arrow(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:
+    """Where a limb's pole vector stands by the talk's rule, half the limb's length off the middle joint."""
+    ends = np.stack([b, pole_position(a, b, c)])
+    yield Mark("arrow", "pole", ends, node, size=float(length(ends[1] - ends[0])))
+
+
+def _bend(a: Floats, b: Floats, c: Floats) -> str:
+    return f"{float(bend_angle(a, b, c)) * _DEGREES:.1f}°"
+
+
+def _controls(scene: Scene) -> Iterator[Mark]:
+    """The lines that the file draws at controls, poles and what else rigtri has put there."""
+    rig = scene.rig
+    for node in sorted(set(rig.notes) | set(rig.shapes)) if scene.all else ():
+        drawn = rig.shapes.get(node) or rig.lines(rig.keys[node])
+        if drawn is None:
+            continue
+        told = f"{rig.notes.get(node, {}).get('type', 'shape')} {rig.title(node)}"
+        for strip in strips(transform_points(drawn.segments, scene.world[node])):
+            color = tuple(map(float, drawn.color))
+            yield Mark("line", "control", strip, rig.address(node), told=told, color=color)
+
+
+def strips(segments: Floats) -> Iterator[Floats]:
+    """Lines, (s, 2, 3), as few strips, (k, 3): each goes on while a line begins where the last one ends."""
+    strip: list[Floats] = []
+    for start, end in segments:
+        if strip and not np.array_equal(strip[-1], start):
+            yield np.stack(strip)
+            strip = []
+        strip += [end] if strip else [start, end]
+    if strip:
+        yield np.stack(strip)
+
+
+def _follows(scene: Scene) -> Iterator[Mark]:
+    """A line from what a node follows to the node, of the file's constraints and of ours."""
+    rig = scene.rig
+    for kind, source, node in follows(rig) if scene.all else ():
+        told = f"{rig.title(node)} follows {rig.title(source)} ({kind})"
+        yield Mark("line", "follows", scene.places[[source, node]], rig.address(node), told=told)

@@ -1,0 +1,107 @@
+"""Where a character is looked at from, and what of the world lies right, up and near then.
+
+A view is orthographic: distances keep their scale, so two pictures can be laid side by side.
+Everything is + − × ÷ √, so the same rig gives the same numbers on every machine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rigtri.errors import UsageError
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import recognise
+from rigtri.recognition.proportions import forward
+
+Named = Literal["front", "back", "side", "top", "three-quarter"]
+NAMED: tuple[Named, ...] = get_args(Named)
+# Directions less than this sine apart are one: nothing tells then which way is up.
+_PARALLEL = 1e-6
+# An arrow is seen head on where this share of it, or less, is; a letter is one of ten, and so sooner.
+HEAD_ON, _HEAD_ON_LETTER = 0.35, 0.6
+_ARROWS = "→↗↑↖←↙↓↘"
+# tan 22.5°: half of the eighth of a turn that an arrow stands for.
+_HALF_EIGHTH = 0.41421356237309503
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """Unit directions of the world, (3,) each: right and up in the picture, and towards the viewer."""
+
+    right: Floats
+    up: Floats
+    eye: Floats
+
+    @staticmethod
+    def along(eye: ArrayLike, up: ArrayLike, spare: ArrayLike) -> View:
+        """Seen from where ``eye`` points, ``up`` upright, or ``spare`` where that points at the viewer."""
+        towards = normalise(eye)
+        upright = perpendicular(normalise(up), towards)
+        if not length(upright) > _PARALLEL:
+            upright = perpendicular(normalise(spare), towards)
+        upright = normalise(upright)
+        return View(normalise(cross(upright, towards)), upright, towards)
+
+    def flat(self, points: ArrayLike) -> Floats:
+        """Points or directions, (..., 3), as seen: right and up, (..., 2), in file units."""
+        return np.stack([dot(points, self.right), dot(points, self.up)], axis=-1)
+
+    def depth(self, points: ArrayLike) -> Floats:
+        """How near points, (..., 3), are to the viewer, (...); the larger the nearer."""
+        return dot(points, self.eye)
+
+    def arrow(self, direction: ArrayLike) -> str:
+        """The character that shows a direction, (3,): one of eight arrows, ⊙ towards the viewer, ⊗ away.
+
+        >>> front = View.along([0, 0, 1], [0, 1, 0], [0, 0, -1])
+        >>> front.arrow([1, 0, 0]), front.arrow([1, -1, 0]), front.arrow([0, 0, 1])
+        ('→', '↘', '⊙')
+        """
+        unit = normalise(direction)
+        if not np.isfinite(unit).all():
+            return "·"
+        x, y = self.flat(unit).tolist()
+        if x * x + y * y < _HEAD_ON_LETTER * _HEAD_ON_LETTER:
+            return "⊙" if self.depth(unit) > 0 else "⊗"
+        if abs(y) <= _HALF_EIGHTH * abs(x):
+            return _ARROWS[0 if x > 0 else 4]
+        if abs(x) <= _HALF_EIGHTH * abs(y):
+            return _ARROWS[2 if y > 0 else 6]
+        return _ARROWS[(1 if x > 0 else 3) if y > 0 else (7 if x > 0 else 5)]
+
+
+def view_of(rig: Rig, asked: str = "front") -> View:
+    """A character from one of `NAMED`, or from the direction ``x,y,z`` of the file's world.
+
+    Up is the format's. The front is where its limbs say that it faces, else where its format
+    prescribes; the side is its left one. UsageError for anything else.
+    """
+    up = np.asarray(rig.up, dtype=np.float64)
+    ahead = forward(rig, recognise(rig), rig.world)
+    left = cross(up, ahead)
+    eyes = {
+        "front": ahead,
+        "back": -ahead,
+        "side": left,
+        "top": up,
+        "three-quarter": ahead + 0.7 * left + 0.35 * up,
+    }
+    return View.along(eyes[asked] if asked in eyes else direction(asked), up, -ahead)
+
+
+def direction(text: str) -> Floats:
+    """The direction, (3,), that ``x,y,z`` means. UsageError where it means none."""
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise UsageError(f"'{text}' is no view: give {', '.join(NAMED)}, or a direction x,y,z") from None
+    eye = normalise([x, y, z])
+    if not np.isfinite(eye).all():
+        raise UsageError(f"'{text}' points nowhere: a view is seen from a direction x,y,z")
+    return eye

@@ -1,0 +1,306 @@
+"""explain: three points step by step, as the talk has it and as rigtri calls it.
+
+Each step is a slide of R. Katz, "Rigging with Triangles", GDC 2018: vectors and their lengths, dot and
+cross product, the matrix that aims A at B with C for up, the projection of B on AC, the pole vector.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rigtri.errors import GeometryError
+from rigtri.maths.triangle import (
+    DEGENERATE_SINE,
+    STRAIGHT_SINE,
+    bend_angle,
+    bend_direction,
+    bend_sine,
+    frame,
+    hinge,
+    limb_length,
+    pole_position,
+)
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, as_vectors, cross, dot, length, normalise, project
+
+_DEGREES = 180.0 / np.pi
+# What is nothing beside the largest number of its row is written as 0: rounding, which nobody meant.
+_NOTHING = 1e-12
+# Sides, in file units, whose fourth powers keep their digits.
+_SQUARED = (1e-70, 1e70)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One line. slide: where the talk has it. talk, ours: what it is called there and here; value: numbers.
+
+    why: what the numbers say, or why there are none.
+    """
+
+    slide: str
+    talk: str
+    ours: str
+    value: tuple[Any, ...] | float | None
+    why: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """All steps of three points. names: what A, B and C are called. points: (3, 3), in file units."""
+
+    names: tuple[str, str, str]
+    points: Floats
+    steps: tuple[Step, ...]
+    trouble: str
+
+    def as_json(self) -> dict[str, Any]:
+        """The same for machines, as schemas/explain.schema.json describes it."""
+        return {
+            "points": {
+                letter: {"name": name, "position": plain_numbers(point)}
+                for letter, name, point in zip("ABC", self.names, self.points, strict=True)
+            },
+            "degenerate": self.trouble or None,
+            "steps": [
+                {
+                    "slide": step.slide,
+                    "talk": step.talk,
+                    "ours": step.ours,
+                    "value": list(step.value) if isinstance(step.value, tuple) else step.value,
+                    "why": step.why,
+                }
+                for step in self.steps
+            ],
+        }
+
+
+def explain(
+    a: ArrayLike, b: ArrayLike, c: ArrayLike, *, names: tuple[str, str, str] = ("A", "B", "C")
+) -> Explanation:
+    """The vectors and the triangle of three points, (3,) each, in file units, step by step.
+
+    Points that are equal or lie on one line have steps without value, and ``trouble`` says why.
+    GeometryError for points that are no numbers.
+
+    >>> found = explain([0, 0, 0], [3, 4, 0], [6, 0, 0])
+    >>> [step.value for step in found.steps if step.talk == "P"]
+    [(3.0, 0.0, 0.0)]
+    """
+    points = np.stack([as_vectors(a), as_vectors(b), as_vectors(c)])
+    if not np.isfinite(points).all():
+        raise GeometryError(
+            f"{', '.join(names)} are not three points: not all of their coordinates are numbers"
+        )
+    with np.errstate(all="ignore"):
+        made = _Maker(points)
+        # What needs squares has none then, instead of zeros and infinities that look like answers.
+        squared = made if _can_be_squared(points) else _Maker(np.full((3, 3), np.nan), made.trouble)
+        steps = (*_vectors(made, squared), *_products(squared), *_matrix(squared), *_pole(squared))
+    return Explanation(names, points, steps, _trouble(points))
+
+
+def _trouble(points: Floats) -> str:
+    """Why three points make no triangle; "" where they do."""
+    a, b, c = points
+    same = [
+        f"{x} and {y}"
+        for x, p, y, q in (("A", a, "B", b), ("B", b, "C", c), ("A", a, "C", c))
+        if (p == q).all()
+    ]
+    if not _can_be_squared(points):
+        how = "too near to each other" if _largest(points) < 1 else "too far apart"
+        return f"A, B and C are {how}: float64 has no squares of such lengths. Give them in another unit"
+    if len(same) == 3:
+        return "A, B and C are one point: there is no vector, no triangle and nothing to aim at"
+    if same:
+        return f"{same[0]} are the same point: two points make a line, and no plane to bend in"
+    sine = float(bend_sine(a, b, c))
+    if sine < DEGENERATE_SINE:
+        folded = float(dot(b - a, c - b)) < 0
+        how = "folded back onto itself" if folded else "straight"
+        return f"A, B and C lie on one line: the limb is {how}, and nothing says to which side it bends"
+    if sine < STRAIGHT_SINE:
+        return "the limb is nearly straight: rounding in a file may turn its plane by a degree or more"
+    return ""
+
+
+def _sides(points: Floats) -> Floats:
+    """The largest component of AB, BC and AC, (3,)."""
+    a, b, c = points
+    sides: Floats = np.abs(np.stack([b - a, c - b, c - a])).max(axis=1)
+    return sides
+
+
+def _largest(points: Floats) -> float:
+    return float(_sides(points).max())
+
+
+def _can_be_squared(points: Floats) -> bool:
+    """Whether areas, which have the sides' fourth power under a root, are numbers of full precision."""
+    sides = _sides(points)
+    return bool(((sides == 0) | ((sides > _SQUARED[0]) & (sides < _SQUARED[1]))).all())
+
+
+class _Maker:
+    """The points and vectors that several steps need; what has no value is None with the reason."""
+
+    def __init__(self, points: Floats, trouble: str | None = None) -> None:
+        self.a, self.b, self.c = points
+        self.ab, self.bc, self.ac = self.b - self.a, self.c - self.b, self.c - self.a
+        self.trouble = _trouble(points) if trouble is None else trouble
+
+    def step(
+        self, slide: str, talk: str, ours: str, value: ArrayLike, why: str | Callable[[], str] = ""
+    ) -> Step:
+        """A step with its numbers, or without where they are none."""
+        found = np.asarray(value, dtype=np.float64)
+        if not np.isfinite(found).all():
+            return Step(slide, talk, ours, None, self.trouble or "it is too large for a number")
+        numbers = tuple(plain_numbers(found)) if found.ndim else float(found) + 0.0
+        return Step(slide, talk, ours, numbers, why() if callable(why) else why)
+
+
+def _vectors(made: _Maker, squared: _Maker) -> list[Step]:
+    named = {"AB": made.ab, "BC": made.bc, "AC": made.ac}
+    sized = {"AB": squared.ab, "BC": squared.bc, "AC": squared.ac}
+    minus = "Subtracting: destination − origin"
+    return [
+        *(
+            made.step(minus, f"{n} = {n[1]} − {n[0]}", f"{n[1]} - {n[0]}".lower(), v)
+            for n, v in named.items()
+        ),
+        *(squared.step("Vector Length", f"‖{n}‖", f"length({n})", length(v)) for n, v in sized.items()),
+        *(
+            squared.step("Normalize", f"{n}.normal()", f"normalise({n})", normalise(v))
+            for n, v in sized.items()
+        ),
+    ]
+
+
+def _products(made: _Maker) -> list[Step]:
+    one, other = normalise(made.ab), normalise(made.ac)
+    spread = float(angle(made.ab, made.ac)) * _DEGREES
+    bend = float(bend_angle(made.a, made.b, made.c)) * _DEGREES
+    slide = "The Dot Product"
+    return [
+        made.step(slide, "AB · AC", "dot(AB, AC)", dot(made.ab, made.ac)),
+        made.step(
+            slide,
+            "norm AB · norm AC",
+            "dot of the normalised",
+            dot(one, other),
+            "cosine of the angle at A: 1 the same way, 0 at a right angle, −1 opposite",
+        ),
+        made.step(
+            slide,
+            "acos(norm AB · norm AC)",
+            "angle(AB, AC)",
+            spread if np.isfinite(one + other).all() else np.nan,
+            "degrees, at A",
+        ),
+        made.step(
+            "The Cross Product",
+            "AB × AC",
+            "cross(AB, AC)",
+            cross(made.ab, made.ac),
+            "the normal of the plane, at right angles to both",
+        ),
+        made.step(
+            "The Cross Product",
+            "‖AB × AC‖ / 2",
+            "length(cross(AB, AC)) / 2",
+            0.5 * length(cross(made.ab, made.ac)),
+            "area of the triangle",
+        ),
+        made.step(
+            "Using Vector Math to Rig an Arm",
+            "shdYAxis",
+            "hinge(A, B, C)",
+            hinge(made.a, made.b, made.c),
+            "n = AB × BC: a positive turn about it bends the limb more",
+        ),
+        made.step(
+            "Ours",
+            "",
+            "bend_angle(A, B, C)",
+            bend if made.ab.any() and made.bc.any() else np.nan,
+            "degrees: 0 straight, 180 folded",
+        ),
+    ]
+
+
+def _matrix(made: _Maker) -> list[Step]:
+    slide = "Aiming node A at node B"
+    axes = np.array([normalise(made.ab), *np.full((2, 3), np.nan)])
+    if np.isfinite(hinge(made.a, made.b, made.c)).all():
+        axes = frame(made.ab, made.ac)
+    talk = ("aim_X = norm AB", "aim_Y = aim_Z × aim_X", "aim_Z = norm(aim_X × norm AC)")
+    why = ("X aims at B", "Y is as near to C as a right angle lets it be", "Z is the normal of the plane")
+    rows = [
+        made.step(slide, t, f"frame(AB, AC)[{k}]", axes[k], w)
+        for k, (t, w) in enumerate(zip(talk, why, strict=True))
+    ]
+    return [
+        rows[0],
+        rows[2],
+        rows[1],
+        made.step(slide, "A_pos", "a", made.a, "the fourth row: where it stands"),
+    ]
+
+
+def _pole(made: _Maker) -> list[Step]:
+    a, b, c, slide = made.a, made.b, made.c, "Pole Vector"
+    foot, size = project(b, a, c), limb_length(a, b, c)
+    share = dot(made.ab, made.ac) / dot(made.ac, made.ac)
+
+    def where() -> str:
+        off = float(share)
+        side = "between A and C" if 0 <= off <= 1 else "beyond C" if off > 1 else "behind A"
+        return f"the point of AC nearest to B, at {short(100 * off)} % of the way, {side}"
+
+    reach = 0.5 * size
+    return [
+        made.step(
+            slide, "AB · AC / AC · AC", "dot(AB, AC) / dot(AC, AC)", share, "how far along AC, from 0 to 1"
+        ),
+        made.step(slide, "P", "project(B, A, C)", foot, where),
+        made.step(slide, "PB = B − P", "b - foot", b - foot),
+        made.step(slide, "‖PB‖", "length(PB)", length(b - foot), "how far the limb is from straight"),
+        made.step(
+            slide,
+            "PB.normal()",
+            "bend_direction(A, B, C)",
+            bend_direction(a, b, c),
+            "where the limb bends to",
+        ),
+        made.step(
+            slide,
+            "(‖AB‖ + ‖BC‖) * 0.5",
+            "limb_length(A, B, C) * reach",
+            reach,
+            "how far off the elbow: half of the arm",
+        ),
+        made.step(
+            slide,
+            "B + PB.normal() * that",
+            "pole_position(A, B, C)",
+            pole_position(a, b, c),
+            "where the pole vector stands",
+        ),
+    ]
+
+
+def plain_numbers(vector: Floats) -> list[float]:
+    """Numbers without what is only rounding beside the largest of them."""
+    largest = float(np.abs(vector).max(initial=0.0))
+    return [float(x) + 0.0 if abs(x) > _NOTHING * largest else 0.0 for x in vector.tolist()]
+
+
+def short(value: float) -> str:
+    """A number with six digits at most."""
+    return f"{value + 0.0:.6g}"

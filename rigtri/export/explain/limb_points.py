@@ -1,0 +1,43 @@
+"""Which three joints of a rig are explained."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rigtri.errors import UsageError
+from rigtri.export.explain.explain import Explanation, explain
+from rigtri.frames.skeleton import skeleton
+from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import recognise
+
+
+def limb_with(rig: Rig, name: str) -> tuple[int, int, int]:
+    """The limb that a joint belongs to: a known arm or leg, else the joint with those above and below it.
+
+    Raises NameNotFoundError, AmbiguousNameError, and UsageError where there is no joint above or below.
+    """
+    node = rig.find(name)
+    for limb in recognise(rig):
+        if node in limb.triple:
+            return limb.triple
+    tree = skeleton(rig, joints=() if rig.is_joint.any() else range(len(rig)))
+    if node in tree.above:
+        above, below = tree.above[node], tree.below[node]
+        if above >= 0 and below:
+            places = rig.world[[node, *below], 3, :3]
+            # The bone that goes on is the longest one; of equal ones the first.
+            far = np.round(np.abs(places[1:] - places[0]).max(axis=1), 9)
+            return above, node, below[int(np.argmax(far))]
+    raise UsageError(
+        f"'{rig.title(node)}' belongs to no limb, nor has it joints above and below: "
+        "name three joints instead, ROOT MIDDLE END"
+    )
+
+
+def explain_limb(rig: Rig, joints: Sequence[int]) -> Explanation:
+    """Three joints where they stand at rest."""
+    a, b, c = joints
+    names = (rig.title(a), rig.title(b), rig.title(c))
+    return explain(*rig.world[[a, b, c], 3, :3], names=names)

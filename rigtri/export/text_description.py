@@ -1,0 +1,410 @@
+"""A rig as text: what ``rigtri inspect`` prints and the golden files hold.
+
+Positions and directions are of the rest pose, in the world. Everything printed
+comes from + − × ÷ √, so the same rig gives the same words everywhere; numbers
+have six significant digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rigtri.evaluation import sampling as pose
+from rigtri.export.drawing.view import View, view_of
+from rigtri.maths.matrices import SKEW, determinant, skew
+from rigtri.maths.quaternions import norm
+from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_sine
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, length, normalise
+from rigtri.model.records import Booleans, Clip, Constraint, Skin
+from rigtri.model.rig import Rig
+from rigtri.report import Report
+from rigtri.text import plain, shown_name
+from rigtri.text_tables import columns, fitting, wrapped
+
+# Scales nearer to 1 are 1 that was stored as float32 or half.
+SAME_SCALE = 1e-4
+# A bone shorter than this share of the rig has no direction.
+ZERO_LENGTH = 1e-6
+_DEGREES = 180.0 / np.pi
+_LETTERS = "xyz"
+# Deeper nodes say how deep they are instead of being indented: else a chain of n joints has n² dots. On a
+# terminal the dots take no more than this share of it.
+_DEEPEST, _DOTTED = 60, 1 / 4
+# Columns of the tree that narrow terminals do without, the first of them first: the numbers of the
+# axes, the length, the bend, the bone. Each number counts what is left. Labels stay: they find a joint.
+_SPARE = (3, 4, 4, 3)
+
+
+def describe(rig: Rig, *, report: Report | None = None, width: int | None = None) -> str:
+    """A rig as text, without a newline at its end.
+
+    Joints as a tree: name, label, where their axes point as seen from the front (``x→y↑z⊙``) and
+    in the world (``+x`` or numbers), the axis nearest to the child and how far it misses it, the
+    distance to the child, the bend between the bones, and what is unusual. Other
+    nodes stand in brackets. Then skins, clips, what rigtri has noted on nodes,
+    and the warnings of ``report``. width: of the terminal; columns that make the tree wider are left out,
+    the numbers of the axes first.
+    """
+    seen = _Seen(rig)
+    kind = "joints" if rig.is_joint.any() else "nodes"
+    room = None if width is None else width - 2
+    deepest = _DEEPEST if width is None else min(max(int(_DOTTED * width / len(". ")), 4), _DEEPEST)
+    sections = [
+        ("", [_heading(rig)]),
+        (
+            f"{kind} (arrows as seen from the front, ⊙ towards you, ⊗ away)",
+            fitting(list(_tree(seen, deepest)), room, _SPARE),
+        ),
+        ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
+        ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
+        ("notes", columns([_note_words(seen, node) for node in sorted(rig.notes)])),
+        (
+            "warnings",
+            [f"{w.code}: {plain(w.text, one_line=True)}" for w in (report.warnings if report else ())],
+        ),
+    ]
+    blocks = []
+    for title, lines in sections:
+        if lines:
+            rows = [f"  {line}" for line in lines] if title else wrapped(lines[0], width)
+            blocks.append("\n".join([*wrapped(title, width), *rows]))
+    return "\n\n".join(blocks)
+
+
+def as_json(rig: Rig) -> dict[str, Any]:
+    """The same for machines: every node with its place and frame at rest, skins, clips, notes."""
+    seen = _Seen(rig)
+    return {
+        "up": _numbers(np.array(rig.up)),
+        "facing": None if rig.facing is None else _numbers(np.array(rig.facing)),
+        "nodes": [_node_json(seen, node) for node in range(len(rig))],
+        "skins": [_skin_json(rig, skin) for skin in rig.skins],
+        "clips": [_clip_json(rig, clip) for clip in rig.shown_clips],
+        "humanoid": {bone: rig.labels[node] for bone, node in rig.humanoid.items()},
+        "constraints": [
+            {"kind": c.kind, "node": rig.labels[c.node], "source": rig.labels[c.source]}
+            | ({"axis": _direction(c.axis)} if c.axis.any() else {})
+            for c in rig.constraints
+        ],
+        "notes": {rig.labels[node]: dict(note) for node, note in sorted(rig.notes.items())},
+    }
+
+
+class _Seen:
+    """What the description says about each node, computed once for all of them."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.world = pose.worlds(rig)
+        self.position = self.world[:, 3, :3]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            self.axes = normalise(self.world[:, :3, :3])
+        self.scale = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]), rig.scale)
+        # Without a skin, as in a file of locators, every node is what a rigger works on.
+        self.counts = rig.is_joint if rig.is_joint.any() else np.ones(len(rig), dtype=bool)
+        self.weighted = _weighted(rig)
+        points = self.position[np.isfinite(self.position).all(axis=1)]
+        self.follows: dict[int, list[str]] = {}
+        for constraint in rig.constraints:
+            self.follows.setdefault(constraint.node, []).append(_constraint_words(rig, constraint))
+        self.size = float(length(np.ptp(points, axis=0))) if len(points) else 0.0
+
+    @cached_property
+    def front(self) -> View:
+        """How the character is seen from the front."""
+        return view_of(self.rig)
+
+    def child(self, node: int) -> tuple[int, int, float] | None:
+        """The child nearest to an axis, that axis (0–5: +x +y +z −x −y −z), the angle in degrees.
+
+        Joints come before other nodes; None where no child lies away from the node.
+        """
+        best: tuple[bool, float, int, int] | None = None
+        for k in self.rig.children[node]:
+            bone = self.position[k] - self.position[node]
+            if not length(bone) > ZERO_LENGTH * self.size:
+                continue
+            angles = angle(np.concatenate([self.axes[node], -self.axes[node]]), bone) * _DEGREES
+            if not np.isfinite(angles).all():
+                continue
+            # Rounded, so that equal angles stay equal: the file's order decides, not the last bit.
+            rounded = np.round(angles, 3)
+            axis = int(np.argmin(rounded))
+            found = (not self.counts[k], float(rounded[axis]), k, axis)
+            best = found if best is None or found[:2] < best[:2] else best
+        return None if best is None else (best[2], best[3], best[1])
+
+    def bend(self, node: int, child: int) -> tuple[float, float] | None:
+        """The bend at a node between its parent and a child: degrees and |sine|."""
+        parent = int(self.rig.parents[node])
+        if parent < 0 or not self.counts[parent]:
+            return None
+        limb = self.position[parent], self.position[node], self.position[child]
+        if not length(limb[1] - limb[0]) > ZERO_LENGTH * self.size:
+            return None
+        return float(bend_angle(*limb)) * _DEGREES, float(bend_sine(*limb))
+
+
+def _weighted(rig: Rig) -> Booleans:
+    weighted = np.zeros(len(rig), dtype=bool)
+    for skin in rig.skins:
+        weighted[skin.joints[skin.weighted]] = True
+    return weighted
+
+
+def _heading(rig: Rig) -> str:
+    counts = [
+        _count(len(rig), "node"),
+        _count(int(np.count_nonzero(rig.is_joint)), "joint"),
+        _count(len(rig.skins), "skin"),
+        _count(len(rig.shown_clips), "clip"),
+    ]
+    facing = f", facing {_direction(np.array(rig.facing))}" if rig.facing is not None else ""
+    frozen = f"; {rig.frozen}" if rig.frozen else ""
+    return f"{', '.join(counts)}; up {_direction(np.array(rig.up))}{facing}{frozen}"
+
+
+def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:
+    """The words of each node, depth first in the file's order; an explicit stack, for deep chains.
+
+    deepest: how many dots a node has at most.
+    """
+    rig = seen.rig
+    stack = [(int(node), 0) for node in np.flatnonzero(rig.parents < 0)[::-1]]
+    while stack:
+        node, depth = stack.pop()
+        stack += [(child, depth + 1) for child in reversed(rig.children[node])]
+        name = shown_name(rig.names[node]) or "-"
+        title = name if seen.counts[node] else f"[{name}]"
+        more = f"+{depth - deepest} " if depth > deepest else ""
+        words = [f"{'. ' * min(depth, deepest)}{more}{title}", rig.labels[node]]
+        if seen.counts[node]:
+            words += [_arrows(seen, node), _axes_words(seen.axes[node]), *_bone_words(seen, node)]
+        yield [*words, plain(", ".join(_flags(seen, node)), one_line=True)]
+
+
+def _arrows(seen: _Seen, node: int) -> str:
+    """``x→y↑z⊙``."""
+    pairs = zip(_LETTERS, seen.axes[node], strict=True)
+    return "".join(f"{letter}{seen.front.arrow(axis)}" for letter, axis in pairs)
+
+
+def _axes_words(axes: Floats) -> str:
+    return " ".join(f"{letter}:{_direction(axis)}" for letter, axis in zip(_LETTERS, axes, strict=True))
+
+
+def _bone_words(seen: _Seen, node: int) -> list[str]:
+    found = seen.child(node)
+    if found is None:
+        return ["", "", ""]
+    child, axis, degrees = found
+    sign, letter = "-" if axis > 2 else "+", _LETTERS[axis % 3]
+    name = shown_name(seen.rig.names[child]) or seen.rig.labels[child]
+    size = float(length(seen.position[child] - seen.position[node]))
+    bend = seen.bend(node, child)
+    return [
+        f"{sign}{letter} → {name} {_fixed(degrees, 1)}°",
+        f"length {_number(size)}",
+        "" if bend is None else f"bend {_fixed(bend[0], 1)}°",
+    ]
+
+
+def _flags(seen: _Seen, node: int) -> Iterator[str]:
+    """What is unusual about a node, and what it carries."""
+    rig = seen.rig
+    for bone, holder in rig.humanoid.items():
+        if holder == node:
+            yield f"vrm:{bone}"
+    if rig.payload[node] >= 0:
+        yield "carries a mesh, camera or light"
+    scale = seen.scale[node]
+    if not np.allclose(scale, 1.0, rtol=0, atol=SAME_SCALE):
+        even = np.allclose(scale, scale[0], rtol=SAME_SCALE, atol=0)
+        yield f"scale {_number(scale[0]) if even else _row(scale)}"
+    if not np.isfinite(seen.world[node]).all():
+        yield "not a number"
+    if seen.counts[node]:
+        yield from _joint_flags(seen, node)
+    yield from seen.follows.get(node, ())
+    bound = sum(b.node == node for b in rig.bound)
+    if bound:
+        yield _count(bound, "offset")
+    if node in rig.fixed:
+        yield f"fixed: {rig.fixed[node]}"
+
+
+def _joint_flags(seen: _Seen, node: int) -> Iterator[str]:
+    if determinant(seen.world[node]) < 0:
+        yield "mirrored"
+    if skew(seen.world[node]) > SKEW:
+        yield "sheared"
+    rotation = float(norm(seen.rig.rotation[node]))
+    if not seen.rig.has_matrix[node] and abs(rotation - 1.0) > SAME_SCALE:
+        yield f"rotation of length {_number(rotation)}"
+    found = seen.child(node)
+    bend = seen.bend(node, found[0]) if found is not None else None
+    # Folded back on itself a limb has no plane either, but it is not straight.
+    if bend is not None and bend[1] < STRAIGHT_SINE:
+        yield "straight" if bend[0] < 90 else "folded"
+    if seen.rig.is_joint[node] and not seen.weighted[node]:
+        yield "unweighted"
+
+
+def _constraint_words(rig: Rig, constraint: Constraint) -> str:
+    """``rolls about y with hand``."""
+    source, axis = rig.title(constraint.source), _direction(constraint.axis)
+    return {
+        "rotation": f"turns with {source}",
+        "roll": f"rolls about {axis[1:]} with {source}",
+        "aim": f"aims {axis} at {source}",
+        "tail": f"hangs from {source}",
+    }[constraint.kind]
+
+
+def _skin_words(skin: Skin, number: int) -> list[str]:
+    return [
+        shown_name(skin.name) or f"#{number}",
+        _count(len(skin.joints), "joint"),
+        f"{int(np.count_nonzero(skin.weighted))} weighted",
+        "inverse binds stored" if skin.stored else "no inverse binds",
+    ]
+
+
+def _clip_words(clip: Clip, number: int) -> list[str]:
+    times = pose.key_times(clip)
+    kinds = dict.fromkeys(track.interpolation for track in clip.tracks)
+    keys = sum(len(track.times) for track in clip.tracks)
+    return [
+        shown_name(clip.name) or f"#{number}",
+        _count(len(clip.tracks), "track"),
+        _count(keys, "key"),
+        f"{_number(times[0])} to {_number(times[-1])}" if len(times) else "",
+        " ".join(sorted(kinds)),
+    ]
+
+
+def _note_words(seen: _Seen, node: int) -> list[str]:
+    """``forearm_pole  under -  at 1 12.4142 0  poleVector  chain upper_arm forearm hand``."""
+    rig, note = seen.rig, seen.rig.notes[node]
+    parent = int(rig.parents[node])
+    rest = [f"{key} {_value(note[key])}" for key in sorted(note) if key not in ("v", "type")]
+    words = [
+        shown_name(rig.names[node]) or rig.labels[node],
+        f"under {shown_name(rig.title(parent)) if parent >= 0 else '-'}",
+        f"at {_row(seen.position[node])}",
+        str(note.get("type", "")),
+        *rest,
+    ]
+    return [plain(word, one_line=True) for word in words]
+
+
+def _node_json(seen: _Seen, node: int) -> dict[str, Any]:
+    rig = seen.rig
+    parent, found = int(rig.parents[node]), seen.child(node)
+    bend = seen.bend(node, found[0]) if found is not None else None
+    aim = None
+    if found is not None:
+        child, axis, degrees = found
+        aim = {
+            "child": rig.labels[child],
+            "axis": f"{'-' if axis > 2 else '+'}{_LETTERS[axis % 3]}",
+            "degrees": _fixed_number(degrees, 3),
+            "length": _six(float(length(seen.position[child] - seen.position[node]))),
+        }
+    return {
+        "name": rig.names[node],
+        "label": rig.labels[node],
+        "path": rig.path(node),
+        "parent": rig.labels[parent] if parent >= 0 else None,
+        "joint": bool(rig.is_joint[node]),
+        "weighted": bool(seen.weighted[node]),
+        "position": _numbers(seen.position[node]),
+        "axes": [_numbers(axis) for axis in seen.axes[node]],
+        "scale": _numbers(seen.scale[node]),
+        "aim": aim,
+        "bend_degrees": None if bend is None else _fixed_number(bend[0], 3),
+        "flags": list(_flags(seen, node)),
+    }
+
+
+def _skin_json(rig: Rig, skin: Skin) -> dict[str, Any]:
+    return {
+        "name": skin.name,
+        "joints": [rig.labels[joint] for joint in skin.joints.tolist()],
+        "weighted": int(np.count_nonzero(skin.weighted)),
+        "inverse_binds_stored": skin.stored,
+    }
+
+
+def _clip_json(rig: Rig, clip: Clip) -> dict[str, Any]:
+    times = pose.key_times(clip)
+    return {
+        "name": clip.name,
+        "tracks": len(clip.tracks),
+        "keys": sum(len(track.times) for track in clip.tracks),
+        "range": [_six(float(times[0])), _six(float(times[-1]))] if len(times) else None,
+        "interpolations": sorted({track.interpolation for track in clip.tracks}),
+        "nodes": [rig.labels[node] for node in sorted({track.node for track in clip.tracks})],
+    }
+
+
+# Words and numbers
+
+
+def _direction(v: Floats) -> str:
+    """A unit vector: ``+x`` or ``-z`` where it is one to four decimals, else its numbers."""
+    if not np.isfinite(v).all():
+        return "none"
+    rounded = np.round(v, 4) + 0.0
+    main = np.flatnonzero(rounded)
+    if len(main) == 1 and abs(rounded[main[0]]) == 1.0:
+        return f"{'+' if rounded[main[0]] > 0 else '-'}{_LETTERS[main[0]]}"
+    return f"({' '.join(f'{x:.4g}' for x in rounded.tolist())})"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, float):
+        return _number(value)
+    if isinstance(value, Mapping):
+        return " ".join(f"{key} {_value(value[key])}" for key in sorted(value))
+    if isinstance(value, (list, tuple)):
+        return " ".join(map(_value, value))
+    return str(value)
+
+
+def _row(values: Floats) -> str:
+    """Numbers side by side; what is nothing beside the largest of them is 0."""
+    return " ".join(f"{x:.6g}" for x in _numbers(values))
+
+
+def _numbers(values: Floats) -> list[float | None]:
+    values = np.asarray(values, dtype=np.float64)
+    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    # Rounding noise of a rotation by 90 degrees, not a number anyone meant.
+    clean = np.where(np.abs(values) < 1e-7 * largest, 0.0, values)
+    return [_six(x) for x in clean.tolist()]
+
+
+def _six(x: float) -> float | None:
+    return float(f"{x:.6g}") + 0.0 if np.isfinite(x) else None
+
+
+def _number(x: float) -> str:
+    return f"{x + 0.0:.6g}"
+
+
+def _fixed(x: float, digits: int) -> str:
+    return f"{_fixed_number(x, digits):.{digits}f}"
+
+
+def _fixed_number(x: float, digits: int) -> float:
+    return round(float(x), digits) + 0.0
+
+
+def _count(count: int, word: str) -> str:
+    return f"{count} {word}{'' if count == 1 else 's'}"

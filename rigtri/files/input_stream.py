@@ -1,0 +1,61 @@
+"""The source of a command as a file on disk, also where it comes by a stream."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from rigtri.errors import RigtriError
+from rigtri.files import temp_dirs as scratch
+from rigtri.files.text_files import check_plain
+
+# The first bytes of a stream tell its format, and with it the suffix that `read` goes by.
+_MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
+
+
+def title(source: Path | str) -> str:
+    """What the source is called where its folder does not matter."""
+    return "standard input" if str(source) == "-" else Path(source).name
+
+
+@contextmanager
+def opened(source: Path | str) -> Iterator[Path]:
+    """The source as a file on disk, and arithmetic that a broken file may not make noisy."""
+    # What leaves float64 becomes inf or NaN; `_check_numbers` and the comparison see it.
+    with np.errstate(all="ignore"), _on_disk(source) as path:
+        yield path
+
+
+@contextmanager
+def _on_disk(source: Path | str) -> Iterator[Path]:
+    """The source as it lies; standard input is spooled, its first bytes say the format."""
+    if str(source) != "-":
+        yield check_plain(source)
+        return
+    start = sys.stdin.buffer.read(16)
+    suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")
+    with scratch.folder() as folder:
+        path = Path(folder, f"stdin{suffix}")
+        with path.open("wb") as file:
+            file.write(start)
+            shutil.copyfileobj(sys.stdin.buffer, file)
+        with called({str(path): "standard input", path.name: "standard input"}):
+            yield path
+
+
+@contextmanager
+def called(names: dict[str, str]) -> Iterator[None]:
+    """Let errors speak of files by the names that the user gave."""
+    try:
+        yield
+    except RigtriError as error:
+        text = str(error)
+        for name, known in names.items():
+            text = text.replace(name, known)
+        error.args = (text, *error.args[1:])
+        raise

@@ -1,0 +1,227 @@
+"""What an edit writes: a part beside its target and what goes with it; either all stay or none."""
+
+from __future__ import annotations
+
+import filecmp
+import os
+import re
+import shutil
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+from rigtri.errors import FileError, UsageError
+from rigtri.files.atomic_write import aimed, beside, commit, discard_stale, replacing, same_file, stale_parts
+from rigtri.files.copy_ahead import Ahead, copied
+from rigtri.formats import Companion
+
+_OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
+
+
+class Written:
+    """A part beside its target and the companions placed so far; either all stay or none.
+
+    The rename of the part is the moment that counts: as long as there is a part, the old
+    files are the valid ones, and what a killed run has replaced is put back by the next.
+    """
+
+    def __init__(
+        self,
+        final: Path,
+        overwrite: bool,
+        needed: Sequence[tuple[Path, str]] = (),
+        ahead: Ahead | None = None,
+        *,
+        shared: bool = False,
+    ) -> None:
+        """shared: other files appear in the folder at the same time, and may need the same copies.
+
+        Copies of the source's files then are not ours to take back, to force names to the disk is the
+        caller's, who does it while the next file is worked on, and what killed runs have left is
+        for the caller to `recover`: who looks through a folder for each of its files is never done.
+        """
+        self.final, self.overwrite, self._needed, self._shared = final, overwrite, needed, shared
+        self._ahead = ahead or Ahead()
+        if not shared:
+            with as_file_error(final):
+                recover(final)
+        self.part = beside(final)
+        self._on_disk = False
+        self._settling: threading.Thread | None = None
+        self.placed: list[tuple[Path, Path | None]] = []
+        self.beside: list[Path] = []  # all companions, also those that were there
+        self._orphans = _our_buffers(final)
+
+    def add(self, companion: Companion) -> None:
+        """Put a companion in place, keeping what was there until the whole has passed."""
+        name = Path(companion.name)
+        if name.is_absolute() or ".." in name.parts:
+            raise FileError(
+                f"'{companion.name}' lies outside the folder of the source; it will not be copied "
+                "beside the output. Use --resources relink."
+            )
+        place = self.final.parent / name
+        self.beside.append(place)
+        if place.exists() and _same(companion.content, place):
+            return
+        if place.exists() and not self.overwrite:
+            raise UsageError(
+                f"{place} exists and is another file than the one that {self.final.name} needs there; "
+                "it is replaced only with --overwrite"
+            )
+        spare(place, [*self._needed, (self.final, "the output itself")])
+        place.parent.mkdir(parents=True, exist_ok=True)
+        content = companion.content
+        there = isinstance(content, Path) and self._ahead.take(content, beside(place))
+        if not there and not self._shared:
+            discard_stale(place)
+        if not (self._shared and isinstance(content, Path)):
+            backup = _kept(place, os.getpid()) if place.exists() else None
+            if backup is not None:
+                _link(place, backup)
+            self.placed.append((place, backup))
+        with replacing(place) as fresh:
+            if isinstance(content, bytes):
+                fresh.write_bytes(content)
+            elif not there:
+                copied(content, fresh)
+
+    def settle(self) -> None:
+        """Let the disk take the part meanwhile, so that the rename need not wait for that."""
+        # The thread must not open it: it would wait for this one before it came to the sync.
+        thread = threading.Thread(target=self._sync, args=(self.part.open("rb+"),))
+        thread.start()
+        self._settling = thread
+
+    def _sync(self, part: IO[bytes]) -> None:
+        with part, suppress(OSError):  # it comes again before the rename, and is told then
+            os.fsync(part.fileno())
+            self._on_disk = True
+
+    def _settled(self) -> bool:
+        """Wait for `settle`; whether the disk has all of the part."""
+        if self._settling is not None:
+            self._settling.join()
+        return self._on_disk
+
+    def finish(self) -> None:
+        """Rename the part into place; remove buffers of ours that nothing refers to any more."""
+        with as_file_error(self.final):
+            commit(self.part, self.final, synced=self._settled(), named=not self._shared)
+        # The new file is there; what cannot be tidied up any more is no reason to fail.
+        with suppress(OSError):
+            for _, backup in self.placed:
+                if backup is not None:
+                    backup.unlink()
+            for orphan in self._orphans - _our_buffers(self.final):
+                orphan.unlink(missing_ok=True)
+
+    def undo(self) -> None:
+        """Leave the folder as it was; nothing to do where the part has become the file."""
+        self._settled()
+        if self.placed and not self.part.exists():
+            return
+        for place, backup in reversed(self.placed):
+            if backup is not None:
+                _put_back(backup, place)
+            else:
+                place.unlink(missing_ok=True)
+        with suppress(OSError):  # the reason for undoing is told, not this
+            self.part.unlink(missing_ok=True)
+
+
+def _kept(place: Path, process: int) -> Path:
+    """Where a run keeps the file that it replaces."""
+    return place.with_name(f".{place.name}.kept-{process}")
+
+
+def _link(place: Path, backup: Path) -> None:
+    """A second name for a file, or a copy where the file system has no links."""
+    backup.unlink(missing_ok=True)
+    try:
+        os.link(place, backup)
+    except OSError:
+        shutil.copy2(place, backup)
+
+
+def _put_back(backup: Path, place: Path) -> None:
+    os.replace(backup, place)
+    # Of two names of one file the rename drops neither.
+    backup.unlink(missing_ok=True)
+
+
+def recover(final: Path, *, alone: bool = False) -> None:
+    """Finish what killed runs have left: put back what they had replaced, remove their parts.
+
+    A buffer that was new stays: by its name alone nobody knows who else refers to it.
+    alone: nobody else writes ``final``.
+    """
+    for process in {process for _, process in stale_parts(final, every=alone)}:
+        for backup in final.parent.rglob(f".*.kept-{process}"):
+            _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
+        for part in final.parent.rglob(f".*.part-{process}*"):
+            part.unlink(missing_ok=True)
+
+
+def _our_buffers(path: Path) -> set[Path]:
+    """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to."""
+    if path.suffix.lower() != ".gltf" or not path.is_file():
+        return set()
+    names = {name.decode("utf-8", "replace") for name in _OURS.findall(path.read_bytes())}
+    return {path.parent / name for name in names if name.startswith(f"{path.stem}.rigtri-")}
+
+
+def _same(content: bytes | Path, place: Path) -> bool:
+    if isinstance(content, bytes):
+        return place.is_file() and place.read_bytes() == content
+    return place.is_file() and filecmp.cmp(content, place, shallow=False)
+
+
+def spare(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
+    """UsageError where writing to ``place`` would destroy a file that the output needs."""
+    for file, what in needed:
+        if same_file(place, file):
+            raise UsageError(f"{place} is {what}; it would be lost. Give another name")
+
+
+@contextmanager
+def as_file_error(path: Path) -> Iterator[None]:
+    """An error of the operating system, told with the file it concerns."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise FileError(f"{path} cannot be written: {reason}") from error
+
+
+def destination(path: Path) -> Path:
+    """Where what is to be named ``path`` is written: a link stays a link, and what it leads to is replaced.
+
+    UsageError for a device or a pipe, FileError for links in a circle.
+    """
+    with as_file_error(path):
+        place = aimed(path)
+        # Asked of the name itself: what a link in /proc says it leads to need be no name.
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise UsageError(
+                f"{path} is a device or a pipe; give the name of a plain file "
+                "(-o - and --json write to standard output)"
+            )
+        return place
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a small text file as `write_bytes` does, in UTF-8."""
+    # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
+    write_bytes(path, text.encode("utf-8", errors="backslashreplace"))
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a small file beside and rename it, as `destination` says; FileError when that fails."""
+    path = destination(path)
+    with as_file_error(path):
+        discard_stale(path)
+        with replacing(path) as part:
+            part.write_bytes(content)

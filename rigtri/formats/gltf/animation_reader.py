@@ -1,0 +1,280 @@
+"""Animations of a glTF file as clips.
+
+Source: glTF 2.0 §3.11; KHR_animation_pointer.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.accessors import Accessors
+from rigtri.formats.gltf.node_reader import NON_UNIT, Tree
+from rigtri.formats.json_values import Value
+from rigtri.maths.quaternions import norm
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Track
+from rigtri.report import Notice
+
+WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
+INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
+POINTER = "KHR_animation_pointer"
+# Below this length float32 has too few digits left for a direction (2⁻¹²⁶, its smallest normal number).
+_LEAST = float(np.finfo(np.float32).tiny)
+_NODE_POINTER = re.compile(r"/nodes/(0|[1-9]\d{0,8})/(translation|rotation|scale|weights)")
+
+
+def target_of(channel: dict[str, Any]) -> tuple[int, str] | None:
+    """The node and property that a channel drives; None where it drives something else.
+
+    The node is what the file says, in range or not. A pointer to a node's
+    property is the same as a channel with that node and path.
+    """
+    target = channel.get("target")
+    if type(target) is not dict:
+        return None
+    path = target.get("path")
+    if path == "pointer":
+        found = _NODE_POINTER.fullmatch(pointer_of(target) or "")
+        return (int(found[1]), found[2]) if found else None
+    node = target.get("node")
+    if type(node) is not int or path not in ("translation", "rotation", "scale", "weights"):
+        return None
+    return node, path
+
+
+def pointer_of(target: dict[str, Any]) -> str | None:
+    """The pointer of a channel's target, None where there is none."""
+    extensions = target.get("extensions")
+    found = extensions.get(POINTER) if isinstance(extensions, dict) else None
+    pointer = found.get("pointer") if isinstance(found, dict) else None
+    return pointer if isinstance(pointer, str) else None
+
+
+def animated_nodes(gltf: Value) -> set[int]:
+    """File indices of nodes whose translation, rotation or scale is animated."""
+    found: set[int] = set()
+    for animation in gltf.each("animations"):
+        channels = animation.get("channels")
+        for number, channel in enumerate(channels.entries() if channels is not None else ()):
+            if type(channel) is not dict:
+                Value(channel, f"{animation.where}.channels[{number}]").object()
+            target = target_of(channel)
+            if target is not None and target[1] in WIDTH:
+                found.add(target[0])
+    return found
+
+
+class ClipReader:
+    """Reads the animations of one file; notices collects what it could live with.
+
+    times: of each accessor that has some. known: those of the file that this one was made of; what is the
+    same is taken from there, and then compared no more.
+    """
+
+    def __init__(
+        self,
+        gltf: Value,
+        accessors: Accessors,
+        tree: Tree,
+        notices: list[Notice],
+        known: Mapping[int, Floats],
+        *,
+        lenient: bool,
+    ) -> None:
+        self._gltf, self._accessors, self._tree = gltf, accessors, tree
+        self._notices, self._lenient = notices, lenient
+        self._nodes = gltf.object().get("nodes", [])
+        self.times: dict[int, Floats] = {}
+        self._known = known
+        self._rising: set[bytes] = set()  # times that are in order: most tracks have the same
+        self._values: dict[int, Floats] = {}
+
+    def read(self) -> tuple[Clip, ...]:
+        """All animations as clips. FileError, naming animation and channel, for what is broken."""
+        # Some NaN are signalling ones, of which nobody wants to hear; asked for once, not for each accessor.
+        with np.errstate(invalid="ignore"):
+            clips = tuple(
+                self._clip(number, animation)
+                for number, animation in enumerate(self._gltf.each("animations"))
+            )
+        for clip in clips:
+            self._check_values(clip)
+        return clips
+
+    def _clip(self, number: int, animation: Value) -> Clip:
+        name = animation.object().get("name")
+        name = name if isinstance(name, str) else ""
+        where = f"{self._gltf.where} animation '{name}' (#{number})"
+        samplers = Value(animation.object().get("samplers", []), f"{where} samplers").entries()
+        channels = Value(animation.object().get("channels", []), f"{where} channels").entries()
+        tracks: list[Track] = []
+        seen: set[tuple[int, str]] = set()
+        for index, channel in enumerate(channels):
+            place = f"{where} channel {index}"
+            if type(channel) is not dict:
+                raise FileError(f"{place}: an object should stand here")
+            target = target_of(channel)
+            if target is None:
+                self._wonder(channel, place)
+                continue  # no node of ours: kept, never read
+            if target[0] < 0 or target[0] >= len(self._nodes):
+                raise FileError(f"{place}: there is no node {target[0]}, the file has {len(self._nodes)}")
+            if target in seen:
+                raise FileError(f"{place}: node #{target[0]} has two channels for its {target[1]}")
+            seen.add(target)
+            track = self._track(channel, samplers, target, (number, index), place)
+            if track is not None:
+                tracks.append(track)
+        return Clip(name, tuple(tracks), key=number)
+
+    def _wonder(self, channel: dict[str, Any], place: str) -> None:
+        """Say that a channel may drive a joint in a way that rigtri does not know."""
+        target = channel.get("target")
+        path = target.get("path") if isinstance(target, dict) else None
+        if path in (*WIDTH, "weights") or (path == "pointer" and pointer_of(channel["target"]) is not None):
+            return
+        text = f"{place}: nobody knows what the path {path!r} drives; the channel is kept as it is"
+        self._notices.append(Notice("channel-unknown", text))
+
+    def _track(
+        self,
+        channel: dict[str, Any],
+        samplers: list[Any],
+        target: tuple[int, str],
+        key: tuple[int, int],
+        place: str,
+    ) -> Track | None:
+        node, path = target
+        if path != "weights":
+            return self._read_track(channel, samplers, node, path, WIDTH[path], key, place)
+        # Morph weights are only looked at; nothing wrong with them may cost an edit of the rig.
+        try:
+            targets = self._morph_targets(node, place)
+            return self._read_track(channel, samplers, node, path, targets, key, place)
+        except FileError as error:
+            text = f"{error} (morph weights are kept, but not checked)"
+            self._notices.append(Notice("weights-unread", text))
+            return None
+
+    def _read_track(
+        self,
+        channel: dict[str, Any],
+        samplers: list[Any],
+        node: int,
+        path: Any,
+        width: int,
+        key: tuple[int, int],
+        place: str,
+    ) -> Track:
+        number = channel.get("sampler")
+        if type(number) is not int or not 0 <= number < len(samplers) or type(samplers[number]) is not dict:
+            raise FileError(f"{place}: there is no sampler {number!r}, the animation has {len(samplers)}")
+        sampler = samplers[number]
+        interpolation = sampler.get("interpolation", "LINEAR")
+        if interpolation not in INTERPOLATIONS:
+            raise FileError(f"{place}: interpolation {interpolation!r} is none that glTF knows")
+        times = self._input(sampler.get("input"), place)
+        values = self._output(sampler.get("output"), place)
+        per_key = 3 if interpolation == "CUBICSPLINE" else 1
+        if path == "weights":
+            values = values.reshape(-1, width) if values.size % width == 0 else values
+        if values.shape[1] != width or len(values) != per_key * len(times):
+            raise FileError(
+                f"{place}: {len(times)} times need {per_key * len(times)} values of {width} numbers, "
+                f"the output has {len(values)} of {values.shape[1]}; export the file anew"
+            )
+        shaped = values.reshape(len(times), 3, width) if per_key == 3 else values
+        return Track(self._tree.place[node], path, interpolation, times, shaped, key)
+
+    def _accessor(self, index: Any, place: str, what: str) -> int:
+        if type(index) is not int or not 0 <= index < len(self._accessors):
+            raise FileError(f"{place}: its {what} is accessor {index!r}, the file has {len(self._accessors)}")
+        return index
+
+    def _input(self, index: Any, place: str) -> Floats:
+        times = self.times.get(index) if type(index) is int else None
+        if times is None:
+            index = self._accessor(index, place, "input")
+            times = self._accessors.read_aloud(index)
+            if times.shape[1] != 1:
+                raise FileError(f"{place}: its times have {times.shape[1]} numbers each, not one")
+            content, known = times.tobytes(), self._known.get(index)
+            if content not in self._rising:
+                self._check_times(times[:, 0], place)
+                self._rising.add(content)
+            times = times[:, 0] if known is None or known.tobytes() != content else known
+            self.times[index] = times
+        return times
+
+    def _check_times(self, times: Floats, place: str) -> None:
+        if not np.isfinite(times).all():
+            raise FileError(f"{place}: a time is not a number; export the animation anew")
+        steps = np.diff(times)
+        wrong = np.flatnonzero(steps < 0 if self._lenient else steps <= 0)
+        if len(wrong):
+            k = int(wrong[0])
+            same = " Use --lenient to accept equal times." if steps[k] == 0 else ""
+            raise FileError(
+                f"{place}: time {k + 1}, {times[k + 1]:g} s, does not come after time {k}, {times[k]:g} s; "
+                f"export the animation anew.{same}"
+            )
+
+    def _output(self, index: Any, place: str) -> Floats:
+        values = self._values.get(index) if type(index) is int else None
+        if values is None:
+            index = self._accessor(index, place, "output")
+            values = self._values[index] = self._accessors.read_aloud(index)
+        return values
+
+    def _morph_targets(self, node: int, place: str) -> int:
+        mesh = self._nodes[node].get("mesh")
+        meshes = self._gltf.object().get("meshes", [])
+        if type(mesh) is not int or not 0 <= mesh < len(meshes):
+            raise FileError(f"{place}: node #{node} has no mesh whose weights it could drive")
+        for primitive in Value(meshes[mesh], f"{self._gltf.where} meshes[{mesh}]").each("primitives"):
+            targets = list(primitive.each("targets"))
+            if targets:
+                return len(targets)
+        raise FileError(f"{place}: the mesh of node #{node} has no morph targets")
+
+    def _check_values(self, clip: Clip) -> None:
+        """No NaN, no zero rotation; one look at all values, a second only where something is wrong."""
+        tracks = [track for track in clip.tracks if track.path != "weights"]
+        if tracks and not np.isfinite(np.concatenate([t.values.ravel() for t in tracks])).all():
+            self._refuse(tracks, "is not a number", lambda values: ~np.isfinite(values).all(axis=-1))
+        turns = [track for track in tracks if track.path == "rotation"]
+        if not turns:
+            return
+        keys = [t.values[:, 1] if t.interpolation == "CUBICSPLINE" else t.values for t in turns]
+        size = norm(np.concatenate(keys))
+        if (size < _LEAST).any():
+            like = "is" if (size == 0).any() else "is as good as"
+            self._refuse(turns, f"{like} 0 0 0 0, which is no rotation", _is_zero)
+        off = float(np.abs(size - 1.0).max())
+        if off > NON_UNIT:
+            name = f"animation '{clip.name}' (#{clip.key})"
+            text = f"Rotations of {name} are not unit, the worst is off by {off:.2g}"
+            self._notices.append(Notice("rotation-not-unit", text))
+
+    def _refuse(self, tracks: list[Track], what: str, wrong: Any) -> NoReturn:
+        for track in tracks:
+            keys = np.argwhere(wrong(track.values))
+            if len(keys):
+                clip, channel = track.key if isinstance(track.key, tuple) else (0, 0)
+                name = self._gltf.object()["animations"][clip].get("name", "")
+                raise FileError(
+                    f"{self._gltf.where} animation '{name}' (#{clip}) channel {channel}: "
+                    f"{track.path} key {keys[0][0]} {what}; export the animation anew"
+                )
+        raise AssertionError("a wrong value was seen and is gone")
+
+
+def _is_zero(values: Floats) -> Any:
+    zero = norm(values) < _LEAST
+    # Tangents may well be zero.
+    return zero[:, 1] if zero.ndim == 2 else zero

@@ -1,0 +1,433 @@
+"""Inverse bind matrices and animations, changed in a draft where a rig differs.
+
+What several users of an accessor or sampler want alike they go on sharing; who
+wants something else gets its own.
+
+Source: glTF 2.0 §3.7.3, §3.11; KHR_animation_pointer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rigtri.errors import FileError, GeometryError
+from rigtri.formats.gltf.accessors import FLOAT, Accessors
+from rigtri.formats.gltf.animation_reader import POINTER, pointer_of
+from rigtri.formats.gltf.buffer_writer import Role, Storage
+from rigtri.formats.gltf.float32_rounding import Singles, round_tracks, to_singles
+from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Integers, Skin, Track
+from rigtri.model.rig import Rig
+
+KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+
+
+def refuse_early(before: Rig, after: Rig) -> None:
+    """GeometryError for a key before 0 that an edit makes, which glTF does not have; old ones stay."""
+    known = {id(track) for clip in before.clips for track in clip.tracks}
+    olds = {clip.key: clip.tracks for clip in before.clips}
+    for k, clip in enumerate(after.clips):
+        old = olds.get(clip.key, ())
+        times = {id(track.times) for track in old}
+        made = [t for t in clip.tracks if id(t.times) not in times and id(t) not in known and len(t.times)]
+        first = min((float(track.times[0]) for track in old if made and len(track.times)), default=0.0)
+        for track in made:
+            if track.times[0] < min(first, 0.0):
+                raise GeometryError(
+                    f"'{after.title(track.node)}' would get a key at {track.times[0]:g} s in clip "
+                    f"'{clip.name or f'#{k}'}', and glTF has no time before 0. Choose a later time, or move "
+                    "the keys of the clip"
+                )
+
+
+class _Wish(NamedTuple):
+    """New rows for a place that refers to an accessor, and how to let it refer to another one."""
+
+    accessor: int | None
+    rows: Singles
+    kind: str
+    role: Role
+    refer: Callable[[int], None]
+
+
+class ClipWriter:
+    """Carries skins and clips of ``rig`` into a draft. index: file index of every node of the rig."""
+
+    def __init__(
+        self,
+        draft: Draft,
+        storage: Storage,
+        accessors: Accessors,
+        source: Rig,
+        rig: Rig,
+        index: Sequence[int],
+        moved: dict[int, int],
+    ) -> None:
+        self._draft, self._storage, self._accessors = draft, storage, accessors
+        self._source, self._rig, self._index, self._moved = source, rig, index, moved
+        self._wishes: list[_Wish] = []
+        self._inputs: dict[int, int] = {}
+        # Channels to be taken out, by animation; last, as until then they are found by their place.
+        self._lost: dict[int, set[int]] = {}
+        self._gone = False  # whether clips of the source are
+
+    def write(self) -> None:
+        """Put all differences into the draft and the storage."""
+        count = len(self._source.skins)
+        for skin, before in zip(self._rig.skins[:count], self._source.skins, strict=True):
+            self._write_skin(skin, before)
+        for skin in self._rig.skins[count:]:
+            self._add_skin(skin)
+        self._write_clips()
+        self._grant()
+        self._redirect()
+        # They refer to this writer and it to them: all new keys would wait for the garbage collector.
+        self._wishes.clear()
+        for number, lost in self._lost.items():
+            drop_channels(self._draft, number, lost)
+        if self._gone:
+            drop_empty_animations(self._draft)
+
+    # --- skins
+
+    def _write_skin(self, skin: Skin, before: Skin) -> None:
+        if skin is before or np.array_equal(skin.inverse_bind, before.inverse_bind):
+            return
+        number, count = int(str(skin.key)), len(before.joints)
+        if len(skin.joints) > count:
+            self._grow_skin(number, skin, before)
+            return
+        if np.array_equal(skin.inverse_bind, before.inverse_bind[: len(skin.joints)]):
+            self._cut_matrices(number, skin)
+            return
+        accessor = self._draft.gltf["skins"][number].get("inverseBindMatrices")
+        rows = skin.inverse_bind.reshape(-1, 16)
+        if accessor is not None:
+            accessor = int(accessor)
+            stored = self._accessors.read(accessor)
+            # Rows behind the last joint mean nothing, but they were there.
+            rows = np.concatenate([rows, stored[len(rows) :]])
+
+        def refer(index: int) -> None:
+            self._draft.own("skins", number)["inverseBindMatrices"] = index
+
+        self._wishes.append(_Wish(accessor, to_singles(rows), "MAT4", "inverse bind matrices", refer))
+
+    def _cut_matrices(self, number: int, skin: Skin) -> None:
+        """Joints of ours have gone, which came last: the matrices of before them are often there still."""
+        accessor = self._draft.gltf["skins"][number].get("inverseBindMatrices")
+        rows = to_singles(skin.inverse_bind.reshape(-1, 16))
+        if accessor is None or not len(rows):
+            return
+        for index in range(len(self._accessors)):
+            try:
+                raw = self._accessors.value(index).object()
+                if index == accessor or raw.get("type") != "MAT4" or raw.get("count", 0) < len(rows):
+                    continue
+                stored = self._accessors.read(index)[: len(rows)]
+            except FileError:
+                continue
+            if np.array_equal(stored, rows):
+                self._draft.own("skins", number)["inverseBindMatrices"] = index
+                return
+        if self._storage.users[accessor] == 1:  # rows behind the last joint mean nothing
+            self._draft.own("accessors", accessor)["count"] = len(rows)
+
+    def _grow_skin(self, number: int, skin: Skin, before: Skin) -> None:
+        """New joints behind the last, so that the indices of meshes keep their meaning."""
+        count = len(before.joints)
+        self._draft.own("skins", number, "joints").extend(self._nodes(skin.joints[count:]))
+        if before.stored or not np.array_equal(skin.inverse_bind[:count], before.inverse_bind):
+            like = self._draft.gltf["skins"][number].get("inverseBindMatrices")
+            self._draft.own("skins", number)["inverseBindMatrices"] = self._matrices(skin, like)
+
+    def _add_skin(self, skin: Skin) -> None:
+        added: dict[str, Any] = {"name": skin.name} if skin.name else {}
+        added |= {"joints": self._nodes(skin.joints), "inverseBindMatrices": self._matrices(skin, None)}
+        self._draft.need("skins", empty=[]).append(added)
+
+    def _nodes(self, joints: Integers) -> list[int]:
+        return [self._index[joint] for joint in joints.tolist()]
+
+    def _matrices(self, skin: Skin, like: int | None) -> int:
+        """A new accessor with a skin's inverse bind matrices; the old bytes stay where they are."""
+        rows = to_singles(skin.inverse_bind.reshape(-1, 16))
+        return self._storage.add(rows, "MAT4", "inverse bind matrices", like)
+
+    # --- clips
+
+    def _write_clips(self) -> None:
+        before = {clip.key: clip for clip in self._source.clips}
+        changed: list[tuple[Track, Track]] = []
+        for clip in self._rig.clips:
+            old = before.pop(clip.key, None) if clip.key is not None else None
+            if clip is old:
+                continue
+            number = int(str(clip.key)) if old is not None else self._add_animation(clip)
+            changed += self._compare(number, clip, old)
+        self._gone = bool(before)
+        for clip in before.values():
+            self._lost[int(str(clip.key))] = {_place(track)[1] for track in clip.tracks}
+        rows = round_tracks([now for now, _ in changed], [then for _, then in changed])
+        wanted = {
+            now.key: values.reshape(-1, 1) if now.path == "weights" else values
+            for (now, _), values in zip(changed, rows, strict=True)
+        }
+        self._settle_samplers(wanted)
+
+    def _compare(self, number: int, clip: Clip, old: Clip | None) -> list[tuple[Track, Track]]:
+        """Tracks with other values, each with what it was; channels that move, come or go are noted."""
+        known = {track.key: track for track in old.tracks} if old is not None else {}
+        if old is not None and clip.name != old.name:
+            self._draft.own("animations", number)["name"] = clip.name
+        changed = []
+        for track in clip.tracks:
+            then = known.pop(track.key, None) if track.key is not None else None
+            if track is then:
+                continue
+            if then is None:
+                self._add_channel(number, track)
+                continue
+            if self._node_of(track, self._rig) != self._node_of(then, self._source):
+                self._retarget(then, self._index[track.node])
+            if track.interpolation != then.interpolation or not _same(track.times, then.times):
+                self._retime(number, track)
+            elif not _same(track.values, then.values):
+                changed.append((track, then))
+        if known:
+            self._lost[number] = {_place(track)[1] for track in known.values()}
+        return changed
+
+    def _node_of(self, track: Track, rig: Rig) -> Any:
+        return rig.keys[track.node]
+
+    def _retarget(self, track: Track, node: int) -> None:
+        number, channel = _place(track)
+        target = self._draft.own("animations", number, "channels", channel, "target")
+        _aim(self._draft, (number, channel), target, node)
+
+    def _settle_samplers(self, wanted: dict[Any, Singles]) -> None:
+        """New outputs for samplers; channels that share one and part ways get samplers of their own."""
+        by_sampler: dict[tuple[int, int], list[tuple[int, Singles]]] = {}
+        for (number, channel), rows in wanted.items():
+            sampler = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
+            by_sampler.setdefault((number, sampler), []).append((channel, rows))
+        sharing = _sharing(self._draft.gltf.get("animations", []), {number for number, _ in by_sampler})
+        for (number, sampler), users in by_sampler.items():
+            groups: dict[bytes, list[tuple[int, Singles]]] = {}
+            for channel, rows in users:
+                groups.setdefault(rows.tobytes() if len(users) > 1 else b"", []).append((channel, rows))
+            # The old sampler stays with whoever wants its old values.
+            old_values_wanted = sharing[number, sampler] > len(users)
+            for place, group in enumerate(groups.values()):
+                mine = sampler
+                if old_values_wanted or place > 0:
+                    mine = self._split(number, sampler, [channel for channel, _ in group])
+                self._wish_output(number, mine, group[0][1], fresh=mine != sampler)
+
+    def _split(self, number: int, sampler: int, channels: list[int]) -> int:
+        samplers = self._draft.own("animations", number, "samplers")
+        samplers.append(dict(samplers[sampler]))
+        for channel in channels:
+            self._draft.own("animations", number, "channels", channel)["sampler"] = len(samplers) - 1
+        return len(samplers) - 1
+
+    def _wish_output(self, number: int, sampler: int, rows: Singles, *, fresh: bool) -> None:
+        output = self._draft.gltf["animations"][number]["samplers"][sampler]["output"]
+
+        def refer(index: int) -> None:
+            self._draft.own("animations", number, "samplers", sampler)["output"] = index
+
+        kind = KINDS[rows.shape[1]]
+        wish = _Wish(output, rows, kind, "animation", refer)
+        if fresh:
+            refer(self._storage.add(rows, kind, "animation", output))
+        else:
+            self._wishes.append(wish)
+
+    # --- accessors
+
+    def _grant(self) -> None:
+        """Write over an accessor that all its users want changed alike; else give new ones."""
+        together: dict[int, list[_Wish]] = {}
+        for wish in self._wishes:
+            if wish.accessor is None:
+                wish.refer(self._storage.add(wish.rows, wish.kind, wish.role))
+            else:
+                together.setdefault(wish.accessor, []).append(wish)
+        changes: list[tuple[int, Singles]] = []
+        for accessor, wishes in together.items():
+            first = wishes[0]
+            alone = self._storage.users[accessor] == len(wishes) and all(
+                np.array_equal(wish.rows.view(np.uint32), first.rows.view(np.uint32)) for wish in wishes[1:]
+            )
+            if alone and self._storage.owns(accessor):
+                changes.append((accessor, first.rows))
+            else:
+                for wish in wishes:
+                    wish.refer(self._storage.add(wish.rows, wish.kind, wish.role, accessor))
+        self._storage.replace(changes)
+
+    # --- channels that move, come and go
+
+    def _redirect(self) -> None:
+        """Channels of morph weights follow a mesh that another node shows now, read or not."""
+        if not self._moved:
+            return
+        for number, animation in enumerate(self._draft.gltf.get("animations", [])):
+            for channel, raw in enumerate(animation.get("channels", [])):
+                node = _drives_payload(raw)
+                if node in self._moved:
+                    target = self._draft.own("animations", number, "channels", channel, "target")
+                    _aim(self._draft, (number, channel), target, self._moved[node])
+
+    def _add_animation(self, clip: Clip) -> int:
+        animations = self._draft.need("animations", empty=[])
+        animations.append({**({"name": clip.name} if clip.name else {}), "samplers": [], "channels": []})
+        return len(animations) - 1
+
+    def _input(self, track: Track) -> int:
+        """The accessor with the times of a new track: one that is there, or a new one."""
+        if not self._inputs:
+            for clip in self._source.clips:
+                for known in clip.tracks:
+                    animation, channel = _place(known)
+                    raw = self._draft.gltf["animations"][animation]
+                    sampler = raw["samplers"][raw["channels"][channel]["sampler"]]
+                    self._inputs[id(known.times)] = sampler["input"]
+        if id(track.times) not in self._inputs:
+            rows = to_singles(track.times.reshape(-1, 1))
+            self._inputs[id(track.times)] = self._keys(rows, "SCALAR", bounds=True)
+        return self._inputs[id(track.times)]
+
+    def _add_channel(self, number: int, track: Track) -> None:
+        target = {"node": self._index[track.node], "path": track.path}
+        channels = self._draft.need("animations", number, "channels", empty=[])
+        channels.append({"sampler": self._add_sampler(number, track), "target": target})
+
+    def _retime(self, number: int, track: Track) -> None:
+        """Give a channel other key times or another interpolation, in a sampler of its own."""
+        channel = _place(track)[1]
+        old = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
+        if _sharing(self._draft.gltf["animations"], {number})[number, old] == 1:  # nobody else wants it
+            before, now = self._draft.gltf["animations"][number]["samplers"][old], self._sampler(track)
+            if "interpolation" not in before and (now["interpolation"] == "LINEAR" or len(track.times) == 1):
+                now.pop("interpolation")  # one key holds either way
+            self._draft.own("animations", number, "samplers")[old] = {**before, **now}
+            return
+        sampler = self._add_sampler(number, track)
+        self._draft.own("animations", number, "channels", channel)["sampler"] = sampler
+
+    def _add_sampler(self, number: int, track: Track) -> int:
+        samplers = self._draft.need("animations", number, "samplers", empty=[])
+        samplers.append(self._sampler(track))
+        return len(samplers) - 1
+
+    def _sampler(self, track: Track) -> dict[str, Any]:
+        (rows,) = round_tracks([track], [track])
+        rows = rows.reshape(-1, 1) if track.path == "weights" else rows
+        return {
+            "input": self._input(track),
+            "output": self._keys(rows, KINDS[rows.shape[1]]),
+            "interpolation": track.interpolation,
+        }
+
+    def _keys(self, rows: Singles, kind: str, *, bounds: bool = False) -> int:
+        """An accessor with times or values; where keys are put back, the one that has them still."""
+        for index in range(len(self._accessors)) if self._rig.removed else ():
+            try:
+                raw = self._accessors.value(index).object()
+                shape = raw.get("type"), raw.get("count"), raw.get("componentType")
+                if shape != (kind, len(rows), FLOAT) or (bounds and "min" not in raw):
+                    continue
+                if np.array_equal(self._accessors.read(index).reshape(rows.shape), rows):
+                    return index
+            except FileError:
+                continue
+        return self._storage.add(rows, kind, "animation", bounds=bounds)
+
+
+def drop_channels(draft: Draft, number: int, lost: Collection[int]) -> None:
+    """Take channels out of an animation, and the samplers that only they were using."""
+    animation = draft.own("animations", number)
+    channels = animation.get("channels", [])
+    kept = [channel for k, channel in enumerate(channels) if k not in lost]
+    used = {channel.get("sampler") for channel in kept}
+    gone = {channels[k].get("sampler") for k in lost} - used
+    places = [k for k in range(len(animation.get("samplers", []))) if k not in gone]
+    moved = {old: new for new, old in enumerate(places)}
+    animation["samplers"] = [animation["samplers"][k] for k in places]
+    animation["channels"] = [
+        channel
+        if moved.get(channel.get("sampler"), channel.get("sampler")) == channel.get("sampler")
+        else {**channel, "sampler": moved[channel["sampler"]]}
+        for channel in kept
+    ]
+
+
+def drop_empty_animations(draft: Draft) -> None:
+    """An animation without channels is not allowed; nothing refers to animations by number."""
+    animations = draft.gltf.get("animations", [])
+    if any(not animation.get("channels") for animation in animations):
+        kept = [animation for animation in animations if animation.get("channels")]
+        draft.own("animations")[:] = kept
+        if not kept:
+            draft.gltf.pop("animations")
+
+
+def _same(now: Floats, then: Floats) -> bool:
+    if now is then or now.shape != then.shape or not now.size:
+        return now is then or now.shape == then.shape
+    # The first number tells most apart.
+    return now.item(0) == then.item(0) and bool((now == then).all())
+
+
+def _place(track: Track) -> tuple[int, int]:
+    """Animation and channel that a track was read from."""
+    if not isinstance(track.key, tuple):
+        raise ValueError("only a track that was read has a place in the file")
+    number, channel = track.key
+    return int(number), int(channel)
+
+
+def _sharing(animations: list[Any], among: set[int]) -> dict[tuple[int, int], int]:
+    """How many channels use each sampler of some animations."""
+    users: dict[tuple[int, int], int] = {}
+    for number in among:
+        for channel in animations[number].get("channels", []):
+            sampler = channel.get("sampler")
+            if type(sampler) is int:
+                users[number, sampler] = users.get((number, sampler), 0) + 1
+    return users
+
+
+def _drives_payload(channel: Any) -> int | None:
+    """The node whose morph weights, lights or instances a channel drives."""
+    target = channel.get("target")
+    if not isinstance(target, dict):
+        return None
+    if target.get("path") == "weights":
+        node = target.get("node")
+        return node if type(node) is int else None
+    pointer = (pointer_of(target) or "").split("/")
+    shown = pointer[3:4] == ["weights"] or pointer[3:5] in (
+        ["extensions", "KHR_lights_punctual"],
+        ["extensions", "EXT_mesh_gpu_instancing"],
+    )
+    return int(pointer[2]) if pointer[1:2] == ["nodes"] and shown and pointer[2].isdecimal() else None
+
+
+def _aim(draft: Draft, place: tuple[int, int], target: dict[str, Any], node: int) -> None:
+    """Let a channel drive another node, by number or by pointer."""
+    pointer = pointer_of(target)
+    if target.get("path") != "pointer" or pointer is None:
+        target["node"] = node
+        return
+    parts = pointer.split("/")
+    parts[2] = str(node)
+    path = ("animations", place[0], "channels", place[1], "target", "extensions", POINTER)
+    draft.own(*path)["pointer"] = "/".join(parts)

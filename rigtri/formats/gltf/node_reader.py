@@ -1,0 +1,213 @@
+"""Nodes of a glTF file: the tree and the rest pose, checked.
+
+Source: glTF 2.0 §3.5.2 (hierarchy), §3.5.3 (transformations).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rigtri.formats.json_values import LARGEST, Value
+from rigtri.maths.matrices import SKEW, decompose, determinant, skew
+from rigtri.maths.quaternions import norm
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Booleans
+from rigtri.report import Notice
+
+# Rotations further from unit are worth a word: engines differ in what they make of them.
+NON_UNIT = 1e-4
+# The last column of an affine matrix, as near as float32 exporters come.
+AFFINE = 1e-6
+_NUMBERS = frozenset([float, int])
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """order: file indices, parents first. place: where each file index is in ``order``. above: its parent."""
+
+    order: list[int]
+    place: list[int]
+    above: list[int]
+
+
+def title(nodes: list[dict[str, object]], index: int) -> str:
+    """What to call a node of the file in a message."""
+    name = nodes[index].get("name")
+    return f"node '{name}' (#{index})" if isinstance(name, str) and name else f"node #{index}"
+
+
+def read_tree(gltf: Value) -> Tree:
+    """Who is below whom. FileError for two parents and for cycles."""
+    nodes = gltf.object().get("nodes", [])
+    above = [-1] * len(nodes)
+    for index, node in enumerate(nodes):
+        if "children" not in node:
+            continue
+        for child in Value(node, f"{gltf.where} nodes[{index}]").each("children"):
+            below = child.index(len(nodes), "node")
+            if above[below] >= 0:
+                twice = f"{title(nodes, above[below])} and {title(nodes, index)}"
+                gltf.fail(f"{title(nodes, below)} has two parents, {twice}; take it away from one")
+            above[below] = index
+    order: list[int] = []
+    place = [-1] * len(nodes)
+    for index in range(len(nodes)):
+        for node in _line(gltf, nodes, above, place, index):
+            place[node] = len(order)
+            order.append(node)
+    return Tree(order, place, above)
+
+
+def _line(
+    gltf: Value, nodes: list[dict[str, object]], above: list[int], place: list[int], node: int
+) -> list[int]:
+    """The node and all above it that have no place yet, topmost first."""
+    line: dict[int, None] = {}
+    while node >= 0 and place[node] < 0:
+        if node in line:
+            gltf.fail(f"{title(nodes, node)} is below itself; remove it from the children of a node below it")
+        line[node] = None
+        node = above[node]
+    return list(line)[::-1]
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """The rest pose in rig order, as in `rigtri.model.rig.Rig`.
+
+    repaired: file indices of nodes whose matrix and TRS contradicted each other or
+    their animation, and that a changed file must hold as TRS. sheared: rig indices.
+    """
+
+    translation: Floats
+    rotation: Floats
+    scale: Floats
+    matrix: Floats
+    has_matrix: Booleans
+    repaired: set[int] = field(default_factory=set)
+    sheared: list[int] = field(default_factory=list)
+
+
+def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice], *, lenient: bool) -> Rest:
+    """TRS and matrices as stored, defaults where there are none. animated: file indices."""
+    count = len(tree.order)
+    rotation, matrix = np.zeros((count, 4)), np.zeros((count, 4, 4))
+    rotation[:, 3] = 1.0
+    matrix.reshape(count, 16)[:, ::5] = 1.0
+    rest = Rest(np.zeros((count, 3)), rotation, np.ones((count, 3)), matrix, np.zeros(count, dtype=bool))
+    nodes = gltf.object().get("nodes", [])
+    if not _read_together(nodes, rest, tree.place):  # something is wrong, which reading one by one tells
+        for index, item in enumerate(gltf.each("nodes")):
+            _read_node(item, rest, tree.place[index])
+    for index, node in enumerate(nodes):
+        if "matrix" in node:
+            _settle_matrix(gltf, nodes, index, node, rest, tree, index in animated, lenient)
+    _check_matrices(gltf, nodes, rest, tree, notices)
+    _check_rotations(gltf, nodes, rest, tree, notices)
+    return rest
+
+
+def _read_together(nodes: list[dict[str, object]], rest: Rest, place: list[int]) -> bool:
+    """Read the numbers of all nodes at once, as nearly every file allows; False where one is wrong."""
+    for key, width, array in (
+        ("translation", 3, rest.translation),
+        ("rotation", 4, rest.rotation),
+        ("scale", 3, rest.scale),
+        ("matrix", 16, rest.matrix),
+    ):
+        found = [index for index, node in enumerate(nodes) if key in node]
+        if not found:
+            continue
+        rows: list[float] = []
+        for index in found:
+            row = nodes[index][key]
+            if type(row) is not list or len(row) != width:
+                return False
+            rows += row
+        if not _NUMBERS.issuperset(map(type, rows)) or min(rows) < -LARGEST or max(rows) > LARGEST:
+            return False
+        places = [place[index] for index in found]
+        array[places] = np.array(rows, dtype=np.float64).reshape(-1, *array.shape[1:])
+        if key == "matrix":
+            rest.has_matrix[places] = True
+    return True
+
+
+def _read_node(item: Value, rest: Rest, row: int) -> None:
+    raw = item.object()
+    for key, width, array in (
+        ("translation", 3, rest.translation),
+        ("rotation", 4, rest.rotation),
+        ("scale", 3, rest.scale),
+    ):
+        if key in raw:
+            array[row] = item.need(key).numbers(width)
+    if "matrix" in raw:
+        rest.matrix[row] = np.reshape(item.need("matrix").numbers(16), (4, 4))
+        rest.has_matrix[row] = True
+
+
+def _settle_matrix(
+    gltf: Value,
+    nodes: list[dict[str, object]],
+    index: int,
+    node: dict[str, object],
+    rest: Rest,
+    tree: Tree,
+    animated: bool,
+    lenient: bool,
+) -> None:
+    """Refuse, or repair, a matrix beside TRS or below an animation."""
+    row, name = tree.place[index], title(nodes, index)
+    both = any(key in node for key in ("translation", "rotation", "scale"))
+    if not both and not animated:
+        return
+    if not lenient:
+        what = "has a matrix beside other transforms" if both else "is animated, but has a matrix"
+        todo = "take translation, rotation and scale" if both else "split the matrix"
+        gltf.fail(f"{name} {what}, which glTF forbids. Use --lenient to {todo}")
+    if not both:
+        if skew(rest.matrix[row]) > SKEW:
+            gltf.fail(f"{name} is animated and its sheared matrix cannot be split; export the file anew")
+        rest.translation[row], rest.rotation[row], rest.scale[row] = decompose(rest.matrix[row])
+    rest.has_matrix[row] = False
+    rest.matrix[row] = np.eye(4)
+    rest.repaired.add(index)
+
+
+def _check_matrices(
+    gltf: Value, nodes: list[dict[str, object]], rest: Rest, tree: Tree, notices: list[Notice]
+) -> None:
+    rows = rest.has_matrix.nonzero()[0]
+    if not len(rows):
+        return
+    matrices = rest.matrix[rows]
+    off = np.abs(matrices[:, :, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1) > AFFINE
+    for row in rows[off][:1].tolist():
+        gltf.fail(f"{title(nodes, tree.order[row])} has a matrix whose last row is not 0 0 0 1")
+    flat = determinant(matrices) == 0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        bad = flat | (skew(matrices) > SKEW)
+    for row in rows[bad].tolist():
+        rest.sheared.append(row)
+        name = title(nodes, tree.order[row])
+        text = f"The matrix of {name} is sheared or flat, which glTF forbids; it is kept and only multiplied"
+        notices.append(Notice("matrix-sheared", text, joint=name))
+
+
+def _check_rotations(
+    gltf: Value, nodes: list[dict[str, object]], rest: Rest, tree: Tree, notices: list[Notice]
+) -> None:
+    size = norm(rest.rotation)
+    for row in (size == 0).nonzero()[0][:1].tolist():
+        name = title(nodes, tree.order[row])
+        gltf.fail(f"{name} has the rotation 0 0 0 0, which is no rotation; set it to 0 0 0 1")
+    off = np.abs(size - 1.0)
+    if len(off) and off.max() > NON_UNIT:
+        name = title(nodes, tree.order[int(off.argmax())])
+        count = (off > NON_UNIT).sum()
+        text = f"{count} rest rotations are not unit, the worst is {name}, off by {off.max():.2g}"
+        notices.append(Notice("rotation-not-unit", text, joint=name))

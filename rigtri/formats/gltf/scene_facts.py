@@ -1,0 +1,97 @@
+"""What a glTF file shows that no pose tells, from its JSON alone.
+
+Source: glTF 2.0 §3.5.1 (scenes), §3.10 (cameras), §3.7.2 (primitives);
+KHR_lights_punctual; KHR_node_visibility.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rigtri.formats.gltf.node_reader import Tree
+from rigtri.formats.gltf.structure import shows
+from rigtri.verification.compare.scene_facts import Scenery, flat
+
+LIGHTS = "KHR_lights_punctual"
+VISIBILITY = "KHR_node_visibility"
+
+
+def read_scenery(gltf: Mapping[str, Any], tree: Tree) -> Scenery:
+    """The facts of each node that shows something, by its place in the rig."""
+    nodes = gltf.get("nodes", [])
+    shown = [index for index in tree.order if shows(nodes[index])]
+    scenes = _scenes(gltf, tree)
+    hidden = _hidden(nodes, tree)
+    facts = {}
+    for index in shown:
+        node = nodes[index]
+        own = {"scenes": scenes[index], "visibility": "hidden" if hidden[index] else None}
+        own.update(_lens(gltf, node))
+        own.update(_light(gltf, node))
+        own.update(_primitives(gltf, node))
+        facts[tree.place[index]] = own
+    return Scenery("glTF", {}, facts)
+
+
+def _scenes(gltf: Mapping[str, Any], tree: Tree) -> list[tuple[str, ...]]:
+    """For each node of the file the scenes that it is in; the one that is shown is called so."""
+    shown = gltf.get("scene", 0)
+    roots: dict[Any, list[str]] = {}
+    for number, scene in enumerate(gltf.get("scenes", [])):
+        title = "the scene that is shown" if number == shown else f"scene #{number}"
+        for root in scene.get("nodes") or ():
+            roots.setdefault(root, []).append(title)
+    found: list[tuple[str, ...]] = [()] * len(tree.order)
+    for index in tree.order:
+        above = tree.above[index]
+        found[index] = (*(found[above] if above >= 0 else ()), *roots.get(index, ()))
+    return found
+
+
+def _hidden(nodes: Sequence[Mapping[str, Any]], tree: Tree) -> list[bool]:
+    found = [False] * len(nodes)
+    for index in tree.order:
+        above = tree.above[index]
+        off = _object(_object(nodes[index], "extensions"), VISIBILITY).get("visible") is False
+        found[index] = off or (above >= 0 and found[above])
+    return found
+
+
+def _lens(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    if "camera" in node:
+        yield from flat(_item(gltf.get("cameras"), node["camera"]), "camera")
+
+
+def _light(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    used = _object(_object(node, "extensions"), LIGHTS)
+    if used:
+        among = _object(_object(gltf, "extensions"), LIGHTS).get("lights")
+        yield from flat(_item(among, used.get("light")), "light")
+
+
+def _primitives(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    if "mesh" not in node:
+        return
+    mesh = _item(gltf.get("meshes"), node["mesh"]) or {}
+    primitives = mesh.get("primitives")
+    primitives = primitives if isinstance(primitives, list) else []
+    yield "number of primitives", len(primitives)
+    for number, primitive in enumerate(primitives):
+        material = primitive.get("material") if isinstance(primitive, dict) else None
+        if material is not None:
+            item = _item(gltf.get("materials"), material) or {}
+            yield f"material of primitive {number}", item.get("name") or f"#{material}"
+    yield "morph target names", _object(mesh, "extras").get("targetNames")
+
+
+def _item(among: Any, index: Any) -> Any:
+    """An item of a list that may be none, at an index that may lead nowhere."""
+    whole = isinstance(among, list) and isinstance(index, int) and 0 <= index < len(among)
+    return among[index] if whole and isinstance(among[index], dict) else None
+
+
+def _object(holder: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """The object under a key; an empty one for anything else, as nobody has checked what stands there."""
+    found = holder.get(key)
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,236 @@
+"""Weights of meshes shared anew among joints, as a rig's spreads and folds say.
+
+Accessors may be shared, so changed influences get new ones; the old bytes stay. Whole numbers
+stay whole, and a fifth joint of a point opens a second set. A fold gives points back what they
+had, and where the old bytes are still there, they are used again.
+
+Source: glTF 2.0 §3.7.3.3 (skinned mesh attributes).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.accessors import COMPONENTS, FLOAT, FULL, Accessors
+from rigtri.formats.gltf.buffer_writer import Role, Storage
+from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.mesh_reader import DRACO
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Fold, Integers, Spread
+from rigtri.model.rig import Rig
+from rigtri.model.skin_weights import SAME, folded, shared
+from rigtri.report import Notice
+
+_ROLES: dict[int, Role] = {4: "influences 4", 8: "influences 8", 16: "influences 16"}
+BYTE, SHORT = 5121, 5123
+
+
+@dataclass(frozen=True, eq=False)
+class _Influences:
+    """What the sets of a primitive hold: joints and weights (v, 4·sets), and how they are stored.
+
+    Weights are in the units of ``weight`` where that is an integer.
+    """
+
+    joints: Integers
+    weights: Floats
+    joint: int
+    weight: int
+
+
+class WeightWriter:
+    """Carries the spreads of a rig into a draft. where: what to call the file."""
+
+    def __init__(self, draft: Draft, storage: Storage, accessors: Accessors, where: str) -> None:
+        self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
+        self._known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
+        self._again_used: set[int] = set()
+        self.notices: list[Notice] = []
+
+    def write(self, rig: Rig) -> None:
+        """Share weights in all meshes that are drawn with the skins of spreads."""
+        by_skin: dict[int, list[Spread]] = {}
+        for spread in rig.spreads:
+            by_skin.setdefault(int(str(rig.skins[spread.skin].key)), []).append(spread)
+        folds = {int(str(rig.skins[fold.skin].key)): fold for fold in rig.folds if not fold.idle}
+        for skin in {**by_skin, **folds}:
+            for mesh in self._meshes(skin):
+                self._check_alone(mesh, skin)
+                for number in range(len(self._draft.gltf["meshes"][mesh]["primitives"])):
+                    self._primitive(mesh, number, skin, by_skin.get(skin, ()), folds.get(skin))
+
+    def _meshes(self, skin: int) -> list[int]:
+        nodes = self._draft.gltf["nodes"]
+        return sorted({n["mesh"] for n in nodes if n.get("skin") == skin and "mesh" in n})
+
+    def _check_alone(self, mesh: int, skin: int) -> None:
+        """FileError where a mesh is drawn with another skin too, whose joints its indices mean as well."""
+        skins = {n.get("skin") for n in self._draft.gltf["nodes"] if n.get("mesh") == mesh} - {None, skin}
+        if skins:
+            raise FileError(
+                f"{self._where}: mesh '{self._title(mesh)}' is drawn with several skins, so its weights "
+                "cannot be split for one. Give each skin a mesh of its own, or leave out --split-weights"
+            )
+
+    def _title(self, mesh: int) -> str:
+        return str(self._draft.gltf["meshes"][mesh].get("name") or f"#{mesh}")
+
+    def _primitive(
+        self, mesh: int, number: int, skin: int, spreads: Sequence[Spread], fold: Fold | None
+    ) -> None:
+        raw = self._draft.gltf["meshes"][mesh]["primitives"][number]
+        attributes = raw["attributes"]
+        sets = _sets(attributes)
+        if not sets or "POSITION" not in attributes:
+            return
+        if DRACO in raw.get("extensions", {}):
+            raise FileError(
+                f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}, so its weights "
+                "cannot be split. Store it uncompressed, or leave out --split-weights"
+            )
+        key = (skin, attributes["POSITION"], *(attributes[name] for name in sets))
+        if key not in self._known:
+            title = self._title(mesh)
+            self._known[key] = (
+                self._shared(attributes, sets, spreads, title)
+                if fold is None
+                else self._folded(attributes, sets, fold)
+            )
+        wanted = self._known[key]
+        if any(attributes.get(name) != accessor for name, accessor in wanted.items()):
+            owned = self._draft.own("meshes", mesh, "primitives", number, "attributes")
+            owned.update({name: accessor for name, accessor in wanted.items() if accessor is not None})
+            for name in (name for name, accessor in wanted.items() if accessor is None):
+                owned.pop(name)
+
+    def _shared(
+        self, attributes: dict[str, int], sets: Sequence[str], spreads: Sequence[Spread], title: str
+    ) -> dict[str, int | None]:
+        """The accessors of a primitive's influences after the spreads; only of sets that change."""
+        before = self._read(attributes, sets)
+        points = self._accessors.read(attributes["POSITION"])
+        if len(points) != len(before.joints):
+            raise FileError(f"{self._where}: mesh '{title}' has not as many influences as points")
+        joints, weights = before.joints, before.weights
+        for spread in spreads:
+            joints, weights = shared(spread, points, joints, weights, units=before.weight != FLOAT)
+        room = -joints.shape[1] % 4
+        joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
+        old = len(sets) // 2
+        if joints.shape[1] > 4 * old:
+            text = (
+                f"mesh '{title}' has points with more than {4 * old} joints now, which some engines do not "
+                "show; --max-influences keeps them"
+            )
+            self.notices.append(Notice("more-influences", text))
+        return dict(self._added(attributes, before, joints, weights))
+
+    def _folded(self, attributes: dict[str, int], sets: Sequence[str], fold: Fold) -> dict[str, int | None]:
+        """The accessors of a primitive's influences after a fold, None for those of sets that go."""
+        before = self._read(attributes, sets)
+        joints, weights = folded(fold.rows, fold.at, before.joints, before.weights)
+        room = -joints.shape[1] % 4
+        joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
+        found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
+        for number in range(joints.shape[1] // 4):
+            own = slice(4 * number, 4 * number + 4)
+            same = np.array_equal(joints[:, own], before.joints[:, own])
+            if not (same and np.array_equal(weights[:, own], before.weights[:, own])):
+                found |= self._again(number, joints[:, own], weights[:, own], before.weight, attributes)
+        return found | dict(self._added(attributes, before, joints, weights, found))
+
+    def _again(
+        self, number: int, joints: Integers, weights: Floats, kind: int, attributes: Mapping[str, int]
+    ) -> dict[str, int]:
+        """Accessors of the file that hold the influences of a set, by name; none is one too few.
+
+        joints, weights: (v, 4) each. Joints of no weight may be any. The primitive's own comes first, and
+        then those that nobody uses: meshes alike had one each.
+        """
+        found: dict[str, int] = {}
+        users = self._storage.users
+        taken = [users[index] > 0 or index in self._again_used for index in range(len(self._accessors))]
+        for name in ("WEIGHTS", "JOINTS"):
+            mine = [index for key, index in attributes.items() if key == f"{name}_{number}"]
+            for index in (*mine, *sorted(range(len(taken)), key=taken.__getitem__)):
+                rows = self._influences(index, len(joints), kind if name == "WEIGHTS" else None)
+                if rows is None:
+                    continue
+                off = np.abs(rows - weights) if name == "WEIGHTS" else (rows != joints) & (weights != 0)
+                if off.max(initial=0) <= (SAME if name == "WEIGHTS" and kind == FLOAT else 0):
+                    found[f"{name}_{number}"] = index
+                    break
+        self._again_used.update(found.values())
+        return found
+
+    def _influences(self, index: int, count: int, kind: int | None) -> Floats | None:
+        """What an accessor holds if it can be weights stored as ``kind``, or joints where that is None."""
+        try:
+            raw, layout = self._accessors.value(index).object(), self._accessors.layout(index)
+            if raw.get("type") != "VEC4" or raw.get("count") != count:
+                return None
+            if kind is None:
+                fits = layout.component in (BYTE, SHORT) and not layout.normalized
+            else:
+                fits = layout.component == kind and layout.normalized == (kind in FULL)
+            if not fits:
+                return None
+            rows = self._accessors.read(index)
+        except FileError:
+            return None
+        return np.rint(rows * FULL[kind]) if kind in FULL else rows
+
+    def _added(
+        self,
+        attributes: dict[str, int],
+        before: _Influences,
+        joints: Integers,
+        weights: Floats,
+        known: Collection[str] = (),
+    ) -> Iterator[tuple[str, int]]:
+        kind = before.joint if joints.max(initial=0) < 256 or before.joint != BYTE else SHORT
+        for number in range(joints.shape[1] // 4):
+            own = slice(4 * number, 4 * number + 4)
+            for name, now, then, component in (
+                ("JOINTS", joints, before.joints, kind),
+                ("WEIGHTS", weights, before.weights, before.weight),
+            ):
+                name = f"{name}_{number}"
+                same_kind = component == before.joint or name.startswith("WEIGHTS")
+                if name in known:
+                    continue
+                if name in attributes and same_kind and np.array_equal(now[:, own], then[:, own]):
+                    continue
+                rows = np.ascontiguousarray(now[:, own].astype(COMPONENTS[component]))
+                yield name, self._add(rows, attributes.get(name), name.startswith("WEIGHTS"))
+
+    def _add(self, rows: NDArray[Any], like: int | None, weights: bool) -> int:
+        whole = weights and rows.dtype.kind == "u"
+        return self._storage.add(rows, "VEC4", _ROLES[rows.itemsize * 4], like, normalized=whole)
+
+    def _read(self, attributes: dict[str, int], sets: Sequence[str]) -> _Influences:
+        layouts = {name: self._accessors.layout(attributes[name]) for name in sets}
+        kinds = {layouts[name].component for name in sets if name.startswith("WEIGHTS")}
+        weight = kinds.pop() if len(kinds) == 1 else FLOAT
+        joint = max(layouts[name].component for name in sets if name.startswith("JOINTS"))
+        rows = {name: self._accessors.read(attributes[name]) for name in sets}
+        joints = np.concatenate([rows[n] for n in sets if n.startswith("JOINTS")], axis=1)
+        weights = np.concatenate([rows[n] for n in sets if n.startswith("WEIGHTS")], axis=1)
+        if weight in FULL:
+            weights = np.rint(weights * FULL[weight])
+        return _Influences(joints.astype(np.int64), weights, joint, weight)
+
+
+def _sets(attributes: dict[str, int]) -> list[str]:
+    """The names of a primitive's sets of joints and weights, in their order."""
+    found: list[str] = []
+    while f"JOINTS_{len(found) // 2}" in attributes and f"WEIGHTS_{len(found) // 2}" in attributes:
+        number = len(found) // 2
+        found += [f"JOINTS_{number}", f"WEIGHTS_{number}"]
+    return found

@@ -1,0 +1,122 @@
+"""What must hold for a glTF file before its parts are read.
+
+Source: glTF 2.0 §3.2 (JSON encoding), §3.12 (extensions).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rigtri.formats.json_values import Value
+from rigtri.formats.vrm.node_constraints import CONSTRAINT
+from rigtri.report import Notice
+
+LISTS = (
+    "accessors",
+    "animations",
+    "buffers",
+    "bufferViews",
+    "cameras",
+    "images",
+    "meshes",
+    "nodes",
+    "scenes",
+    "skins",
+)
+# What a node shows and hands over when its axes turn.
+LIGHT, INSTANCING = "KHR_lights_punctual", "EXT_mesh_gpu_instancing"
+SHOWN_EXTENSIONS = (LIGHT, INSTANCING)
+# Node extensions that hold nothing in the node's own axes, or that are looked after elsewhere.
+HARMLESS = frozenset(
+    {
+        *SHOWN_EXTENSIONS,
+        CONSTRAINT,
+        "KHR_node_visibility",
+        "KHR_node_hoverability",
+        "KHR_node_selectability",
+        "KHR_xmp",
+        "KHR_xmp_json_ld",
+        "MSFT_lod",
+    }
+)
+# Required extensions that change how things look or are stored, never how joints move.
+_HARMLESS_REQUIRED = (
+    "EXT_lights",
+    "EXT_mesh",
+    "EXT_meshopt_compression",
+    "EXT_texture",
+    "GODOT_single_root",
+    "KHR_animation_pointer",
+    "KHR_draco",
+    "KHR_lights",
+    "KHR_materials",
+    "KHR_mesh",
+    "KHR_node",
+    "KHR_texture",
+    "KHR_xmp",
+    "VRM",
+)
+
+
+def check_lists(gltf: Value) -> None:
+    """All top-level lists are lists of objects. FileError otherwise."""
+    for key in (*LISTS, "extensionsUsed", "extensionsRequired", "extensions", "scene"):
+        if key in gltf.object():
+            # A null is not the same as nothing, and no reader behind this one looks out for it.
+            value = gltf.need(key)
+            if key in LISTS and not all(isinstance(item, dict) for item in value.entries()):
+                for item in value.items():
+                    item.object()
+
+
+def check_references(gltf: Value) -> None:
+    """Scenes, and the skins of nodes, point at what is there. FileError otherwise."""
+    raw = gltf.object()
+    nodes, skins = len(raw.get("nodes", [])), len(raw.get("skins", []))
+    for scene in gltf.each("scenes"):
+        for node in scene.each("nodes"):
+            node.index(nodes, "node")
+    default = gltf.get("scene")
+    if default is not None:
+        default.index(len(raw.get("scenes", [])), "scene")
+    for number, held in enumerate(raw.get("nodes", [])):
+        if "skin" not in held and "extensions" not in held:
+            continue
+        item = Value(held, f"{gltf.where} nodes[{number}]")
+        skin = item.get("skin")
+        if skin is not None:
+            skin.index(skins, "skin")
+        if "extensions" in held:
+            item.need("extensions").object()
+
+
+def check_extensions(gltf: Value, notices: list[Notice]) -> None:
+    """Say which required extensions rigtri does not know; it keeps them."""
+    used = {item.text() for item in gltf.each("extensionsUsed")}
+    required = {item.text() for item in gltf.each("extensionsRequired")}
+    unknown = unknown_required(required)
+    if unknown:
+        text = f"The file requires {', '.join(unknown)}, which rigtri does not know; it is kept as it is"
+        notices.append(Notice("extension-unknown", text))
+    if required - used:
+        missing = ", ".join(sorted(required - used))
+        notices.append(Notice("extension-undeclared", f"{missing}: required, but not in extensionsUsed"))
+
+
+def unknown_required(names: Iterable[str]) -> list[str]:
+    """The required extensions that rigtri does not know to leave joints and storage alone."""
+    return sorted(name for name in names if not name.startswith(_HARMLESS_REQUIRED))
+
+
+def unknown_extension(node: Mapping[str, Any]) -> str | None:
+    """A node extension whose vectors may lie in the node's own axes, for all that rigtri knows."""
+    used = node.get("extensions")
+    unknown = [name for name in used or () if name not in HARMLESS]
+    return unknown[0] if unknown else None
+
+
+def shows(node: Mapping[str, Any]) -> bool:
+    """Whether a node itself shows a mesh, camera, light or instances."""
+    used = node.get("extensions") or {}
+    return "mesh" in node or "camera" in node or any(name in used for name in SHOWN_EXTENSIONS)

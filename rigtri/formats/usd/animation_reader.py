@@ -1,0 +1,259 @@
+"""UsdSkel animations as tracks: every joint's column of every array, samples and default.
+
+A SkelAnimation keeps one array per property for all its joints. Its samples
+become a clip of tracks, its default values a clip ``NAME@default`` with one
+key; each track knows the column it came from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
+from rigtri.formats.usd.time_samples import time_samples
+from rigtri.formats.usd.value_types import WrongTypeError
+from rigtri.maths.quaternions import norm
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.report import Notice
+
+# The key of tracks that only show a default during a clip; the default's own clip writes it.
+HELD = "held"
+
+# Rotations further from unit are worth a word: engines differ in what they make of them.
+NON_UNIT = 1e-4
+
+# What a column holds that neither moves, turns nor scales its joint.
+NOTHING: Mapping[str, tuple[int, ...]] = {
+    "translations": (0, 0, 0),
+    "rotations": (0, 0, 0, 1),
+    "scales": (1, 1, 1),
+}
+PROPERTIES: Mapping[str, Path] = {
+    "translations": "translation",
+    "rotations": "rotation",
+    "scales": "scale",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Property:
+    """One array of an animation, in its stored precision; quaternions are xyzw.
+
+    times: (k,) without the blocked ones. samples: (k, j, c). default: (j, c) or None.
+    kind: the Vt array class.
+    """
+
+    times: Floats
+    samples: np.ndarray
+    blocked: tuple[float, ...]
+    default: np.ndarray | None
+    kind: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Animation:
+    """One SkelAnimation prim. tokens: its own joints, in its own order. idle: UsdSkel does not play them."""
+
+    path: str
+    name: str
+    tokens: tuple[str, ...]
+    properties: Mapping[str, Property]
+    idle: bool = False
+
+
+def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:
+    """The animation of a SkelAnimation prim; None, with a notice, where UsdSkel ignores it.
+
+    FileError where only some of its samples are usable, or hold what is no number.
+    """
+    try:
+        return _read(prim, warnings)
+    except WrongTypeError as error:
+        path, why = str(prim.GetPath()), str(error).partition(";")[0]
+        warnings.append(_ignored(path, why.removeprefix(f"<{path}>.")))
+        return _without_joints(prim)
+
+
+def _without_joints(prim: Any) -> Animation | None:
+    """What is left of an animation that moves no joints: UsdSkel plays its blend shapes all the same."""
+    if prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
+        return Animation(str(prim.GetPath()), prim.GetName(), (), {})
+    return None
+
+
+def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
+    """The same; WrongTypeError where UsdSkel ignores it for the type of an attribute."""
+    path = str(prim.GetPath())
+    tokens = tokens_of(prim, "joints")
+    if not tokens:
+        if (shapes := _without_joints(prim)) is not None:
+            return shapes
+        if any(prim.GetAttribute(name).HasAuthoredValue() for name in PROPERTIES):
+            warnings.append(_ignored(path, "it names no joints"))
+        return None
+    _check_tokens(path, tokens)
+    found = {name: _property(prim, name, tokens) for name in PROPERTIES}
+    present = {name: value for name, value in found.items() if value is not None}
+    for name, value in present.items():
+        if value.default is None and not len(value.times):
+            warnings.append(_ignored(path, f"no value of {name} has as many items as it has joints"))
+            return None
+    missing = [name for name in PROPERTIES if name not in present]
+    if missing:
+        warnings.append(
+            Notice(
+                "animation-ignored",
+                f"UsdSkel ignores animation <{path}>: it has no {' and no '.join(missing)}. "
+                "What it has is turned all the same.",
+            )
+        )
+    if not prim.IsActive():
+        text = f"Animation <{path}> is not active, so it is no clip. It is turned all the same."
+        warnings.append(Notice("animation-inactive", text))
+    warnings += _off_unit(path, tokens, present)
+    return Animation(path, prim.GetName(), tokens, present, bool(missing) or not prim.IsActive())
+
+
+def _check_tokens(path: str, tokens: Sequence[str]) -> None:
+    if len(set(tokens)) < len(tokens):
+        twice = next(token for k, token in enumerate(tokens) if token in tokens[:k])
+        raise FileError(
+            f"Animation <{path}> lists joint '{twice}' twice, so which values move it is undefined. "
+            "Export it again."
+        )
+
+
+def _off_unit(path: str, tokens: Sequence[str], properties: Mapping[str, Property]) -> list[Notice]:
+    """A notice where rotations are not unit, with the worst of them."""
+    item = properties.get("rotations")
+    if item is None:
+        return []
+    single = [] if item.default is None else [item.default[np.newaxis]]
+    off = np.abs(norm(np.concatenate([item.samples, *single])) - 1.0)
+    if not (off > NON_UNIT).any():
+        return []
+    row, column = map(int, np.unravel_index(off.argmax(), off.shape))
+    at = f"at time {item.times[row]:g}" if row < len(item.times) else "by default"
+    text = (
+        f"Rotations of animation <{path}> are not unit, the worst is of '{tokens[column]}' {at}, "
+        f"off by {off.max():.2g}"
+    )
+    return [Notice("rotation-not-unit", text, joint=tokens[column])]
+
+
+def _ignored(path: str, why: str) -> Notice:
+    return Notice("animation-ignored", f"UsdSkel ignores animation <{path}>: {why}. It is left as it is.")
+
+
+def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
+    count, attribute = len(tokens), prim.GetAttribute(name)
+    if not attribute or not attribute.HasAuthoredValue():
+        return None
+    width = 4 if name == "rotations" else 3
+    default = attribute.Get(DEFAULT)
+    # An empty default is no default: it drives nothing.
+    single = None if default is None else numbers(attribute, default)
+    single = single if single is not None and len(single) else None
+    values = time_samples(attribute)
+    blocked = tuple(time for time, value in values if value is None)
+    keys = [(time, numbers(attribute, value)) for time, value in values if value is not None]
+    given = [*(array for _, array in keys), *([] if single is None else [single])]
+    if not given:
+        return None
+    kind = type(default) if single is not None else type(attribute.Get(keys[0][0]))
+    if all(len(array) != count for array in given):
+        return Property(np.zeros(0), np.zeros((0, count, width)), blocked, None, kind)
+    for time, array in [*keys, *([] if single is None else [("default", single)])]:
+        if len(array) != count:
+            raise FileError(
+                f"<{attribute.GetPath()}> has {len(array)} items at time {time}, but the animation "
+                f"has {count} joints."
+            )
+        _check_values(attribute, time, array, tokens)
+    samples = np.stack([array for _, array in keys]) if keys else np.zeros((0, count, width))
+    return Property(np.array([time for time, _ in keys]), samples, blocked, single, kind)
+
+
+def _check_values(attribute: Any, time: Any, array: np.ndarray, tokens: Sequence[str]) -> None:
+    """FileError for what is no number, or no rotation, naming joint and time."""
+    wrong, what = ~np.isfinite(array).all(axis=1), "values that are no numbers (NaN or infinite)"
+    if array.shape[1] == 4 and not wrong.any():
+        wrong, what = ~array.any(axis=1), "the quaternion 0 0 0 0, which is no rotation,"
+    if wrong.any():
+        raise FileError(
+            f"<{attribute.GetPath()}> holds {what} for joint '{tokens[int(wrong.argmax())]}' at time "
+            f"{time}. Export it again."
+        )
+
+
+def clips(
+    animation: Animation,
+    name: str,
+    nodes: Iterable[Mapping[str, int]],
+    weights: Sequence[Track],
+    interpolation: Interpolation,
+) -> list[Clip]:
+    """The clips of an animation: its samples, and its defaults as ``NAME@default``.
+
+    nodes: for each skeleton it drives, the node of each joint token. Tokens that
+    no skeleton has stay in the file. A property without samples holds its
+    default during the clip.
+    """
+    columns = [
+        (column, known[token])
+        for known in nodes
+        for column, token in enumerate(animation.tokens)
+        if token in known
+    ]
+    timed = [p.times for p in animation.properties.values() if len(p.times)]
+    result = []
+    if timed or weights:
+        start = np.array([min([t[0] for t in timed] + [track.times[0] for track in weights])])
+        tracks = [
+            track
+            for property_name, item in animation.properties.items()
+            for track in _tracks(property_name, item, columns, start, interpolation)
+        ]
+        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path), animation.idle, True))
+    held = [
+        Track(node, PROPERTIES[property_name], "STEP", _ZERO, values[:, column], (property_name, column))
+        for property_name, item in animation.properties.items()
+        if (values := _as_key(item.default)) is not None
+        for column, node in columns
+    ]
+    if held:
+        result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path), animation.idle, True))
+    return result
+
+
+_ZERO: Floats = np.zeros(1)
+
+
+def _as_key(default: np.ndarray | None) -> Floats | None:
+    return None if default is None else default[np.newaxis].astype(np.float64)
+
+
+def _tracks(
+    name: str,
+    item: Property,
+    columns: Sequence[tuple[int, int]],
+    start: Floats,
+    interpolation: Interpolation,
+) -> list[Track]:
+    path = PROPERTIES[name]
+    if len(item.times):
+        values = item.samples.astype(np.float64)
+        return [
+            Track(node, path, interpolation, item.times, values[:, column], (name, column))
+            for column, node in columns
+        ]
+    held = _as_key(item.default)
+    if held is None:
+        return []
+    return [Track(node, path, "STEP", start, held[:, column], HELD) for column, node in columns]

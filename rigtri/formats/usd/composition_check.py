@@ -1,0 +1,77 @@
+"""Whether an output says what was written into it: no opinion of another layer may be stronger."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.edits import Edit, Setting, arrays
+from rigtri.formats.usd.stage import DEFAULT
+from rigtri.formats.usd.time_samples import time_samples
+from rigtri.formats.usd.variants import VALUES, State, Trial
+
+# Values that differ by less, as a share of the largest, differ by float32 rounding.
+_SAME = 1e-6
+
+
+class Expected:
+    """What must be seen in an output, in the file's own variants and in the other ones."""
+
+    def __init__(self) -> None:
+        self._states: list[tuple[Trial, State, Sequence[Setting]]] = []
+
+    def add(self, trial: Trial, state: State, settings: Sequence[Setting]) -> None:
+        """Expect ``settings`` when a state is chosen."""
+        self._states.append((trial, state, settings))
+
+    def check(self, stage: Any, edits: Sequence[Edit]) -> None:
+        """FileError, naming layer and path, for a value that another opinion hides."""
+        # The last of several edits of one attribute counts.
+        last = {edit.path: edit for edit in edits if isinstance(edit, Setting) and edit.name in VALUES}
+        _check(stage, list(last.values()), "")
+        for trial, state, settings in self._states:
+            again = Trial(stage, trial.skeleton, explore=False)
+            again.choose(state.chosen)
+            _check(again.stage, settings, f"In {state.title}, ")
+
+
+def _check(stage: Any, settings: Sequence[Setting], where: str) -> None:
+    for setting in settings:
+        attribute = stage.GetAttributeAtPath(setting.path)
+        if attribute and _says(attribute, setting):
+            continue
+        stack = attribute.GetPropertyStack(DEFAULT) if attribute else []
+        hidden = f": <{stack[0].path}> of {stack[0].layer.identifier} is stronger" if stack else ""
+        raise FileError(
+            f"{where}<{setting.path}> cannot be edited from the root layer{hidden}. Edit that file, "
+            "or flatten this one."
+        )
+
+
+def _says(attribute: Any, setting: Setting) -> bool:
+    """Whether an attribute has the default and the samples that were set."""
+    found = dict(time_samples(attribute)) if setting.samples else {}
+    if found.keys() != dict(setting.samples).keys():
+        return False
+    single = None if setting.value is None else attribute.Get(DEFAULT)
+    return agree(setting, arrays({None: single} | found))
+
+
+def agree(setting: Setting, found: Mapping[Any, np.ndarray]) -> bool:
+    """Whether values are those of a setting up to rounding; q and −q are one rotation."""
+    mine, rotations = setting.arrays(), setting.name == "rotations"
+    return mine.keys() == found.keys() and all(_close(mine[t], found[t], rotations) for t in mine)
+
+
+def _close(one: np.ndarray, other: np.ndarray, rotations: bool) -> bool:
+    if one.shape != other.shape or one.dtype.kind != "f":
+        return np.array_equal(one, other)
+    one, other = one.astype(np.float64), other.astype(np.float64)
+    off = np.abs(one - other)
+    if rotations:
+        off = np.minimum(off.max(axis=-1), np.abs(one + other).max(axis=-1))
+    size = float(np.abs(one).max(initial=1.0))
+    return bool(off.max(initial=0.0) <= _SAME * size)

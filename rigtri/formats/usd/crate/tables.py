@@ -1,0 +1,239 @@
+"""Whether the tables of a crate (.usdc) can be what they claim, before usd-core believes them.
+
+usd-core allocates what a crate claims, and follows its tables without looking: one
+wrong byte costs gigabytes or never ends. Nothing here is kept; a crate that passes is
+opened by usd-core.
+
+Source: OpenUSD, pxr/usd/usd: crateFile.h, crateFile.cpp, integerCoding.cpp, crateDataTypes.h (versions
+0.4.0 to 0.13.0).
+"""
+
+from __future__ import annotations
+
+import mmap
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.crate import lz4
+from rigtri.formats.usd.crate import values as crate_values
+
+MAGIC = b"PXR-USDC"
+_BOOTSTRAP = struct.Struct("<8s8Bq")
+_SECTION = struct.Struct("<16sqq")
+# usd-core reads no older ones, in which less is packed.
+_OLDEST = (0, 4, 0)
+_NO_FIELD = 0xFFFFFFFF
+_KINDS_OF_SPEC = 12
+# A packed integer takes two bits of what LZ4 shrinks at most 255 times.
+_MOST_INTEGERS = 4 * lz4.MOST
+
+T = TypeVar("T")
+Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
+
+
+def check_file(path: Path) -> None:
+    """FileError for a file that starts like a crate and is damaged; nothing is said of others."""
+    with path.open("rb") as file:
+        if file.read(len(MAGIC)) != MAGIC:
+            return
+        # Not closed by hand: the traceback of an error may still hold a part of it.
+        check(memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)), str(path))
+
+
+def check(content: memoryview, name: str) -> None:
+    """FileError for a damaged crate; ``name`` is what to call it."""
+    try:
+        _Crate(content).check()
+    except (ValueError, struct.error) as error:
+        raise FileError(
+            f"{name}: a damaged USD file: {error}. Export it anew with the program that wrote it"
+        ) from None
+
+
+class _Crate:
+    """The tables of a crate, read in the order in which they refer to each other."""
+
+    def __init__(self, content: memoryview) -> None:
+        self.content = content
+        if len(content) < 88:
+            raise ValueError("it is cut off in its first bytes")
+        _, *numbers = _BOOTSTRAP.unpack_from(content)
+        self.version = (numbers[0], numbers[1], numbers[2])
+        self.sections = self._table_of_contents(numbers[8])
+
+    def check(self) -> None:
+        if self.version < _OLDEST:
+            return
+        tokens = self._told("TOKENS", self._tokens) or 0
+        strings = self._told("STRINGS", self._strings)
+        if strings is not None:
+            _below(strings, tokens, "string")
+        known = 0 if strings is None else len(strings)
+        fields = self._told("FIELDS", lambda at, end: self._fields(at, end, tokens, known)) or 0
+        sets = self._told("FIELDSETS", lambda at, end: self._field_sets(at, end, fields))
+        paths = self._told("PATHS", lambda at, end: self._paths(at, end, tokens)) or 0
+        self._told("SPECS", lambda at, end: self._specs(at, end, paths, sets))
+
+    def _table_of_contents(self, at: int) -> dict[str, tuple[int, int]]:
+        size = len(self.content)
+        if not 0 <= at <= size - 8:
+            raise ValueError("it is cut off: its table of contents is not there")
+        count = self._number(at)
+        if count * _SECTION.size > size - at - 8:
+            raise ValueError("its table of contents claims more than the file holds")
+        found: dict[str, tuple[int, int]] = {}
+        for entry in range(count):
+            raw, start, length = _SECTION.unpack_from(self.content, at + 8 + entry * _SECTION.size)
+            name = raw.partition(b"\0")[0].decode("ascii", "replace")
+            if start < 0 or length < 0 or start + length > size:
+                raise ValueError(f"its section {name} ends outside the file")
+            found.setdefault(name, (start, start + length))
+        return found
+
+    def _told(self, name: str, read: Callable[[int, int], T]) -> T | None:
+        """What ``read`` makes of a section; its errors with the section's name."""
+        if name not in self.sections:
+            return None
+        try:
+            return read(*self.sections[name])
+        except (ValueError, struct.error) as error:
+            raise ValueError(f"section {name}: {error}") from None
+
+    def _number(self, at: int) -> int:
+        return int(struct.unpack_from("<Q", self.content, at)[0])
+
+    def _tokens(self, at: int, end: int) -> int:
+        """The number of tokens, every one of which is there."""
+        count, size = self._number(at), self._number(at + 8)
+        packed = self._slice(at + 24, self._number(at + 16), end)
+        if size > lz4.MOST * len(packed) + 16:
+            raise ValueError("it claims more than it can hold")
+        text = lz4.unpacked(bytes(packed), size)
+        if len(text) != size:
+            raise ValueError("it is shorter than it says")
+        if text.count(0) != count or (text and text[-1]):
+            raise ValueError(f"it claims {count} tokens and has {text.count(0)}")
+        return count
+
+    def _strings(self, at: int, end: int) -> Integers:
+        count = self._number(at)
+        return np.frombuffer(self._slice(at + 8, 4 * count, end), dtype="<u4").astype(np.int64)
+
+    def _fields(self, at: int, end: int, tokens: int, strings: int) -> int:
+        count, at = self._count(at, end)
+        names, at = self._integers(at, end, count)
+        _below(names, tokens, "name")
+        packed = self._slice(at + 8, self._number(at), end)
+        values = lz4.unpacked(bytes(packed), 8 * count) if count else b""
+        if len(values) != 8 * count:
+            raise ValueError("it has fewer values than it says")
+        crate_values.check(self.content, np.frombuffer(values, dtype="<u8"), self.version, tokens, strings)
+        return count
+
+    def _field_sets(self, at: int, end: int, fields: int) -> Integers:
+        count, at = self._count(at, end)
+        sets, _ = self._integers(at, end, count)
+        _below(sets[sets != _NO_FIELD], fields, "field")
+        if count and sets[-1] != _NO_FIELD:
+            raise ValueError("its last set does not end")
+        return sets
+
+    def _paths(self, at: int, end: int, tokens: int) -> int:
+        most, at = self._count(at, end)
+        count, at = self._count(at, end)
+        indices, at = self._integers(at, end, count)
+        names, at = self._integers(at, end, count)
+        jumps, at = self._integers(at, end, count)
+        _below(indices, most, "path")
+        _below(np.abs(_signed(names)), tokens, "name")
+        _check_tree(_signed(jumps))
+        return most
+
+    def _specs(self, at: int, end: int, paths: int, sets: Integers | None) -> None:
+        count, at = self._count(at, end)
+        places, at = self._integers(at, end, count)
+        fields, at = self._integers(at, end, count)
+        kinds, at = self._integers(at, end, count)
+        _below(places, paths, "path")
+        if len(np.unique(places)) != count:
+            raise ValueError("two specs have one path")
+        sets = np.zeros(0, dtype=np.int64) if sets is None else sets
+        _below(fields, len(sets), "set of fields")
+        if (sets[fields[fields > 0] - 1] != _NO_FIELD).any():
+            raise ValueError("a set of fields starts within another")
+        if not ((kinds > 0) & (kinds < _KINDS_OF_SPEC)).all():
+            raise ValueError("a spec is of no known kind")
+
+    def _count(self, at: int, end: int) -> tuple[int, int]:
+        """A number of packed integers, which can be that many, and where they start."""
+        count = self._number(at)
+        if count > _MOST_INTEGERS * (end - at):
+            raise ValueError(f"it claims {count} entries, more than it can hold")
+        return count, at + 8
+
+    def _integers(self, at: int, end: int, count: int) -> tuple[Integers, int]:
+        """Packed integers as unsigned 32-bit numbers, (count,), and where they end."""
+        size = self._number(at)
+        packed = self._slice(at + 8, size, end)
+        if count == 0:
+            return np.zeros(0, dtype=np.int64), at + 8 + size
+        codes = (count * 2 + 7) // 8
+        if 4 + codes > lz4.MOST * len(packed) + 16:
+            raise ValueError("it claims more than it can hold")
+        return _decoded(lz4.unpacked(bytes(packed), 4 + codes + 4 * count), count), at + 8 + size
+
+    def _slice(self, at: int, size: int, end: int) -> memoryview:
+        if at < 0 or size > end - at:
+            raise ValueError("it claims more than it can hold")
+        return self.content[at : at + size]
+
+
+def _decoded(raw: bytes, count: int) -> Integers:
+    """Integers from their commonest difference, two-bit codes and the other differences."""
+    codes_end = 4 + (count * 2 + 7) // 8
+    if len(raw) < codes_end:
+        raise ValueError("its integers are cut off")
+    common = int.from_bytes(raw[:4], "little", signed=True)
+    four = np.frombuffer(raw, dtype=np.uint8, count=codes_end - 4, offset=4)
+    codes = ((four[:, np.newaxis] >> np.array([0, 2, 4, 6], dtype=np.uint8)) & 3).reshape(-1)[:count]
+    sizes = np.array([0, 1, 2, 4])[codes]
+    ends = codes_end + np.cumsum(sizes)
+    if ends[-1] > len(raw):
+        raise ValueError("its integers are cut off")
+    content = np.frombuffer(raw, dtype=np.uint8)
+    steps = np.full(count, common, dtype=np.int64)
+    for code, kind in ((1, "<i1"), (2, "<i2"), (3, "<i4")):
+        chosen = np.flatnonzero(codes == code)
+        width = np.dtype(kind).itemsize
+        places = (ends[chosen] - width)[:, np.newaxis] + np.arange(width)
+        steps[chosen] = content[places].reshape(-1).view(kind)
+    return np.asarray(np.cumsum(steps) & 0xFFFFFFFF, dtype=np.int64)
+
+
+def _signed(values: Integers) -> Integers:
+    return np.where(values >= 1 << 31, values - (1 << 32), values)
+
+
+def _below(values: Integers, limit: int, what: str) -> None:
+    if len(values) and int(values.max()) >= limit:
+        raise ValueError(f"it names {what} {int(values.max())} of {limit}")
+
+
+def _check_tree(jumps: Integers) -> None:
+    """Each path is reached once: -2 a leaf, -1 only a child, 0 only a sibling, n both, the sibling n on."""
+    waiting: list[int] = []
+    last = len(jumps) - 1
+    for place, jump in enumerate(jumps.tolist()):
+        if jump < -2 or jump > last - place or jump == 1:
+            raise ValueError("its tree of paths is broken")
+        if jump > 0:
+            waiting.append(place + jump)
+        elif jump == -2 and place < last and (not waiting or waiting.pop() != place + 1):
+            raise ValueError("its tree of paths is broken")
+        if place == last and (jump != -2 or waiting):
+            raise ValueError("its tree of paths does not end")

@@ -1,0 +1,116 @@
+"""What a page must carry to show a USD file: one layer with all that is composed, and its textures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
+
+from rigtri.formats import FOUR, Embedded
+from rigtri.formats.image_types import KINDS, shows
+from rigtri.formats.usd import layers
+from rigtri.formats.usd.external_paths import lies_outside
+
+
+def embedded(stage: Any, path: Path, *, allow_external: bool) -> Embedded:
+    """A stage as one crate; variants as they are chosen, instances as prims of their own."""
+    whole = Usd.Stage.Open(stage.GetRootLayer(), Usd.Stage.LoadAll)
+    # The session is this stage's own: nothing reaches the layers of the file.
+    whole.SetEditTarget(whole.GetSessionLayer())
+    while instances := [prim for prim in whole.Traverse() if prim.IsInstance()]:
+        for prim in instances:
+            prim.SetInstanceable(False)
+    flat = Usd.Stage.Open(whole.Flatten())
+    _bind(whole, flat)
+    files: dict[str, bytes | Path] = {}
+    lacking = list(dict.fromkeys(_unseen(whole)))
+    for prim in whole.Traverse():
+        if prim.IsA(UsdShade.Shader):
+            _textures(prim, flat, files, lacking, None if allow_external else path)
+    return Embedded("usd", layers.to_bytes(flat.GetRootLayer(), "usdc"), files, tuple(lacking))
+
+
+def _bind(whole: Any, flat: Any) -> None:
+    """Write at every skinned mesh, and every skeleton, what it inherits of bindings from prims above."""
+    for prim in whole.Traverse():
+        binding = UsdSkel.BindingAPI(prim)
+        other = flat.GetPrimAtPath(prim.GetPath())
+        if prim.IsA(UsdGeom.Mesh):
+            skeleton = binding.GetInheritedSkeleton()
+            if skeleton:
+                UsdSkel.BindingAPI(other).CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+                _spread(prim, other)
+        elif prim.IsA(UsdSkel.Skeleton):
+            animation = binding.GetInheritedAnimationSource()
+            targets = [animation.GetPath()] if animation and animation.IsActive() else []
+            UsdSkel.BindingAPI(other).CreateAnimationSourceRel().SetTargets(targets)
+
+
+def _spread(prim: Any, other: Any) -> None:
+    """Give every point the joints that USD has once for all points of a mesh."""
+    points = UsdGeom.Mesh(prim).GetPointsAttr().Get(Usd.TimeCode.EarliestTime()) or ()
+    own, binding = UsdSkel.BindingAPI(prim), UsdSkel.BindingAPI(other)
+    pairs = (
+        (own.GetJointIndicesPrimvar(), binding.CreateJointIndicesPrimvar),
+        (own.GetJointWeightsPrimvar(), binding.CreateJointWeightsPrimvar),
+    )
+    for primvar, create in pairs:
+        values = primvar.Get(Usd.TimeCode.EarliestTime()) if primvar else None
+        if values and primvar.GetInterpolation() == UsdGeom.Tokens.constant:
+            create(False, len(values)).Set(list(values) * len(points))
+
+
+def _unseen(whole: Any) -> Iterator[str]:
+    """What three.js shows otherwise than USD."""
+    for prim in whole.Traverse():
+        if not prim.IsA(UsdGeom.Mesh):
+            continue
+        binding = UsdSkel.BindingAPI(prim)
+        if any(_inbetweens(whole.GetPrimAtPath(path)) for path in _shapes(binding)):
+            yield "blend shapes with inbetweens are shown without these, in a straight line"
+        method = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("primvars:skel:skinningMethod")
+        if method and method.Get() == UsdSkel.Tokens.dualQuaternion:
+            yield "meshes that are skinned by dual quaternions are shown as if they were not"
+        joints = binding.GetJointIndicesPrimvar()
+        if joints and joints.GetElementSize() > 4:
+            yield FOUR
+
+
+def _shapes(binding: Any) -> list[Any]:
+    targets = binding.GetBlendShapeTargetsRel()
+    return list(targets.GetForwardedTargets()) if targets else []
+
+
+def _inbetweens(shape: Any) -> bool:
+    return bool(shape and shape.IsA(UsdSkel.BlendShape) and UsdSkel.BlendShape(shape).GetInbetweens())
+
+
+def _textures(
+    shader: Any, flat: Any, files: dict[str, bytes | Path], lacking: list[str], within: Path | None
+) -> None:
+    """Take the images of a shader along under plain names, which ``flat`` then has for them."""
+    for given in shader.GetAttributes():
+        asset = given.Get()
+        if given.GetTypeName() != Sdf.ValueTypeNames.Asset or asset is None or not asset.path:
+            continue
+        resolved, suffix = str(asset.resolvedPath), Path(asset.path.rstrip("]")).suffix.lower()
+        if not resolved:
+            lacking.append(f"the texture '{asset.path}' is missing")
+        elif within is not None and lies_outside(resolved, within):
+            lacking.append(
+                f"the texture '{asset.path}' lies outside the folder of the file; "
+                "if you trust it, allow this with --allow-external-paths"
+            )
+        else:
+            content = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
+            if content is None:
+                lacking.append(f"the texture '{asset.path}' cannot be read")
+                continue
+            if not shows(content.GetBuffer()[:16]):
+                lacking.append(f"the texture '{asset.path}' is not shown, for it is none of {KINDS}")
+                continue
+            name = f"texture{len(files)}{suffix}"
+            files[name] = bytes(content.GetBuffer())
+            flat.GetPrimAtPath(shader.GetPath()).GetAttribute(given.GetName()).Set(Sdf.AssetPath(name))

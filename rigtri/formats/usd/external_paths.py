@@ -1,0 +1,212 @@
+"""Which files a USD file makes USD open, looked through before any stage is composed.
+
+Sublayers, references, payloads (of every variant) and value clips are followed from
+layer to layer. What lies outside the folder of the file is opened only if the
+user allows it; other schemes than files never are. Textures and other assets are
+never opened at all.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pxr import Ar, Sdf, Tf
+
+from rigtri.errors import FileError
+from rigtri.formats.usd import nesting_limit as nesting
+from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd.crate import tables as crate
+from rigtri.formats.usd.variable_expressions import Variables, evaluated, variables_of
+
+# How deep packages may stand in each other.
+NESTED = 4
+# In how many ways one layer may be asked for, by the variables that are set above it.
+SETTINGS = 64
+# A scheme, of two letters at least: C:/hero.usd is a Windows path.
+_SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
+
+
+def check(path: Path, *, allow_external: bool, variables: Variables | None = None) -> list[Any]:
+    """Look at every layer that composing ``path`` may open; returns those layers, still open.
+
+    variables: of the layer stack that it will be part of; its own where there is none above.
+    FileError for one that lies outside the folder of ``path`` (unless allowed), on a network or
+    in no plain file, naming the layer and the prim that ask for it.
+    """
+    root = Sdf.Layer.FindOrOpen(str(path))
+    layers: dict[str, Any] = {}
+    # A layer is looked at again where other variables are set, which its expressions may name.
+    waiting: list[tuple[Any, Variables]] = []
+    if root:
+        waiting.append((root, variables_of(root) if variables is None else variables))
+    known: dict[str, list[Variables]] = {}
+    sound: set[str] = set()
+    for layer, given in waiting:
+        seen = known.setdefault(layer.identifier, [])
+        if given in seen:
+            continue
+        if len(seen) >= SETTINGS:
+            raise FileError(
+                f"{layer.identifier} is referred to with more than {SETTINGS} settings of "
+                "expressionVariables. Write the asset paths without expressions"
+            )
+        seen.append(given)
+        layers[layer.identifier] = layer
+        waiting += _below(layer, given, path, allow_external, sound)
+    return list(layers.values())
+
+
+def _below(
+    layer: Any, variables: Variables, path: Path, allow_external: bool, sound: set[str]
+) -> Iterator[tuple[Any, Variables]]:
+    """The layers that one asks for and that are composed, each with the variables it gets there.
+
+    sound: the identifiers whose content was looked at, which grows.
+    """
+    for wanted, where, arc in asked(layer, variables):
+        identifier = _identifier(layer, wanted, where, path, allow_external)
+        if not identifier:
+            continue
+        if identifier not in sound:
+            check_content(identifier)
+            sound.add(identifier)
+        # Layers of value clips are not composed, and opened one by one when needed.
+        if arc != "clip" and (found := _opened(identifier)) is not None:
+            # A sublayer is of the same layer stack; the variables of another stack are weaker.
+            yield found, variables if arc == "sublayer" else {**variables_of(found), **variables}
+
+
+def check_content(identifier: str) -> None:
+    """FileError for binary layers whose tables are damaged, in a package those of all its entries."""
+    file = Path(Sdf.Layer.SplitIdentifier(identifier)[0].partition("[")[0])
+    if not file.is_file():
+        return
+    if file.suffix.lower() != ".usdz":
+        crate.check_file(file)
+        nesting.check_file(file)
+        return
+    _check_entries(package.read(file), str(file), NESTED)
+
+
+def _check_entries(whole: package.Package, name: str, deeper: int) -> None:
+    """The same for the entries of a package, and of packages in it."""
+    for entry in whole.entries:
+        content = memoryview(whole.content)[entry.start : entry.start + entry.size]
+        title = f"{name}[{entry.name}]"
+        if content[: len(crate.MAGIC)] == crate.MAGIC:
+            crate.check(content, title)
+        elif entry.name.lower().endswith((".usd", ".usda")):
+            nesting.check(content, title)
+        elif entry.name.lower().endswith(".usdz") and not entry.method:
+            if not deeper:
+                raise FileError(f"{title}: packages stand in each other more than {NESTED} deep. Unpack them")
+            try:
+                inner = package.parse(bytes(content), title)
+            except FileError:
+                continue  # USD cannot open it either, which is told where it is needed
+            _check_entries(inner, title, deeper - 1)
+
+
+def _opened(identifier: str) -> Any:
+    """A layer; None for one that USD cannot read, which is told when the stage is composed."""
+    try:
+        return Sdf.Layer.FindOrOpen(identifier)
+    except Tf.ErrorException:
+        return None
+
+
+def check_used(stage: Any, path: Path, *, allow_external: bool) -> None:
+    """FileError for a layer of a stage that lies outside, whatever has named it."""
+    for layer in stage.GetUsedLayers():
+        if layer.realPath and not allow_external and lies_outside(layer.realPath, path):
+            raise _outside(layer.identifier, f"{path}")
+
+
+def check_file(other: Path, path: Path, *, allow_external: bool) -> None:
+    """FileError for a file that ``path`` is about and that lies outside its folder."""
+    if not allow_external and lies_outside(str(other), path):
+        raise _outside(str(other), f"{path}")
+
+
+def _identifier(layer: Any, asked: str, where: str, path: Path, allow_external: bool) -> str:
+    """The identifier of an asset path as USD resolves it; "" where there is nothing to open."""
+    if _SCHEME.match(asked):
+        raise FileError(f"{where} asks for '{asked}'; rigtri fetches nothing. Put the layer beside this one.")
+    resolver = Ar.GetResolver()
+    anchor = Ar.ResolvedPath(layer.realPath)
+    plain, arguments = Sdf.Layer.SplitIdentifier(asked)
+    identifier = resolver.CreateIdentifier(plain, anchor)
+    resolved = str(resolver.Resolve(identifier))
+    if not resolved:
+        return ""  # what is not there is told when the stage is composed
+    if not allow_external and lies_outside(resolved, path):
+        raise _outside(asked, where)
+    file = Path(resolved.partition("[")[0])
+    if file.exists() and not (file.is_file() or file.is_dir()):
+        raise FileError(f"{where} asks for '{asked}', which is a device or a pipe. Put a plain file there")
+    return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
+
+
+def _outside(asked: str, where: str) -> FileError:
+    return FileError(
+        f"{where} asks for '{asked}', which lies outside the folder of the file. "
+        "If you trust it, allow this with --allow-external-paths"
+    )
+
+
+def lies_outside(resolved: str, path: Path) -> bool:
+    """Whether a file, or the package it is in, is not below the folder of ``path``.
+
+    Links count by what they lead to; but ``path`` itself is the file that the user named.
+    """
+    file = Path(os.path.realpath(resolved.partition("[")[0]))
+    return not file.is_relative_to(path.parent.resolve()) and file != path.resolve()
+
+
+def asked(layer: Any, variables: Variables) -> Iterator[tuple[str, str, str]]:
+    """The asset paths of layers that a layer asks for, expressions as what they say with ``variables``.
+
+    Each with where it asks, and how: as a ``sublayer``, by an ``arc`` or for a ``clip``.
+    """
+    found = [(asked, layer.identifier, "sublayer") for asked in layer.subLayerPaths]
+
+    def visit(path: Any) -> None:
+        prims = path.IsPrimPath() or path.IsPrimVariantSelectionPath()
+        spec = layer.GetPrimAtPath(path) if prims else None
+        if spec is not None:
+            place = f"<{path}> of {layer.identifier}"
+            found.extend((asked, place, "arc") for asked in _arcs(spec))
+            if spec.HasInfo("clips"):
+                found.extend((asked, place, "clip") for asked in _clips(spec, layer, variables))
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    for wanted, place, how in found:
+        if name := evaluated(wanted, variables):
+            yield name, place, how
+
+
+def _arcs(spec: Any) -> Iterator[str]:
+    for arcs in (spec.referenceList, spec.payloadList):
+        yield from (arc.assetPath for arc in arcs.GetAddedOrExplicitItems())
+
+
+def _clips(spec: Any, layer: Any, variables: Variables) -> Iterator[str]:
+    for clips in spec.GetInfo("clips").values():
+        yield from (asset.path for asset in clips.get("assetPaths", ()))
+        if "manifestAssetPath" in clips:
+            yield clips["manifestAssetPath"].path
+        if "templateAssetPath" in clips:
+            yield from _matching(evaluated(str(clips["templateAssetPath"]), variables), layer)
+
+
+def _matching(template: str, layer: Any) -> Iterator[str]:
+    """The files that a template such as ``clips/walk.###.usd`` names, as asset paths."""
+    inner, slash, name = template.rpartition("/")
+    folder = Path(layer.realPath).parent / inner
+    wanted = re.compile(re.sub(r"(?:\\#)+", "-?[0-9]+", re.escape(name)))
+    if folder.is_dir():
+        yield from (f"{inner}{slash}{item}" for item in sorted(os.listdir(folder)) if wanted.fullmatch(item))

@@ -1,0 +1,285 @@
+"""What skeletons move: skinned meshes, blend shapes and rigid points, read to measure.
+
+Inbetweens of blend shapes are not read: their targets count as reached in a
+straight line. Points are those of the Default time, else of the earliest sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom, UsdSkel
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.stage import DEFAULT, quiet
+from rigtri.formats.usd.time_samples import time_samples
+from rigtri.formats.usd.value_types import usable
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Booleans, Integers, Mesh, Surface, Track
+
+EARLIEST = Usd.TimeCode.EarliestTime()
+ALL_PRIMS = Usd.TraverseInstanceProxies()
+
+
+class Bindings:
+    """What is bound to which skeleton, found when first asked for: it walks the whole stage."""
+
+    def __init__(self, stage: Any) -> None:
+        self._stage = stage
+
+    @cached_property
+    def every(self) -> list[tuple[str, Any]]:
+        """Skinned prims as (skeleton path, UsdSkel skinning query), those of instances included."""
+        with quiet("USD cannot tell what is bound to the skeletons"):
+            return _bindings(self._stage)
+
+    def of(self, skeletons: Collection[str]) -> list[Any]:
+        """The skinning queries of some skeletons."""
+        return [query for path, query in self.every if path in skeletons]
+
+
+def _bindings(stage: Any) -> list[tuple[str, Any]]:
+    cache, found = UsdSkel.Cache(), []
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
+        if prim.IsA(UsdSkel.Root):
+            root = UsdSkel.Root(prim)
+            cache.Populate(root, ALL_PRIMS)
+            for binding in cache.ComputeSkelBindings(root, ALL_PRIMS):
+                path = str(binding.GetSkeleton().GetPath())
+                found += [(path, query) for query in binding.GetSkinningTargets()]
+    return found
+
+
+def weighted(queries: Sequence[Any], tokens: Sequence[str]) -> Booleans:
+    """Which joints of a skeleton move any point, (n,); all where nothing is bound to it."""
+    mask = np.zeros(len(tokens), dtype=bool)
+    bound = False
+    with quiet("USD cannot tell what the skeletons move"):
+        for query in queries:
+            if query.HasJointInfluences():
+                influences = _influences(query, tokens, None)
+                if influences is not None:
+                    joints, weights = influences
+                    bound = True
+                    mask[joints[weights != 0.0]] = True
+    return mask if bound else np.ones(len(tokens), dtype=bool)
+
+
+def read_meshes(
+    stage: Any,
+    found: Sequence[tuple[str, Any]],
+    node_of: Mapping[str, int],
+    skins: Mapping[str, int],
+    tokens: Mapping[str, Sequence[str]],
+) -> list[Mesh]:
+    """All points of a stage. node_of: nodes by prim path; skins: by skeleton path."""
+    by_prim = {str(query.GetPrim().GetPath()): (path, query) for path, query in found}
+    meshes = []
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
+        path = str(prim.GetPath())
+        if not prim.IsA(UsdGeom.PointBased) or path not in node_of:
+            continue
+        points = seen_at_start(UsdGeom.PointBased(prim).GetPointsAttr())
+        if not points:
+            continue
+        mesh = Mesh(path, node_of[path], np.array(points, dtype=np.float64))
+        skeleton, query = by_prim.get(path, ("", None))
+        if query is not None and skeleton in skins:
+            mesh = _skinned(mesh, query, skins[skeleton], tokens[skeleton])
+        meshes.append(replace(mesh, surface=partial(_surface, prim)))
+    return meshes
+
+
+def _surface(prim: Any) -> Surface:
+    """Faces (or curves) and normals as authored."""
+    names = ("faceVertexCounts", "curveVertexCounts")
+    sizes = next((a for name in names if (a := _attribute(prim, name)) is not None), ())
+    corners = _attribute(prim, "faceVertexIndices")
+    normals = _attribute(prim, "primvars:normals")
+    normals = _attribute(prim, "normals") if normals is None else normals
+    return Surface(
+        prim.GetTypeName(),
+        np.array(sizes, dtype=np.int64).reshape(-1),
+        np.array(() if corners is None else corners, dtype=np.int64).reshape(-1),
+        np.array(() if normals is None else normals, dtype=np.float64).reshape(-1, 3),
+        {name: values for name, value in _drawn(prim) if (values := _array(value)) is not None},
+    )
+
+
+def _drawn(prim: Any) -> Iterator[tuple[str, Any]]:
+    """Primvars such as colours, subsets of faces, and what blend shapes have besides offsets."""
+    for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
+        name = str(primvar.GetPrimvarName())
+        if not name.startswith("skel:") and name != "normals":
+            value = primvar.ComputeFlattened(DEFAULT)
+            value = primvar.ComputeFlattened(EARLIEST) if value is None else value
+            yield f"primvar {name}", value
+            yield f"interpolation of primvar {name}", str(primvar.GetInterpolation())
+    for subset in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim)):
+        yield f"subset {subset.GetPrim().GetName()}", at_start(subset.GetIndicesAttr())
+    shapes = prim.GetRelationship("skel:blendShapeTargets")
+    for number, target in enumerate(shapes.GetForwardedTargets() if shapes else ()):
+        shape = prim.GetStage().GetPrimAtPath(target)
+        for attribute in shape.GetAuthoredAttributes() if shape else ():
+            if attribute.GetName() == "normalOffsets" or attribute.GetName().startswith("inbetweens:"):
+                yield f"{attribute.GetName()} of blend shape {number}", at_start(attribute)
+
+
+def _array(value: Any) -> Any:
+    """Numbers as float64, words as they are; None where there is neither."""
+    if value is None:
+        return None
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.array([str(word) for word in value] if hasattr(value, "__len__") else [str(value)])
+
+
+def _attribute(prim: Any, name: str) -> Any:
+    attribute = prim.GetAttribute(name)
+    return at_start(attribute) if attribute else None
+
+
+def at_start(attribute: Any) -> Any:
+    """An attribute's value at the Default time, else at its earliest sample; None without either."""
+    value = attribute.Get(DEFAULT)
+    value = attribute.Get(EARLIEST) if value is None else value
+    return None if isinstance(value, Sdf.UnregisteredValue) else value
+
+
+def seen_at_start(attribute: Any) -> Any:
+    """The same; None where UsdSkel does not read its type, too."""
+    return usable(attribute, at_start(attribute))
+
+
+def blend_tracks(
+    animation: Any, queries: Sequence[Any], node_of: Mapping[str, int], interpolation: Any
+) -> list[Track]:
+    """The morph weights that an animation drives, as one track for each mesh it moves."""
+    attribute = animation.GetAttribute("blendShapeWeights")
+    order = animation.GetAttribute("blendShapes")
+    names = [str(name) for name in usable(order, order.Get(DEFAULT)) or ()]
+    keys = [(time, usable(attribute, value)) for time, value in time_samples(attribute)]
+    keys = [(time, value) for time, value in keys if value is not None and len(value) == len(names)]
+    if not keys:
+        return []
+    times = np.array([time for time, _ in keys])
+    values = np.array([np.array(value, dtype=np.float64) for _, value in keys])
+    values = np.concatenate([values, np.zeros((len(keys), 1))], axis=1)  # the last: not driven
+    tracks = []
+    for query in queries:
+        path = str(query.GetPrim().GetPath())
+        if query.HasBlendShapes() and path in node_of:
+            order = [str(name) for name in query.GetBlendShapeOrder() or ()]
+            columns = [names.index(name) if name in names else -1 for name in order]
+            unlisted = frozenset(k for k, column in enumerate(columns) if column < 0)
+            shown = values[:, columns]
+            tracks.append(Track(node_of[path], "weights", interpolation, times, shown, unlisted=unlisted))
+    return tracks
+
+
+def resting_weights(
+    found: Sequence[Mesh], bound: Sequence[tuple[str, Any]], animations: Mapping[str, Any]
+) -> list[Mesh]:
+    """The meshes with the morph weights that their animation has by default, which hold without samples.
+
+    animations: SkelAnimation prims by the path of the skeleton that plays them.
+    """
+    skeletons = {str(query.GetPrim().GetPath()): path for path, query in bound}
+    return [_resting(mesh, animations.get(skeletons.get(mesh.name, ""))) for mesh in found]
+
+
+def _resting(mesh: Mesh, animation: Any) -> Mesh:
+    if not mesh.morph_names or animation is None:
+        return mesh
+    known = default_weights(animation)
+    if not any(known.get(name) for name in mesh.morph_names):
+        return mesh
+    return replace(mesh, morph_weights=np.array([known.get(name, 0.0) for name in mesh.morph_names]))
+
+
+def default_weights(animation: Any) -> dict[str, float]:
+    """The default weights of an animation by blend shape; none where they are not one for each."""
+    order, weights = animation.GetAttribute("blendShapes"), animation.GetAttribute("blendShapeWeights")
+    names = [str(name) for name in usable(order, order.Get(DEFAULT)) or ()] if order else []
+    values = usable(weights, weights.Get(DEFAULT)) if weights else None
+    if values is None or len(values) != len(names):
+        return {}
+    return {name: float(value) for name, value in zip(names, values, strict=True)}
+
+
+def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
+    morphs = _morphs(query, len(mesh.points)) if query.HasBlendShapes() else mesh.morphs
+    rest = np.zeros(len(morphs))
+    order = [str(name) for name in query.GetBlendShapeOrder() or ()] if len(morphs) else []
+    names = tuple(order) if len(order) == len(morphs) else ()
+    mesh = replace(mesh, morphs=morphs, morph_weights=rest, morph_names=names)
+    if not query.HasJointInfluences():
+        return mesh
+    influences = _influences(query, tokens, len(mesh.points))
+    if influences is None:
+        return mesh
+    joints, weights = influences
+    return replace(
+        mesh,
+        skin=skin,
+        joints=joints,
+        weights=weights,
+        bind=np.array(query.GetGeomBindTransform(DEFAULT), dtype=np.float64),
+        dual_quaternion=str(query.GetSkinningMethod()) == "dualQuaternion",
+    )
+
+
+def _influences(query: Any, tokens: Sequence[str], points: int | None) -> tuple[Integers, Floats] | None:
+    """Joint indices of the skeleton and weights, (v, k); unmatched influences weigh nothing.
+
+    points: how many, to spread constant influences over; None leaves one row for all.
+    None where UsdSkel has no use for them and leaves the points where they are.
+    FileError for an index that no joint has, though it weighs something.
+    """
+    for time in (DEFAULT, EARLIEST):
+        if points is None:
+            pair = query.ComputeJointInfluences(time)
+        else:
+            pair = query.ComputeVaryingJointInfluences(points, time)
+        if pair and len(pair[0]):
+            break
+    width = max(query.GetNumInfluencesPerComponent(), 1)
+    if not pair or len(pair[0]) % width or len(pair[0]) != len(pair[1]):
+        return None
+    indices = np.array(pair[0], dtype=np.int64).reshape(-1, width)
+    weights = np.array(pair[1], dtype=np.float64).reshape(-1, width)
+    index = {token: number for number, token in enumerate(tokens)}
+    own = query.GetJointOrder()
+    order = np.array([index.get(str(t), -1) for t in own]) if own else np.arange(len(tokens))
+    usable = (indices >= 0) & (indices < len(order))
+    lost = ~usable & (weights != 0.0)
+    if lost.any():
+        raise FileError(
+            f"<{query.GetPrim().GetPath()}>.primvars:skel:jointIndices names joint {indices[lost][0]}, "
+            f"and it has the joints 0 to {len(order) - 1}. Export it again."
+        )
+    indices = order[np.where(usable, indices, 0)]
+    usable &= indices >= 0
+    return np.where(usable, indices, 0), np.where(usable, weights, 0.0)
+
+
+def _morphs(query: Any, count: int) -> Floats:
+    """Offsets of a mesh's blend shapes, (t, v, 3), in the mesh's own order."""
+    prim = query.GetPrim()
+    targets = prim.GetRelationship("skel:blendShapeTargets").GetForwardedTargets()
+    morphs = np.zeros((len(targets), count, 3))
+    for row, target in zip(morphs, targets, strict=True):
+        shape = prim.GetStage().GetPrimAtPath(target)
+        offsets = seen_at_start(shape.GetAttribute("offsets")) if shape else None
+        if not offsets:
+            continue
+        where = seen_at_start(shape.GetAttribute("pointIndices"))
+        rows = np.array(where, dtype=np.int64) if where else np.arange(count)
+        if len(rows) == len(offsets) and rows.max(initial=0) < count:
+            row[rows] = np.array(offsets, dtype=np.float64)
+    return morphs

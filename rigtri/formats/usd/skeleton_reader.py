@@ -1,0 +1,192 @@
+"""UsdSkel skeletons as arrays, checked: joint tokens, parents, bind and rest matrices.
+
+Source: UsdSkel schemas: bindTransforms are in world space at bind time,
+restTransforms are joint-local, a joint's parent is its nearest *listed* ancestor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, UsdSkel, Vt
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
+from rigtri.maths.matrices import determinant, inverse, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Booleans, Integers
+from rigtri.report import Notice
+
+# A frame whose volume is a smaller share of its axes' lengths has no inverse worth the name.
+SINGULAR = 1e-12
+
+# What exporters that multiply in float32 leave in a column that should be 0, 0, 0, 1.
+PERSPECTIVE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """One Skeleton prim. parents: (n,), −1 for a root. bind, rest: (n, 4, 4).
+
+    locked: why it cannot be edited, "" where it can; a clip library may lack what that needs.
+    animation: the path of the SkelAnimation that is bound to it, or "".
+    """
+
+    path: str
+    tokens: tuple[str, ...]
+    parents: Integers
+    bind: Floats
+    rest: Floats
+    has_rest: bool
+    locked: str
+    animation: str
+
+
+def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notice]) -> Skeleton | None:
+    """The skeleton of a Skeleton prim whose world matrix is ``world``; None if it has no joints.
+
+    animation: the SkelAnimation prim that is bound to it (`bound_animation`), or None.
+    FileError where its joints or matrices break UsdSkel's rules, naming them.
+    """
+    path = str(prim.GetPath())
+    tokens = tokens_of(prim, "joints")
+    if not tokens:
+        warnings.append(Notice("no-joints", f"Skeleton <{path}> has no joints; it is left alone."))
+        return None
+    for number, token in enumerate(tokens):
+        if not Sdf.Path.IsValidPathString(token):
+            what = f"is '{token}', which is no path" if token else "has no name"
+            text = f"Skeleton <{path}>: joint {number} {what}; it counts as a root, as in UsdSkel"
+            warnings.append(Notice("joint-unnamed", text))
+            break
+    parents = joint_parents(path, tokens)
+    bind = _matrices(prim, "bindTransforms", tokens)
+    if bind is None:
+        raise FileError(
+            f"Skeleton <{path}> has no bindTransforms, so what its skin looks like is undefined. "
+            "Export it again with a bind pose."
+        )
+    _check_bind(path, tokens, bind)
+    rest = _matrices(prim, "restTransforms", tokens)
+    if rest is None and animation is not None and animation.IsActive():
+        _check_covered(path, tokens, animation)
+    if rest is None:
+        warnings.append(
+            Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
+        )
+    return Skeleton(
+        path=path,
+        tokens=tokens,
+        parents=parents,
+        bind=bind,
+        rest=_local(bind, parents, world) if rest is None else rest,
+        has_rest=rest is not None,
+        locked="",
+        animation="" if animation is None else str(animation.GetPath()),
+    )
+
+
+def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
+    """The index of each joint's nearest listed ancestor, (n,), −1 for roots.
+
+    FileError where a joint is listed twice, or before its parent.
+    """
+    index: dict[str, int] = {}
+    for number, token in enumerate(tokens):
+        if token in index:
+            raise FileError(
+                f"Skeleton <{path}> lists joint '{token}' twice. Every joint needs a path of its own."
+            )
+        index[token] = number
+    parents = nearest_listed(tokens)
+    early = np.flatnonzero(parents > np.arange(len(tokens)))
+    if len(early):
+        # A parent before its children: one pass is enough, and UsdSkel accepts nothing else.
+        token, above = tokens[int(early[0])], tokens[int(parents[early[0]])]
+        raise FileError(
+            f"Skeleton <{path}> lists joint '{token}' before its parent '{above}'. "
+            "UsdSkel wants parents first; sort the joints, their matrices and their influences."
+        )
+    return parents
+
+
+def nearest_listed(tokens: Sequence[str]) -> Integers:
+    """The index of each joint's nearest listed ancestor, (n,), −1 for roots, in whatever order they are.
+
+    A token that is no path (``a/x:y``, ``a//b``, none at all) is a root: UsdSkel itself says so.
+    """
+    parents = UsdSkel.Topology(Vt.TokenArray(list(tokens))).GetParentIndices()
+    return np.array(parents, dtype=np.int64).reshape(-1)
+
+
+def unbounded(matrices: Floats) -> Booleans:
+    """Which matrices have numbers that are none, or none in float32, in which skins are computed, (n,)."""
+    with np.errstate(over="ignore"):
+        return np.asarray(~np.isfinite(matrices.astype(np.float32)).all(axis=(-2, -1)))
+
+
+def _matrices(prim: Any, name: str, tokens: Sequence[str]) -> Floats | None:
+    attribute, path = prim.GetAttribute(name), prim.GetPath()
+    if attribute and attribute.GetNumTimeSamples():
+        raise FileError(
+            f"<{path}>.{name} has time samples, which UsdSkel reads as empty. Write one value without time."
+        )
+    value = attribute.Get(DEFAULT) if attribute else None
+    if value is None or not len(matrices := numbers(attribute, value)):
+        return None
+    if len(matrices) != len(tokens):
+        raise FileError(
+            f"<{path}>.{name} has {len(matrices)} matrices for {len(tokens)} joints. Export it again."
+        )
+    lost = unbounded(matrices)
+    if lost.any():
+        raise FileError(
+            f"<{path}>.{name}: the matrix of joint '{tokens[int(lost.argmax())]}' is not finite, or too "
+            "large for float32. Export it again."
+        )
+    odd = (np.abs(matrices[:, :, 3] - (0.0, 0.0, 0.0, 1.0)) > PERSPECTIVE).any(axis=1)
+    if odd.any():
+        if (flat := odd & singular(matrices)).any():
+            raise FileError(
+                f"<{path}>.{name}: the matrix of joint '{tokens[int(flat.argmax())]}' is singular."
+            )
+        raise FileError(
+            f"<{path}>.{name}: the last column of the matrix of joint '{tokens[int(odd.argmax())]}' "
+            "is not 0, 0, 0, 1."
+        )
+    return matrices
+
+
+def singular(matrices: Floats) -> Booleans:
+    """Which matrices have no inverse worth the name, (n, 4, 4) → (n,)."""
+    size = length(matrices[:, :3, :3]).prod(axis=1)
+    return np.asarray(~(np.abs(determinant(matrices)) > SINGULAR * size))
+
+
+def _check_bind(path: str, tokens: Sequence[str], bind: Floats) -> None:
+    wrong = singular(bind)
+    if wrong.any():
+        raise FileError(
+            f"<{path}>.bindTransforms: the matrix of joint '{tokens[int(wrong.argmax())]}' has no "
+            "inverse (an axis is zero or two coincide), so its skin is undefined."
+        )
+
+
+def _check_covered(path: str, tokens: Sequence[str], animation: Any) -> None:
+    driven = set(tokens_of(animation, "joints"))
+    missing = [token for token in tokens if token not in driven]
+    if missing:
+        raise FileError(
+            f"Skeleton <{path}> has no restTransforms and its animation <{animation.GetPath()}> drives "
+            f"no joint '{missing[0]}', so where that joint stands is undefined. Add restTransforms."
+        )
+
+
+def _local(bind: Floats, parents: Integers, world: Floats) -> Floats:
+    """Bind matrices (of the world) seen from the parents, (n, 4, 4)."""
+    above = np.where((parents >= 0)[:, np.newaxis, np.newaxis], bind[parents], world)
+    return multiply(bind, inverse(above))

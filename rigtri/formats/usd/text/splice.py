@@ -1,0 +1,291 @@
+"""A changed layer as its own old text with the changes in it, and every other byte as it was.
+
+What changed, and how it is spelled, is told by USD: it writes the layer before and after as text,
+and where the two differ, what is new is put into the source's text. Numbers, words and strings of
+a value are changed one by one, so that layout, comments and the spelling of the others stay. USD
+then reads the outcome and writes it once more, which must give the text of the wanted layer,
+so that nothing here needs to know the whole grammar to be safe.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf
+
+from rigtri.files import temp_dirs as scratch
+from rigtri.formats.usd.text.statements import COMMENTS, STRINGS, Item, Span, Text, UnknownTextError
+
+# Blocks up to this depth are compared as a whole before they are taken apart.
+_SHALLOW = 64
+# How far back the start of a line is looked for.
+_LINE = 4096
+_STEP = 4
+_TRAIL = re.compile(rb"[ \t;]*(?:#[^\r\n]*|//[^\r\n]*)?(?=\r|\n|\Z)")
+_SEPARATOR, _INDENTED = re.compile(rb"[ \t]*;?"), re.compile(rb"\n([ \t]{1,8})[^\s]")
+# A line end and an empty line behind it, at most so long.
+_EMPTY, _EMPTY_LINE = re.compile(rb"(\n)[ \t]*\r?\n\Z"), 64
+# Strings first, so that what looks like a comment in one is none.
+_WORDS = re.compile(STRINGS + rb"|" + COMMENTS)
+_REST = re.compile(rb"[ \t;]*\r?\n")
+
+
+def spliced(content: bytes, before: Any, wanted: Any, lost: list[str] | None = None) -> bytes:
+    """The text of a layer with what differs between ``before``, which it says, and ``wanted``.
+
+    lost: gets the names of the values that were written anew and had comments in them.
+    UnknownTextError, with the reason, where that text would not say what ``wanted`` says.
+    """
+    with scratch.folder() as folder:
+        names = ("before", "wanted", "spliced", "seen")
+        was, now, made, seen = (Path(folder, f"{name}.usda") for name in names)
+        before.Export(str(was))
+        wanted.Export(str(now))
+        told = now.read_bytes()
+        splice = _Splice(Text(content), Text(was.read_bytes()), Text(told))
+        text = splice.text()
+        made.write_bytes(text)
+        try:
+            layer = Sdf.Layer.OpenAsAnonymous(str(made))
+        except Tf.ErrorException as error:
+            raise UnknownTextError("USD does not read the changed text") from error
+        layer.Export(str(seen))
+        # The first line has the version of the format, which the source keeps.
+        if _behind_first_line(seen.read_bytes()) != _behind_first_line(told):
+            raise UnknownTextError("USD reads something else from the changed text")
+        if lost is not None:
+            lost += splice.lost
+        return text
+
+
+def _behind_first_line(text: bytes) -> memoryview:
+    return memoryview(text)[text.find(b"\n") + 1 :]
+
+
+class _Splice:
+    """Three texts side by side, and the cuts that turn the source into what is wanted."""
+
+    def __init__(self, source: Text, before: Text, wanted: Text) -> None:
+        self.source, self.before, self.wanted = source, before, wanted
+        self.cuts: list[tuple[int, int, bytes]] = []
+        self.lost: list[str] = []
+        self.blocks: list[tuple[int, str, tuple[Item, Item, Item], tuple[Span, Span, Span]]] = []
+        head = source.content[:65536]
+        unit = _INDENTED.search(head)
+        self.unit = unit[1] if unit else b" " * _STEP
+        self.newline = b"\r\n" if b"\r\n" in head[: head.find(b"\n") + 1] else b"\n"
+
+    def text(self) -> bytes:
+        """The source with all cuts made."""
+        self._item(0, self.source.top(), self.before.top(), self.wanted.top())
+        while self.blocks:
+            self._block(*self.blocks.pop())
+        content, at = memoryview(self.source.content), 0
+        parts: list[bytes | memoryview] = []
+        for start, end, text in sorted(self.cuts, key=lambda cut: cut[:2]):
+            if start < at:
+                raise UnknownTextError("changes that overlap")
+            parts += (content[at:start], text)
+            at = end
+        return b"".join((*parts, content[at:]))
+
+    def _item(self, depth: int, mine: Item, was: Item, now: Item) -> None:
+        """Change one statement; blocks in it wait for their turn."""
+        if self.before.of((was.start, was.head_end)) != self.wanted.of((now.start, now.head_end)):
+            self.cuts.append((mine.start, mine.head_end, self.wanted.of((now.start, now.head_end))))
+        if self.before.of(was.value) != self.wanted.of(now.value):
+            self._value(depth, mine, was, now)
+        if self.before.of(was.meta) != self.wanted.of(now.meta):
+            self._meta(depth, mine, was, now)
+        if mine.body and was.body and now.body:
+            self.blocks.append((depth + 1, now.kind, (mine, was, now), (mine.body, was.body, now.body)))
+
+    def _value(self, depth: int, mine: Item, was: Item, now: Item) -> None:
+        if now.value is None or mine.value is None or was.value is None:
+            text = b"" if now.value is None else b" = " + self._told(now.value, now, mine)
+            self.cuts.append((mine.head_end, mine.value[1] if mine.value else mine.head_end, text))
+        elif mine.key.endswith(b".timeSamples") and self.source.of(mine.value)[:1] == b"{":
+            if not self._samples(mine, was, now):
+                self._note_lost(mine)
+                self.cuts.append((*mine.value, self._told(now.value, now, mine)))
+        else:
+            self.cuts.append((*mine.value, self._respelled(mine, was, now)))
+
+    def _samples(self, mine: Item, was: Item, now: Item) -> bool:
+        """Change samples one by one; False where their times are others."""
+        sides = []
+        for text, item in ((self.source, mine), (self.before, was), (self.wanted, now)):
+            start, end = item.value or (0, 0)
+            sides.append({sample.key: sample for sample in text.items((start + 1, end - 1), "samples")})
+        ours, old, new = sides
+        if not ours.keys() == old.keys() == new.keys():
+            return False
+        for key, sample in new.items():
+            if self.before.of(old[key].value) != self.wanted.of(sample.value):
+                self.cuts.append((*_sure(ours[key].value), self._respelled(ours[key], old[key], sample)))
+        return True
+
+    def _respelled(self, mine: Item, was: Item, now: Item) -> bytes:
+        """The source's value with only those numbers, words and strings changed that are others."""
+        value, old, new = _sure(mine.value), _sure(was.value), _sure(now.value)
+        told, text = self.before.of(old), self.source.of(value)
+        if text == told and b"\n" not in text:
+            return self.wanted.of(new)
+        ours, olds, news = self.source.atoms(value), self.before.atoms(old), self.wanted.atoms(new)
+        # USD sorts dictionaries, so places tell nothing there.
+        if not len(ours) == len(olds) == len(news) or text[:1] == b"{":
+            self._note_lost(mine)
+            return self._told(new, now, mine)
+        parts, at = [], value[0]
+        for (start, end), before, after in zip(ours, olds, news, strict=True):
+            atom = self.wanted.of(after)
+            if self.before.of(before) != atom:
+                parts += [self.source.content[at:start], atom]
+                at = end
+        return b"".join([*parts, self.source.content[at : value[1]]])
+
+    def _note_lost(self, mine: Item) -> None:
+        """Note a value that is written anew as a whole, if comments stand in it."""
+        if any(word[0][:1] in b"#/" for word in _WORDS.finditer(self.source.of(mine.value))):
+            self.lost.append((mine.name or mine.key).decode(errors="replace"))
+
+    def _meta(self, depth: int, mine: Item, was: Item, now: Item) -> None:
+        if mine.meta and was.meta and now.meta:
+            self.blocks.append((depth + 1, "meta", (mine, was, now), (mine.meta, was.meta, now.meta)))
+            return
+        at = mine.value[1] if mine.value else mine.head_end
+        if now.meta is None:
+            if mine.meta is not None:
+                self.cuts.append((at, mine.meta[1] + 1, b""))
+            return
+        told = self._told((now.meta[0] - 1, now.meta[1] + 1), now, mine)
+        if mine.meta is not None:
+            self.cuts.append((mine.meta[0] - 1, mine.meta[1] + 1, told))
+        elif not mine.key:
+            raise UnknownTextError("a layer without metadata")
+        else:
+            self.cuts.append((at, at, b" " + told))
+
+    def _block(
+        self, depth: int, kind: str, items: tuple[Item, Item, Item], spans: tuple[Span, Span, Span]
+    ) -> None:
+        """Change the statements of a block, take out those that are gone and put in the new ones."""
+        before, wanted = self.before, self.wanted
+        if depth <= _SHALLOW and before.of(spans[1]) == wanted.of(spans[2]):
+            return
+        listed = list(self.source.items(spans[0], kind))
+        ours = {item.key: item for item in listed}
+        olds = {item.key: item for item in before.items(spans[1], kind)}
+        news = {item.key: item for item in wanted.items(spans[2], kind)}
+        added = []
+        for key, item in news.items():
+            old, mine = olds.get(key), ours.get(key)
+            if old is None:
+                added.append(item)
+            elif mine is not None:
+                self._item(depth, mine, old, item)
+            elif before.of((old.start, old.end)) != wanted.of((item.start, item.end)):
+                raise self.source.unknown(spans[0][0], f"no statement '{key.decode(errors='replace')}'")
+        gone = olds.keys() - news.keys()
+        for mine in listed:
+            if mine.key in gone:
+                self.cuts.append(self._whole(mine))
+        if added:
+            self._insert(added, [item for item in listed if item.key not in gone], items[0], spans[0])
+
+    def _insert(self, added: Iterable[Item], kept: list[Item], owner: Item, span: Span) -> None:
+        """Put new statements behind those of their kind."""
+        outer = self._indent(owner.start) if owner.key else b""
+        own = next((self._indent(item.start) for item in kept if self._leads(item.start)), None)
+        indent = own if own is not None else outer + self.unit if owner.key else b""
+        if own is None and owner.meta == span and not owner.key:
+            indent = self.unit
+        places: dict[int, list[bytes]] = {}
+        lasts = _Last(kept)
+        for item in added:
+            at = lasts.before(item, span[0])
+            gap = self.newline * (2 if not item.is_property and at > span[0] else 1)
+            told = self._moved(self.wanted, (item.start, item.end), item.start, indent)
+            places.setdefault(at, []).append(gap + indent + told)
+        for at, texts in places.items():
+            trail = _TRAIL.match(self.source.content, at)
+            if trail is not None:
+                self.cuts.append((trail.end(), trail.end(), b"".join(texts)))
+                continue
+            separator = _SEPARATOR.match(self.source.content, at)
+            end = separator.end() if separator else at
+            closes = not self.source.of((end, span[1])).strip()
+            texts.append(self.newline + (outer if closes else indent))
+            self.cuts.append((end, end, b"".join(texts)))
+
+    def _whole(self, item: Item) -> tuple[int, int, bytes]:
+        """The cut that takes a statement out, with its line where nothing else is in it.
+
+        A prim goes with an empty line above it, as one is put in with it.
+        """
+        content = self.source.content
+        rest = _REST.match(content, item.end)
+        if rest is None or not self._leads(item.start):
+            return item.start, item.end, b""
+        start = item.start - len(self._indent(item.start))
+        empty = _EMPTY.search(content, max(0, start - _EMPTY_LINE), start)
+        if empty is not None and not item.is_property:
+            start = empty.end(1)
+        return start, rest.end(), b""
+
+    def _told(self, span: Span, item: Item, mine: Item) -> bytes:
+        """A part of a statement of the wanted text, indented like one of the source."""
+        return self._moved(self.wanted, span, item.start, self._indent(mine.start))
+
+    def _moved(self, text: Text, span: Span, start: int, indent: bytes) -> bytes:
+        found = text.of(span)
+        # A string may go over several lines, which must stay.
+        if b"\n" not in found or b'"""' in found or b"'''" in found:
+            return found
+        base = len(_line(text.content, start))
+        first, *lines = found.split(b"\n")
+        moved = [first]
+        for line in lines:
+            bare = line.lstrip(b" ")
+            deeper = max(0, len(line) - len(bare) - base) // _STEP
+            moved.append(indent + self.unit * deeper + bare if bare else b"")
+        return self.newline.join(moved)
+
+    def _leads(self, at: int) -> bool:
+        """Whether a statement is the first of its line."""
+        return not _line(self.source.content, at).strip(b" \t")
+
+    def _indent(self, at: int) -> bytes:
+        line = _line(self.source.content, at)
+        return line[: len(line) - len(line.lstrip(b" \t"))]
+
+
+class _Last:
+    """Behind which statement of a block a new one goes."""
+
+    def __init__(self, kept: list[Item]) -> None:
+        self.named = {item.name: item.end for item in kept if item.is_property}
+        self.property = max((item.end for item in kept if item.is_property), default=None)
+        self.any = kept[-1].end if kept else None
+
+    def before(self, item: Item, start: int) -> int:
+        """Behind the same property's other statement, the last property or the last of all."""
+        if item.is_property:
+            found = self.named.get(item.name, self.property)
+            return start if found is None else found
+        return start if self.any is None else self.any
+
+
+def _line(content: bytes, at: int) -> bytes:
+    """What stands before a place in its line."""
+    start = max(0, at - _LINE)
+    return content[max(start, content.rfind(b"\n", start, at) + 1) : at]
+
+
+def _sure(span: Span | None) -> Span:
+    if span is None:
+        raise UnknownTextError("a sample without a value")
+    return span

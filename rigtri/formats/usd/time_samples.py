@@ -1,0 +1,126 @@
+"""The time samples of an attribute, as an opinion of a stronger layer can repeat them.
+
+`Usd.Attribute.Get` maps a time back into the layer it comes from; under a scaled
+or offset layer that can miss the sample by one bit and find its neighbour, which
+may be blocked. So samples are taken from their layer. Value clips are asked by
+time, for their samples lie in many layers; where they jump between two samples,
+a sample just before the jump says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd
+
+from rigtri.errors import FileError
+from rigtri.maths.trigonometry import Floats
+
+DEFAULT = Usd.TimeCode.Default()
+Samples = list[tuple[float, Any]]
+
+# Where between two samples a clip is compared with what its samples alone would show.
+_BETWEEN = (0.29, 0.5, 0.93)
+# How far that may be off, as a share of the largest number there: float32, interpolated twice.
+_SAME = 1e-6
+
+
+def time_samples(attribute: Any) -> Samples:
+    """All samples in the stage's time; the value of a blocked one is None.
+
+    FileError where value clips jump in a way that samples cannot say, and for array edits.
+    """
+    times = attribute.GetTimeSamples()
+    if not times:
+        return []
+    if edits := array_edits(attribute):
+        raise FileError(f"{edits}, which rigtri cannot turn. Write whole arrays there, or flatten the stage.")
+    if from_clips(attribute, times):
+        return _of_clips(attribute, times)
+    for spec, offset in attribute.GetPropertyStackWithLayerOffsets(DEFAULT):
+        own = spec.layer.ListTimeSamplesForPath(spec.path)
+        if own:
+            found = [(offset * time, spec.layer.QueryTimeSample(spec.path, time)) for time in own]
+            found = [(time, None if _blocks(value) else value) for time, value in found]
+            return sorted(found, key=lambda sample: sample[0])
+    return [(time, attribute.Get(time)) for time in times]
+
+
+def array_edits(attribute: Any) -> str:
+    """Which opinion only says what is other in a weaker array although the attribute moves; "" for none.
+
+    USD holds the edited arrays between samples, which no samples say. Source: Usd.Attribute.Get (26.11).
+    """
+    if not attribute.GetTimeSamples():
+        return ""
+    for spec in attribute.GetPropertyStack(DEFAULT):
+        own = spec.layer.ListTimeSamplesForPath(spec.path)
+        values = [spec.layer.QueryTimeSample(spec.path, time) for time in own]
+        if not own and spec.HasDefaultValue():
+            values.append(spec.default)
+        if any(type(value).__name__.endswith("ArrayEdit") for value in values):
+            return f"<{spec.path}> of {spec.layer.identifier} edits an array that moves over time"
+        if own:
+            break  # what is weaker is not heard
+    return ""
+
+
+def from_clips(attribute: Any, times: Sequence[float]) -> bool:
+    """Whether the samples of an attribute come from value clips."""
+    source = attribute.GetResolveInfo(times[0]).GetSource() if times else None
+    return bool(source == Usd.ResolveInfoSourceValueClips)
+
+
+def _blocks(value: Any) -> bool:
+    return isinstance(value, Sdf.ValueBlock)
+
+
+def _of_clips(attribute: Any, times: Sequence[float]) -> Samples:
+    """The samples of value clips, with one more before each jump that they do not show."""
+    found: Samples = [(time, attribute.Get(time)) for time in times]
+    step = Usd.TimeCode.SafeStep()
+    jumps = [end for (_, _), (end, _) in _wrong(attribute, found)]
+    found += [(time - step, attribute.Get(time - step)) for time in jumps]
+    found.sort(key=lambda sample: sample[0])
+    for (start, _), (end, _) in _wrong(attribute, found):
+        if end - start > 2 * step:
+            layer = attribute.GetPropertyStack(start)[0].layer.identifier
+            raise FileError(
+                f"<{attribute.GetPath()}>: the value clips (of {layer}) do not run straight between "
+                f"{start:g} and {end:g}, and time samples would. Flatten the stage, or fix their times."
+            )
+    return found
+
+
+def _wrong(attribute: Any, found: Samples) -> list[tuple[tuple[float, Any], tuple[float, Any]]]:
+    """Neighbouring samples between which the clips show something else than these samples would."""
+    stage = Usd.Stage.CreateInMemory()
+    stage.SetInterpolationType(attribute.GetStage().GetInterpolationType())
+    twin = stage.DefinePrim("/Twin").CreateAttribute("twin", attribute.GetTypeName())
+    for time, value in found:
+        twin.Set(Sdf.ValueBlock() if value is None else value, time)
+    return [
+        (one, other)
+        for one, other in pairwise(found)
+        if any(
+            not _same(attribute.Get(time), twin.Get(time))
+            for time in (one[0] + share * (other[0] - one[0]) for share in _BETWEEN)
+        )
+    ]
+
+
+def _same(one: Any, other: Any) -> bool:
+    if one is None or other is None:
+        return one is None and other is None
+    first, second = _array(one), _array(other)
+    if first.shape != second.shape:
+        return False
+    size = max(1.0, float(np.abs(first).max(initial=0.0)))
+    return bool(np.abs(first - second).max(initial=0.0) <= _SAME * size)
+
+
+def _array(value: Any) -> Floats:
+    return np.array(value, dtype=np.float64)

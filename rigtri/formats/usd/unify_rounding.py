@@ -1,0 +1,93 @@
+"""Skeletons that are the same but for rounding get the same bits.
+
+Instances and references of one character stand in different places, and axes
+worked out there differ in their last bits. What they share (a prototype, an
+animation) can stay shared only if their new values are equal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.formats.usd.edits import parts
+from rigtri.formats.usd.skeleton_reader import Skeleton
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Integers, Path, Skin, Track
+from rigtri.model.rig import Rig
+
+# Values that differ by less, as a share of the largest of them, are one value.
+ROUNDING = 1e-9
+
+
+def united(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Rig:
+    """The rig in which joints of equal skeletons that were turned alike have the same values."""
+    leader = _leaders(before, rig, skeletons)
+    if (leader == np.arange(len(leader))).all():
+        return rig
+    number = {joints.tobytes(): k for k, joints in enumerate(skin.joints for skin in rig.skins)}
+    skins = []
+    for skin in rig.skins:
+        first = rig.skins[number.get(leader[skin.joints].tobytes(), number[skin.joints.tobytes()])]
+        skins.append(skin if first is skin else replace(skin, inverse_bind=first.inverse_bind))
+    return replace(
+        rig,
+        translation=rig.translation[leader],
+        rotation=rig.rotation[leader],
+        scale=rig.scale[leader],
+        matrix=rig.matrix[leader],
+        has_matrix=rig.has_matrix[leader],
+        skins=tuple(skins),
+        clips=tuple(_united_clip(clip, leader) for clip in rig.clips),
+    )
+
+
+def _leaders(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Integers:
+    """For each node, whose values it takes: (n,), its own number in most cases."""
+    leader = np.arange(len(rig))
+    firsts: list[tuple[Skeleton, Skin]] = []
+    for old, new in zip(before.skins, rig.skins, strict=False):  # new ones come last
+        skeleton = skeletons.get(parts(old.key)[1]) if parts(old.key)[0] == "skeleton" else None
+        if skeleton is None:
+            continue
+        for known, first in firsts:
+            if _same_skeleton(known, skeleton) and _same_turns(rig, first, new):
+                leader[new.joints] = first.joints
+                break
+        else:
+            firsts.append((skeleton, new))
+    return leader
+
+
+def _same_skeleton(one: Skeleton, other: Skeleton) -> bool:
+    return (
+        one.tokens == other.tokens
+        and np.array_equal(one.bind, other.bind)
+        and np.array_equal(one.rest, other.rest)
+    )
+
+
+def _same_turns(rig: Rig, one: Skin, other: Skin) -> bool:
+    return _close(one.inverse_bind, other.inverse_bind) and _close(
+        rig.local[one.joints], rig.local[other.joints]
+    )
+
+
+def _close(one: Floats, other: Floats) -> bool:
+    size = float(np.abs(one).max(initial=1.0))
+    return one.shape == other.shape and bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * size)
+
+
+def _united_clip(clip: Clip, leader: Integers) -> Clip:
+    """The clip with tracks that drive the same column of one animation made equal."""
+    known = {(track.node, track.path): track for track in clip.tracks}
+    return replace(clip, tracks=tuple(_united_track(track, known, leader) for track in clip.tracks))
+
+
+def _united_track(track: Track, known: Mapping[tuple[int, Path], Track], leader: Integers) -> Track:
+    first = known.get((int(leader[track.node]), track.path))
+    if first is None or first is track or first.key != track.key or not _close(first.values, track.values):
+        return track
+    return replace(track, values=first.values)

@@ -1,0 +1,216 @@
+"""Plain Xform hierarchies as rigs: prims that stand in for joints, and tracks that move them.
+
+An animated prim becomes tracks where translate, orient and scale ops say all of it.
+Other stacks (Euler angles, matrices, pivots) interpolate in ways that no track
+has; such prims are measured as they stand, and turned all the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.evaluation.sampling import worlds
+from rigtri.formats.usd.edits import kind
+from rigtri.formats.usd.mesh_reader import at_start
+from rigtri.formats.usd.stage import why_locked
+from rigtri.formats.usd.xform_ops import FRAME, PARENT_INVERSE
+from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import IDENTITY, multiply, rotate
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, Interpolation, Path, Skin, Track
+from rigtri.model.rig import Rig
+from rigtri.report import Notice
+
+# Op → (track, what it is without a value). The two ops of ours stand outermost and innermost.
+_PLAIN: dict[str, tuple[Path, Floats]] = {
+    "xformOp:translate": ("translation", np.zeros(3)),
+    "xformOp:orient": ("rotation", IDENTITY),
+    "xformOp:scale": ("scale", np.ones(3)),
+}
+_ORDER = (PARENT_INVERSE, *_PLAIN, FRAME)
+# Scale components that differ by less are one number that was rounded to float32.
+_UNIFORM = 1e-6
+
+
+def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnings: list[Notice]) -> Rig:
+    """The rig with the prims at and below ``root`` as joints; those that must not turn are fixed."""
+    top = find_root(rig, root)
+    _refuse_skeletons(stage, rig.labels[top])
+    skin = pseudo_skin(rig, top)
+    _tell_of_resets(rig, stage, top, warnings)
+    fixed, bodies = dict(rig.fixed), jointed_bodies(stage)
+    for node in skin.joints.tolist():
+        why = bodies.get(rig.labels[node]) or why_fixed(stage.GetPrimAtPath(rig.labels[node]))
+        if why:
+            fixed[node] = why
+    rig = replace(rig, skins=(*rig.skins, skin), fixed=fixed)
+    return _animated(rig, stage, skin.joints.tolist(), interpolation, warnings)
+
+
+def _animated(
+    rig: Rig, stage: Any, joints: list[int], interpolation: Interpolation, warnings: list[Notice]
+) -> Rig:
+    """The rig with a clip of its animated Xform joints, as far as tracks can say it."""
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    tracks: list[Track] = []
+    for node in joints:
+        prim = stage.GetPrimAtPath(rig.labels[node])
+        if not UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
+            continue
+        stand = read_stand(prim, node, interpolation)
+        if stand is None:
+            text = f"<{prim.GetPath()}> moves by ops that no track can say; only its rest is measured."
+            warnings.append(Notice("animated-xform", text))
+            continue
+        translation[node], rotation[node] = stand.translation, stand.rotation
+        scale[node] = stand.scale
+        tracks += stand.tracks
+    if not tracks:
+        return rig
+    clip = Clip("xforms", tuple(tracks), ("xforms", ""))
+    return replace(rig, clips=(*rig.clips, clip), translation=translation, rotation=rotation, scale=scale)
+
+
+def find_root(rig: Rig, root: str) -> int:
+    """The prim that ``--root`` names: by path, or by a name that only one has."""
+    if not rig.has(root):
+        prims = [node for node, key in enumerate(rig.keys) if kind(key) == "prim"]
+        known = [way[node] for node in prims for way in (rig.labels, rig.names)]
+        raise NameNotFoundError("prim", root, known)
+    node = rig.find(root, "prim")
+    if kind(rig.keys[node]) != "prim":
+        raise UsageError(f"--root '{root}' is a joint; name a prim, e.g. {rig.labels[0]}")
+    return node
+
+
+def _refuse_skeletons(stage: Any, root: str) -> None:
+    """UsageError for a Skeleton at or below the root: its joints are the ones to turn."""
+    for prim in Usd.PrimRange(stage.GetPrimAtPath(root), Usd.TraverseInstanceProxies()):
+        if prim.GetTypeName() == "Skeleton":
+            raise UsageError(
+                f"--root {root}: there is a skeleton, <{prim.GetPath()}>. --root is for plain "
+                "hierarchies: leave it out, or name a prim without a skeleton below it."
+            )
+
+
+def _tell_of_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> None:
+    """A notice of each prim below the root that starts anew with !resetXformStack!."""
+    root = f"{rig.labels[top].rstrip('/')}/"
+    for node, label in enumerate(rig.labels):
+        if kind(rig.keys[node]) != "prim" or not label.startswith(root) or rig.parents[node] >= 0:
+            continue
+        text = (
+            f"<{label}> does not follow what is above it (!resetXformStack!); it and all below it are "
+            f"left as they are. To turn them, run again with --root {label}."
+        )
+        if UsdGeom.Xformable(stage.GetPrimAtPath(label)).GetResetXformStack():
+            warnings.append(Notice("reset-stack", text))
+
+
+def pseudo_skin(rig: Rig, root: int) -> Skin:
+    """The prims at and below ``root`` as joints, bound where they stand at rest."""
+    joints = [node for node in rig.below(root) if kind(rig.keys[node]) == "prim"]
+    return Skin(
+        name=rig.names[root],
+        joints=np.array(joints, dtype=np.int64),
+        inverse_bind=inverse(worlds(rig)[joints]),
+        stored=False,
+        key=("root", rig.labels[root]),
+    )
+
+
+def why_fixed(prim: Any) -> str:
+    """Why a prim must keep its axes; "" where it may be turned."""
+    if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Camera) or prim.IsA(UsdGeom.PointInstancer):
+        return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be turned"
+    if prim.GetTypeName().endswith("Light"):
+        return f"<{prim.GetPath()}> is itself a light; only prims above it can be turned"
+    held = [name for name in prim.GetAuthoredPropertyNames() if name.startswith("constraintTargets:")]
+    held += ["extentsHint"] if prim.GetAttribute("extentsHint").HasAuthoredValue() else []
+    if held:
+        return f"<{prim.GetPath()}>.{held[0]} is kept in its axes"
+    return why_locked(prim, ("xformOpOrder",))
+
+
+def jointed_bodies(stage: Any) -> dict[str, str]:
+    """Prims that physics joints keep frames for, by path, with the reason to leave them."""
+    found = {}
+    for prim in stage.Traverse():
+        if prim.GetTypeName().startswith("Physics") and prim.GetTypeName().endswith("Joint"):
+            for name in ("physics:body0", "physics:body1"):
+                relation = prim.GetRelationship(name)
+                for target in relation.GetTargets() if relation else ():
+                    found[str(target)] = f"the physics joint <{prim.GetPath()}> keeps a frame in its axes"
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """Where a prim stands, as one value for each track, and the tracks that move it."""
+
+    translation: Floats
+    rotation: Floats
+    scale: Floats
+    tracks: tuple[Track, ...]
+
+
+def read_stand(prim: Any, node: int, interpolation: Interpolation) -> Stand | None:
+    """The ops of a prim as tracks; None where they say what tracks cannot."""
+    ops: dict[str, Any] = {str(op.GetOpName()): op for op in UsdGeom.Xformable(prim).GetOrderedXformOps()}
+    names = list(ops)
+    if names != [name for name in _ORDER if name in ops]:
+        return None
+    ours = [ops[name] for name in (PARENT_INVERSE, FRAME) if name in ops]
+    if any(op.GetNumTimeSamples() for op in ours):
+        return None
+    outer, inner = (_first(ops.get(name), IDENTITY) for name in (PARENT_INVERSE, FRAME))
+    rest, tracks = {}, []
+    for name, (path, nothing) in _PLAIN.items():
+        op = ops.get(name)
+        stands = _first(op, nothing)
+        if not np.isfinite(stands).all():
+            return None
+        rest[path] = _carried(path, stands, outer, inner)
+        keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
+        keys = [(time, value) for time, value in keys if value is not None]
+        if keys:
+            values = np.stack([_numbers(value) for _, value in keys])
+            if not np.isfinite(values).all():
+                return None
+            if path == "scale" and (inner != IDENTITY).any() and _uneven(values):
+                return None
+            values = _carried(path, values, outer, inner)
+            times = np.array([time for time, _ in keys])
+            tracks.append(Track(node, path, interpolation, times, values))
+    if (inner != IDENTITY).any() and _uneven(rest["scale"]):
+        return None
+    return Stand(rest["translation"], rest["rotation"], rest["scale"], tuple(tracks))
+
+
+def _carried(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
+    """Values, (..., c), with the constant turns outside and inside folded in."""
+    if path == "translation":
+        return rotate(outer, values)
+    return multiply(multiply(outer, values), inner) if path == "rotation" else values
+
+
+def _uneven(scale: Floats) -> bool:
+    spread = scale.max(axis=-1) - scale.min(axis=-1)
+    return bool((spread > _UNIFORM * np.abs(scale).max(axis=-1)).any())
+
+
+def _first(op: Any, nothing: Floats) -> Floats:
+    value = None if op is None else at_start(op.GetAttr())
+    return nothing if value is None else _numbers(value)
+
+
+def _numbers(value: Any) -> Floats:
+    """A Gf vector or quaternion as numbers, quaternions as xyzw."""
+    if hasattr(value, "GetImaginary"):
+        return np.array([*value.GetImaginary(), value.GetReal()], dtype=np.float64)
+    return np.array(value, dtype=np.float64)

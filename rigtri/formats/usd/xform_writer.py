@@ -1,0 +1,326 @@
+"""Prims of our own: locators under a Scope ``rigtri`` of the top-level prim that holds a skeleton."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Tf
+
+from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
+from rigtri.formats.usd import metadata_attributes as notes
+from rigtri.formats.usd.control_shapes import NAME, drawing
+from rigtri.formats.usd.edits import Edit, apply_schema, define, kind, parts, set_value
+from rigtri.formats.usd.passes.add_joints import own_skeleton
+from rigtri.formats.usd.reader import GROUP, Source
+from rigtri.formats.usd.stage import why_locked
+from rigtri.formats.usd.xform_ops import OPS, SAME_TURN, stand
+from rigtri.maths.matrices import inverse, multiply
+from rigtri.model.records import Skin, Track
+from rigtri.model.rig import ADDED, Rig
+
+# What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
+SOURCE = "rigtri:source"
+
+
+def is_ours(rig: Rig, node: int) -> bool:
+    """Whether a prim was made by rigtri: it carries a note, and its place is ours to set."""
+    return "type" in rig.notes.get(node, {})
+
+
+def takes_place(before: Rig, rig: Rig, node: int) -> bool:
+    """Whether the place of a prim is ours to set: it has a note, or has been told the one it lost."""
+    told = rig.notes.get(node, {}).get("type") in ADDED
+    return is_ours(before, node) or (told and bool((before.local[node] != rig.local[node]).any()))
+
+
+def edits(source: Source, rig: Rig, keyed: Collection[int] = ()) -> list[Edit]:
+    """New nodes as prims, and prims of ours brought up to date. keyed: those with other tracks."""
+    if any(c.key is None and c.kind != "tail" for c in rig.constraints):
+        raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
+    updated = _update(source, rig, keyed)
+    additions = _Additions(source, rig)
+    added = additions.edits()
+    # Renaming comes last: all other edits know a prim by the path it had.
+    return [*updated, *added, *_removals(source, rig), *_renamings(source.rig, rig, additions.paths)]
+
+
+def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
+    """Prims of ours with other names, deepest first, and what relates to them. made: paths of new prims."""
+    wanted = {
+        Sdf.Path(before.labels[node]): Tf.MakeValidIdentifier(rig.names[node])
+        for node, key in reversed(list(enumerate(before.keys)))
+        if kind(key) == "prim"
+        and node not in rig.removed
+        and is_ours(before, node)
+        and before.names[node] != rig.names[node]
+    }
+
+    def now(path: Any) -> Any:
+        for old, name in wanted.items():
+            path = path.ReplacePrefix(old, old.GetParentPath().AppendChild(name))
+        return path
+
+    found = [_rename(str(path), name) for path, name in wanted.items()]
+    for node, note in rig.notes.items():
+        paths = _prims(rig, note, made)
+        own = made.get(node) or (Sdf.Path(rig.labels[node]) if rig.labels[node] else None)
+        if own is not None and list(map(now, paths)) != paths:
+            found += _relations(now(own), note, list(map(now, paths)))
+    return found
+
+
+def _tracks(rig: Rig, node: int) -> list[Track]:
+    """All that moves a prim of ours; a scale that stays 1 is none."""
+    found = [t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights"]
+    return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_TURN]
+
+
+def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
+    """The attribute of a control that a pose reader drives: what its value node says by its x translation."""
+    note = rig.notes.get(node, {})
+    name = notes.TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
+    samples = {
+        float(time): float(row[0])
+        for track in _tracks(rig, node)
+        if track.path == "translation"
+        for time, row in zip(track.times, track.values, strict=True)
+    }
+    resting = float(rig.translation[node, 0])
+    double = Sdf.ValueTypeNames.Double
+    return [set_value(control, name, double, resting, samples=samples, custom=True, alone=True)]
+
+
+def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
+    before, found = source.rig, []
+    for node, key in enumerate(before.keys):
+        if kind(key) != "prim" or node in rig.removed:
+            continue
+        path, note = before.labels[node], rig.notes.get(node, {})
+        if dict(note) != dict(before.notes.get(node, {})):
+            old, new = notes.attributes_of(before.notes.get(node, {})), notes.attributes_of(note)
+            found += [_remove(path, name) for name in old if name not in new]
+            found += _attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
+            found += _relations(path, note, _prims(rig, note, {}))
+        if not takes_place(before, rig, node):
+            continue
+        if node in rig.shapes:
+            found += drawing(Sdf.Path(path).AppendChild(NAME), rig.shapes[node])
+        if node in keyed or (before.local[node] != rig.local[node]).any():
+            locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
+            if locked:
+                raise FileError(f"{locked}.")
+            stands = stand(path, rig.local[node], _tracks(rig, node))
+            used = {edit.name for edit in stands}
+            idle = [name for name in OPS.values() if name not in used]
+            prim = source.stage.GetPrimAtPath(path)
+            found += [*stands, *(_remove(path, name) for name in idle if prim.HasAttribute(name))]
+            if "attribute" in note:
+                found += _values(rig, node, rig.labels[rig.find(str(note["control"]), "node")])
+    return found
+
+
+def _removals(source: Source, rig: Rig) -> list[Edit]:
+    """Prims of ours that go, each with all below it."""
+    gone = [node for node in sorted(rig.removed) if kind(rig.keys[node]) == "prim"]
+    tops = [node for node in gone if int(rig.parents[node]) not in rig.removed]
+    for node in gone:
+        stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
+        for spec in stack[1:]:
+            raise FileError(
+                f"<{rig.labels[node]}> is written in {stack[0].layer.identifier} and in "
+                f"{spec.layer.identifier}, so it cannot be taken out of one of them."
+            )
+    return [_erase(rig.labels[node]) for node in tops]
+
+
+def _erase(path: str) -> Edit:
+    def erase(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is None:
+            raise FileError(f"<{path}> is written in another layer, so it cannot be taken out here.")
+        del spec.nameParent.nameChildren[spec.name]
+
+    return Edit(Sdf.Path(path), erase)
+
+
+class _Additions:
+    """The prims of new nodes: where each goes, what it is called, and where it stands."""
+
+    def __init__(self, source: Source, rig: Rig) -> None:
+        self.source, self.rig = source, rig
+        self.world = worlds(rig)
+        self.paths: dict[int, Any] = {}
+        self.made: dict[Any, Edit] = {}
+        self.taken: set[Any] = set()
+
+    def edits(self) -> list[Edit]:
+        found: list[Edit] = []
+        skins = self.rig.skins[len(self.source.rig.skins) :]
+        joints = {joint for skin in skins for joint in skin.joints.tolist()}
+        for node in range(len(self.source.rig), len(self.rig)):
+            if self.rig.payload[node] >= 0:
+                raise FileError(
+                    f"'{self.rig.title(node)}': a USD prim cannot hand its shape to another prim."
+                )
+            if self._is_group(node) or node in joints:
+                continue
+            found += self._locator(node)
+        for skin in skins:
+            found += self._skeleton(skin)
+        # A group nobody hangs under would be an empty Scope.
+        return [*self.made.values(), *found]
+
+    def _is_group(self, node: int) -> bool:
+        return node >= len(self.source.rig) and self.rig.notes.get(node, {}).get("type") == "group"
+
+    def _free(self, parent: Any, wanted: str) -> Any:
+        """A path below ``parent`` that no prim has."""
+        name = Tf.MakeValidIdentifier(wanted)
+        path, count = parent.AppendChild(name), 2
+        while path in self.taken or self.source.stage.GetPrimAtPath(path):
+            path, count = parent.AppendChild(f"{name}_{count}"), count + 1
+        self.taken.add(path)
+        return path
+
+    def _skeleton(self, skin: Skin) -> list[Edit]:
+        """The skeleton of a new skin, where the locators are that are about the same."""
+        joints = skin.joints.tolist()
+        parent, above = self._parent(joints[0])
+        rest = self.rig.local[skin.joints]
+        roots = [k for k, joint in enumerate(joints) if int(self.rig.parents[joint]) not in joints]
+        rest[roots] = multiply(self.world[skin.joints[roots]], inverse(above))
+        return own_skeleton(self._free(parent, skin.name or "skeleton"), skin, self.rig, rest)
+
+    def _locator(self, node: int) -> list[Edit]:
+        parent, above = self._parent(node)
+        path = self.paths[node] = self._free(parent, self.rig.names[node] or "locator")
+        local = multiply(self.world[node], inverse(above))
+        # 1e-16 of a position is the noise of this product, not a place.
+        local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
+        note = self.rig.notes.get(node, {})
+        found = [define(path, "Xform"), *stand(path, local, _tracks(self.rig, node))]
+        found += _attributes(path, notes.attributes_of(note))
+        found += _relations(path, note, _prims(self.rig, note, self.paths))
+        if "attribute" in note:
+            control = self.rig.find(str(note["control"]), "node")
+            found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
+        if node in self.rig.shapes:
+            found += drawing(path.AppendChild(NAME), self.rig.shapes[node])
+        return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found
+
+    def _parent(self, node: int) -> tuple[Any, Any]:
+        """The prim that a new node goes under, and that prim's world matrix."""
+        parent = int(self.rig.parents[node])
+        if parent in self.paths:
+            return self.paths[parent], self.world[parent]
+        if 0 <= parent < len(self.source.rig) and kind(self.rig.keys[parent]) == "prim":
+            return Sdf.Path(self.rig.labels[parent]), self.world[parent]
+        return self._scope(self._top(node), parent)
+
+    def _top(self, node: int) -> Any:
+        """The top-level prim that holds the skeleton a node is about."""
+        rig, note = self.rig, self.rig.notes.get(node, {})
+        wanted = note.get("chain", [note["child"]] if note.get("type") == "constraint" else [])
+        about = [
+            parts(rig.keys[joint])[1]
+            for joint in range(len(self.source.rig))
+            if wanted and kind(rig.keys[joint]) == "joint" and wanted[0] in _addresses(rig, joint)
+        ]
+        if not about:
+            about = list(self.source.skeletons) or [parts(s.key)[1] for s in rig.skins if parts(s.key)]
+        default = self.source.stage.GetDefaultPrim()
+        if not about and not default:
+            return None
+        path = Sdf.Path(about[0]).GetPrefixes()[0] if about else default.GetPath()
+        prim = self.source.stage.GetPrimAtPath(path)
+        return None if prim.IsInstance() or prim.IsInstanceProxy() else path
+
+    def _scope(self, top: Any, group: int) -> tuple[Any, Any]:
+        """The Scope of ours below ``top`` (at the root where ``top`` is an instance)."""
+        parent = Sdf.Path.absoluteRootPath if top is None else top
+        path, count = parent.AppendChild(GROUP), 2
+        stage = self.source.stage
+        while (prim := stage.GetPrimAtPath(path)) and not prim.HasAttribute("rigtri:type"):
+            path, count = parent.AppendChild(f"{GROUP}_{count}"), count + 1
+        if path not in self.made and not stage.GetPrimAtPath(path):
+            note = self.rig.notes.get(group, {}) if self._is_group(group) else {}
+            self.made[path] = _all(
+                path,
+                [
+                    define(path, "Scope"),
+                    *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
+                    apply_schema(path, notes.api_name("group")),
+                ],
+            )
+        nodes = {label: node for node, label in enumerate(self.rig.labels)}
+        above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
+        return path, above
+
+
+def _prims(rig: Rig, note: Mapping[str, Any], made: Mapping[int, Any]) -> list[Any]:
+    """The prims among a constraint's drivers."""
+    found = []
+    for name in note.get("drivers", ()):
+        node = rig.known(name)
+        if node is not None and node in made:
+            found.append(made[node])
+        elif node is not None and kind(rig.keys[node]) == "prim":
+            found.append(Sdf.Path(rig.labels[node]))
+    return found
+
+
+def _relations(path: Any, note: Mapping[str, Any], targets: list[Any]) -> list[Edit]:
+    """The relationship of a constraint to its drivers; none for other notes."""
+    if note.get("type") != "constraint":
+        return []
+
+    def edit(layer: Any) -> None:
+        spec = Sdf.CreatePrimInLayer(layer, path)
+        if SOURCE in spec.relationships:
+            del spec.properties[SOURCE]
+        if targets:
+            relation = Sdf.RelationshipSpec(spec, SOURCE, custom=True)
+            relation.targetPathList.explicitItems = targets
+
+    return [Edit(Sdf.Path(path), edit)]
+
+
+def _addresses(rig: Rig, node: int) -> tuple[str, ...]:
+    return (rig.names[node], rig.labels[node], parts(rig.keys[node])[2])
+
+
+def _all(path: Any, steps: list[Edit]) -> Edit:
+    def edit(layer: Any) -> None:
+        for step in steps:
+            step(layer)
+
+    return Edit(path, edit)
+
+
+def _attributes(path: Any, wanted: dict[str, tuple[Any, Any]]) -> list[Edit]:
+    return [
+        set_value(path, name, type_name, value, custom=True, uniform=name.startswith(notes.PREFIX))
+        for name, (type_name, value) in wanted.items()
+    ]
+
+
+def _remove(path: str, name: str) -> Edit:
+    def edit(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is not None and name in spec.properties:
+            del spec.properties[name]
+
+    return Edit(Sdf.Path(path), edit)
+
+
+def _rename(path: str, name: str) -> Edit:
+    def rename(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is None or spec.specifier != Sdf.SpecifierDef:
+            raise FileError(f"<{path}> is defined in another layer, so it cannot be renamed here.")
+        spec.name = name
+
+    return Edit(Sdf.Path(path), rename)

@@ -1,0 +1,146 @@
+"""Rules by which nodes follow others, and what pose readers look for, told in turned frames.
+
+With row matrices, C of the child, D of a driver and the parent's P: where ``world' = C·world``, an
+offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local rotations
+take the parent's turn off. What is told by the axes themselves (skipped channels, lengths of axes,
+turns in own axes) cannot always be told in others; `lost_rules` names it.
+
+Source: derived from `rigtri.model.constraints`; docs/exactness.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.maths.matrices import turn_after, turn_before
+from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotate
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.constraints import Rule, note_of, rules_of
+from rigtri.model.rig import Rig
+
+# Turns and axes that differ by less (radians) are one: what float64 leaves over.
+_SAME = 1e-9
+# What a turn of frames gives new numbers; the rest of a note stays as it was written.
+_TURNED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "rollAxis")
+
+
+def turned_notes(rig: Rig, turn: Floats) -> Mapping[int, Mapping[str, Any]]:
+    """The notes of a rig, with its rules told in the frames that turn by ``turn``, (n, 4)."""
+    notes = dict(rig.notes)
+    for node, rule in rules_of(rig).items():
+        if _touched(rig, rule, turn) and not _lost(rig, rule, turn):
+            told = note_of(rig, _turned(rig, rule, turn))
+            notes[node] = {**notes[node], **{key: told[key] for key in _TURNED if key in told}}
+    for node, note in rig.notes.items():
+        if note.get("type") == "poseReader":
+            notes[node] = _turned_reader(rig, note, turn)
+        elif note.get("type") == "twist" and "axis" in note:
+            joint = rig.known(note.get("joint"))
+            notes[node] = note if joint is None else {**note, "axis": _seen(note["axis"], _of(turn, joint))}
+    return notes
+
+
+def _seen(vector: Sequence[float], own: Floats) -> list[float]:
+    """A vector of a node's axes, seen from its new ones; the very numbers where it does not turn."""
+    if not (own != IDENTITY).any():
+        return list(vector)
+    return [float(x) for x in rotate(conjugate(own), np.array(vector, dtype=np.float64))]
+
+
+def _turned_reader(rig: Rig, note: Mapping[str, Any], turn: Floats) -> Mapping[str, Any]:
+    """What a pose reader looks for, seen from the new axes of its driver and of its frame."""
+    driver, frame = rig.known(note.get("driver")), rig.known(note.get("frame") or None)
+    if driver is None or (frame is None and note.get("frame")):
+        return note
+    own, above = _of(turn, driver), IDENTITY if frame is None else _of(turn, frame)
+    if not ((own != IDENTITY).any() or (above != IDENTITY).any()):
+        return note
+
+    def rotation(values: Sequence[float]) -> list[float]:
+        return [float(x) for x in multiply(conjugate(above), multiply(np.array(values), own))]
+
+    def target(said: Mapping[str, Any]) -> dict[str, Any]:
+        found = dict(said)
+        if "direction" in said:
+            found["direction"] = _seen(said["direction"], above)
+        if "rotation" in said:
+            found["rotation"] = rotation(said["rotation"])
+        return found
+
+    told = {"axis": _seen(note["axis"], own), "targets": [target(said) for said in note["targets"]]}
+    return {**note, **told, **({"rest": rotation(note["rest"])} if "rest" in note else {})}
+
+
+def lost_rules(rig: Rig, turn: Floats) -> list[int]:
+    """The nodes of rules that mean something else after the turns, (n, 4), and have to be set again."""
+    return [node for node, rule in rules_of(rig).items() if _lost(rig, rule, turn)]
+
+
+def _of(turn: Floats, node: int) -> Floats:
+    return np.asarray(turn[node]) if node >= 0 else IDENTITY
+
+
+def _touched(rig: Rig, rule: Rule, turn: Floats) -> bool:
+    nodes = [rule.child, *rule.sources]
+    nodes += [int(rig.parents[node]) for node in nodes]
+    return any((_of(turn, node) != IDENTITY).any() for node in nodes)
+
+
+def _alike(a: Floats, b: Floats) -> bool:
+    return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= _SAME)
+
+
+def _lost(rig: Rig, rule: Rule, turn: Floats) -> bool:
+    own, above = _of(turn, rule.child), _of(turn, int(rig.parents[rule.child]))
+    drivers = [_of(turn, node) for node in rule.drivers]
+    if rule.kind == "scale":
+        return not all(_alike(one, IDENTITY) for one in (own, *drivers))
+    if rule.skip and not (_alike(own, IDENTITY) and _alike(above, IDENTITY)):
+        return True
+    if rule.space == "local":
+        return not all(_alike(own, one) for one in drivers)
+    if rule.space == "roll":
+        axis = rotate(conjugate(own), np.eye(3)["xyz".index(rule.roll)])
+        parents = [_of(turn, int(rig.parents[node])) for node in rule.drivers]
+        return np.abs(axis - np.rint(axis)).max() > _SAME or not all(_alike(above, one) for one in parents)
+    return False
+
+
+def _turned(rig: Rig, rule: Rule, turn: Floats) -> Rule:
+    own, above = _of(turn, rule.child), _of(turn, int(rig.parents[rule.child]))
+    roll = rule.roll
+    if roll:
+        seen = np.abs(rotate(conjugate(own), np.eye(3)["xyz".index(roll)]))
+        roll = "xyz"[int(np.argmax(seen))]
+    aim, up = (rotate(conjugate(own), np.array(axis)) for axis in (rule.aim, rule.up))
+    up_vector = np.array(rule.up_vector)
+    if rule.world_up == "objectrotation":
+        up_vector = rotate(conjugate(_of(turn, rule.up_object)), up_vector)
+    return replace(
+        rule,
+        offsets=_offsets(rig, rule, turn, own, above),
+        joint_orient=multiply(conjugate(above), multiply(rule.joint_orient, own)),
+        rest=multiply(conjugate(above), multiply(rule.rest, own)),
+        roll=roll,
+        aim=tuple(aim.tolist()),
+        up=tuple(up.tolist()),
+        up_vector=tuple(up_vector.tolist()),
+    )
+
+
+def _offsets(rig: Rig, rule: Rule, turn: Floats, own: Floats, above: Floats) -> Floats:
+    drivers = np.stack([_of(turn, node) for node in rule.drivers])
+    if rule.kind in ("point", "scale"):
+        return rule.offsets
+    if rule.kind == "polevector":  # a place in the frame of the driver; its axes mean nothing
+        return turn_after(turn_before(drivers, rule.offsets), conjugate(drivers))
+    if rule.kind == "aim":
+        return turn_after(turn_before(own, rule.offsets), conjugate(own))
+    if rule.space == "local":
+        parents = np.stack([_of(turn, int(rig.parents[node])) for node in rule.drivers])
+        return turn_after(turn_before(parents, rule.offsets), conjugate(above))
+    return turn_after(turn_before(own, rule.offsets), conjugate(drivers))

@@ -1,0 +1,296 @@
+"""How far what hangs at a node reaches: what a small fault of the node can move, and how far.
+
+Bounds for decisions, not values of files: a fault of e (a share) at a node moves nothing by
+more than e times its reach, in any pose that bends joints and does not stretch them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.evaluation.sampling import Motion, between_keys, key_times, rest, worlds
+from rigtri.frames.rig_size import fits, size_at_least, size_of
+from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, length
+from rigtri.model.bounding_boxes import boxes, corners
+from rigtri.model.records import Integers, Mesh, Skin, Track, key_values, runs
+from rigtri.model.rig import Rig
+
+# Relative to the size of what is seen. Random axes on every joint of real files, stored as
+# float32, move points by less than 8.7e-6; a visible fault by far more.
+TOLERANCE = 1e-5
+# Numbers of matrices in one block of times.
+_BLOCK = 1 << 20
+
+
+def reaches(rig: Rig) -> Floats:
+    """How far from each node the farthest point, joint or frame that hangs at it can get, (n,).
+
+    As a share of the size of what is seen; bones below it as if they were all in one line, at rest and
+    wherever clips stretch them.
+    What is no mesh (cameras, lights) counts as its frame, of axes as long as that size, as it
+    is judged. Meshes that cannot be read count for nothing more.
+    """
+    return Reach(rig).exact
+
+
+class Reach:
+    """What `reaches` finds, when it is asked for, and before that a bound of it that poses nothing."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+
+    @property
+    def _world(self) -> Floats:
+        return self._rig.shown_world
+
+    @cached_property
+    def exact(self) -> Floats:
+        """As `reaches`, (n,)."""
+        rig, world, size = self._rig, self._world, size_of(self._rig, self._meshes, self._world)
+        own = self._own(size, self._of_points)
+        reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
+        for posed in _stretched(rig):
+            reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
+        return np.asarray(reach / size)
+
+    @cached_property
+    def at_most(self) -> Floats:
+        """No less than `exact`, (n,), from each node's own numbers; infinite where these do not tell."""
+        rig, size = self._rig, size_at_least(self._rig, self._meshes, self._world)
+        own = self._own(size, self._of_boxes)
+        (low, high), (least, most), bones = _sizes_of_nodes(rig)
+        for level in rig.levels[1:]:
+            parents = rig.parents[level]
+            bones[level] *= most[parents]
+            for product in (low, high, least, most):
+                product[level] *= product[parents]
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            # Of A·Aᵀ, the sum of a row: numbers beside the diagonal are half of what eigenvalues span.
+            stretch = np.sqrt(2.0 * (most / low) ** 2 - (least / high) ** 2)
+            reach = np.where(own > 0, own * stretch, 0.0)
+            for level in reversed(rig.levels[1:]):
+                np.maximum.at(reach, rig.parents[level], bones[level] + reach[level])
+            # What float64 rounds, and last columns that are nearly 0 0 0 1, are far less.
+            reach = 1.001 * reach / size
+        return np.where(np.isfinite(reach), reach, np.inf)
+
+    @cached_property
+    def _meshes(self) -> list[Mesh]:
+        try:
+            return [mesh for mesh in self._rig.drawn() if fits(mesh, self._rig)]
+        except FileError:
+            return []
+
+    @property
+    def _of_points(self) -> Floats:
+        """How far at rest the points of each node reach, (n,), in file units."""
+        reach = np.zeros(len(self._rig))
+        for mesh in self._meshes:
+            _own(self._rig, self._world, mesh, reach)
+        return reach
+
+    @property
+    def _of_boxes(self) -> Floats:
+        """No less than `_of_points`: how far the corners reach of the box of what each joint moves."""
+        reach = np.zeros(len(self._rig))
+        for mesh in self._meshes:
+            if mesh.skin is None or mesh.morphs.size:
+                _own(self._rig, self._world, mesh, reach)
+            else:
+                skin = self._rig.skins[mesh.skin]
+                _raise_boxes(reach, skin, mesh.bind, boxes(mesh, len(skin.joints)), self._world)
+        return reach
+
+    def _own(self, size: float, own: Floats) -> Floats:
+        """How far each node's own things reach at rest, (n,), in file units; frames as far as ``size``."""
+        framed = frames_shown(self._rig, self._meshes)
+        if framed:
+            own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * size)
+        return own
+
+
+def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:
+    """By how much each node shrinks and stretches what is below it, (n,) each: at rest, and in any pose.
+
+    And how far it is from its parent at most, (n,), in the parent's space. Splines may overshoot: inf.
+    """
+    local = rest(rig)
+    rows = [local[:, k, :3] for k in range(3)]
+    square, aside = _squares(rows)
+    high = _most(square, aside)
+    low = np.sqrt(np.maximum(np.minimum.reduce([a - b for a, b in zip(square, aside, strict=True)]), 0.0))
+    least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
+    moved, scaled = (
+        [t for clip in rig.clips for t in clip.tracks if t.path == path and len(t.values)]
+        for path in ("translation", "scale")
+    )
+    for track in (track for track in (*moved, *scaled) if track.interpolation == "CUBICSPLINE"):
+        (bones if track.path == "translation" else most)[track.node] = np.inf
+        least[track.node] = least[track.node] if track.path == "translation" else 0.0
+    for node, values, starts in _keys(moved):
+        np.maximum.at(bones, node, np.maximum.reduceat(length(values), starts))
+    for node, values, starts in _keys(scaled):
+        smallest, largest = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+        turns_over = (smallest * largest <= 0.0).any(axis=1)
+        sizes = np.abs(np.stack([smallest, largest]))
+        np.minimum.at(least, node, np.where(turns_over, 0.0, sizes.min(axis=(0, 2))))
+        np.maximum.at(most, node, sizes.max(axis=(0, 2)))
+    return (low, high), (least, most), bones
+
+
+def _keys(tracks: Sequence[Track]) -> Iterator[tuple[Integers, Floats, Integers]]:
+    """The nodes, (t,), of tracks without splines, their values in one, (k, 3), and where each starts."""
+    plain = [track for track in tracks if track.interpolation != "CUBICSPLINE"]
+    if plain:
+        counts = np.array([len(track.values) for track in plain])
+        values = np.concatenate([track.values for track in plain])
+        yield np.array([track.node for track in plain]), values, np.cumsum(counts) - counts
+
+
+def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
+    """How far from each node what hangs at it or below can get, (f, n), at times, (f, n, 4, 4)."""
+    reach = own.copy()
+    for level in reversed(rig.levels[1:]):
+        parents = rig.parents[level]
+        bones = length(world[:, level, 3, :3] - world[:, parents, 3, :3])
+        far = np.where(np.isfinite(bones), bones, 0.0) + reach[:, level]
+        np.maximum.at(reach.T, parents, far.T)
+    return reach
+
+
+def _stretched(rig: Rig) -> Iterator[Floats]:
+    """The worlds of the clips that move or scale nodes, (f, n, 4, 4), a block of times at once."""
+    many = max(1, _BLOCK // (16 * max(len(rig), 1)))
+    for clip in rig.clips:
+        if any(track.path in ("translation", "scale") for track in clip.tracks):
+            times, motion = between_keys(key_times(clip)), Motion(rig, clip)
+            for start in range(0, len(times), many):
+                yield worlds(rig, motion.locals_at(times[start : start + many]))
+
+
+def _stretch(rest: Floats, posed: Floats) -> Floats:
+    """By how much the frames of nodes are longer at most, (f, n), than at rest, (n, 4, 4).
+
+    The largest stretch of A = rest⁻¹·posed is the root of the largest eigenvalue of A·Aᵀ, and that
+    is no more than the largest sum of a row. 1 where the rest is flat.
+    """
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        change = multiply(inverse(rest), posed)[..., :3, :3]
+        most = _longest([change[..., i, :] for i in range(3)])
+    return np.where(np.isfinite(most), most, 1.0)
+
+
+def _longest(rows: Sequence[Floats]) -> Floats:
+    """By how much a matrix stretches any direction at most, (...), from its three rows, (..., 3) each."""
+    return _most(*_squares(rows))
+
+
+def _most(square: Sequence[Floats], aside: Sequence[Floats]) -> Floats:
+    """As `_longest`, from what `_squares` gives."""
+    return np.asarray(np.sqrt(np.maximum.reduce([a + b for a, b in zip(square, aside, strict=True)])))
+
+
+def _squares(rows: Sequence[Floats]) -> tuple[list[Floats], list[Floats]]:
+    """Of A·Aᵀ, by the rows of A: what is on the diagonal, and row by row the sum of what is beside it."""
+    mixed = [np.abs(dot(rows[i], rows[(i + 1) % 3])) for i in range(3)]
+    return [dot(row, row) for row in rows], [mixed[i] + mixed[i - 1] for i in range(3)]
+
+
+def frames_shown(rig: Rig, meshes: Sequence[Mesh]) -> list[int]:
+    """The nodes that show something of which only the frame is known: cameras, lights, not ours."""
+    drawn = {mesh.node for mesh in meshes} | rig.own
+    return [node for node in np.flatnonzero(rig.payload >= 0).tolist() if node not in drawn]
+
+
+def _corner(axes: Floats) -> Floats:
+    """How far the corners of a box are from its middle, (k,), whose half edges are unit along ``axes``,
+    (k, 3, 3)."""
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        edges = axes / length(axes)[..., np.newaxis]
+    edges = np.where(np.isfinite(edges), edges, 0.0)
+    x, y, z = edges[:, 0], edges[:, 1], edges[:, 2]
+    far = np.stack([length(x + a * y + b * z) for a in (1.0, -1.0) for b in (1.0, -1.0)])
+    return np.asarray(far.max(axis=0))
+
+
+def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
+    """Raise ``reach``, (n,), in file units, to what the points of a mesh ask of the nodes that move them."""
+    morphed = _morphed(rig, mesh)
+    if mesh.skin is None or not mesh.joints.shape[1]:
+        _raise(reach, np.full(len(mesh.points), mesh.node), mesh.points, world, morphed)
+        return
+    skin = rig.skins[mesh.skin]
+    into = multiply(mesh.bind, skin.inverse_bind)
+    with np.errstate(invalid="ignore", over="ignore"):
+        # From a point to its direction from each joint, as the joint stands: rows, components, joints.
+        seen = transform_directions(into[..., :3], world[skin.joints][:, np.newaxis]).transpose(1, 2, 0)
+        joints, rows = mesh.moved
+        points = [mesh.points[:, k][rows] for k in range(3)]
+        square = np.zeros(len(rows))
+        for axis in range(3):
+            along = seen[3, axis][joints]
+            for k in range(3):
+                along += points[k] * seen[k, axis][joints]
+            square += along * along
+        far = np.sqrt(np.where(np.isfinite(square), square, 0.0))
+        if morphed is not None:
+            longest = _longest([seen[k].T for k in range(3)])
+            far += np.where(np.isfinite(longest), longest, 0.0)[joints] * morphed[rows]
+    if len(joints):
+        starts = runs(joints)
+        np.maximum.at(reach, skin.joints[joints[starts]], np.maximum.reduceat(far, starts))
+    if mesh.box is not None:
+        _raise_boxes(reach, skin, mesh.bind, boxes(mesh, len(skin.joints)), world)
+
+
+def _raise_boxes(reach: Floats, skin: Skin, bind: Floats, box: tuple[Floats, Floats], world: Floats) -> None:
+    """Raise ``reach`` to the corners of the box that each joint moves, (m, 3) twice, before ``bind``."""
+    with np.errstate(invalid="ignore", over="ignore"):  # a joint that moves nothing has no box
+        ends = transform_points(corners(*box), multiply(bind, skin.inverse_bind)[:, np.newaxis])
+    _raise(reach, np.repeat(skin.joints, ends.shape[1]), ends.reshape(-1, 3), world)
+
+
+def _raise(reach: Floats, node: Integers, points: Floats, world: Floats, more: Floats | None = None) -> None:
+    """points: (k, 3), each in the space of its ``node``, (k,); they may be so much farther away, (k,)."""
+    if len(points):
+        with np.errstate(invalid="ignore", over="ignore"):
+            far = length(transform_directions(points, world[node]))
+            if more is not None:
+                far += _longest([world[node, k, :3] for k in range(3)]) * more
+        np.maximum.at(reach, node, np.where(np.isfinite(far), far, 0.0))
+
+
+def _morphed(rig: Rig, mesh: Mesh) -> Floats | None:
+    """How far morphs carry each point at most, (v,), at the weights that they have at rest and in clips."""
+    if not mesh.morphs.size:
+        return None
+    count = len(mesh.morphs)
+    most = np.zeros(count)
+    most[: len(mesh.morph_weights)] = np.abs(mesh.morph_weights)[:count]
+    tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "weights" and t.node == mesh.node]
+    for track in tracks:
+        keys = np.abs(key_values(track)).max(axis=0, initial=0.0)[:count]
+        most[: len(keys)] = np.maximum(most[: len(keys)], keys)
+    far = np.zeros(mesh.morphs.shape[1])
+    with np.errstate(invalid="ignore", over="ignore"):
+        for weight, offsets in zip(most.tolist(), mesh.morphs, strict=True):
+            if weight > 0.0:
+                far += weight * length(offsets)
+    return np.where(np.isfinite(far), far, 0.0)
+
+
+def bearable(rig: Rig, effect: Floats, most: float) -> float:
+    """How much of an effect, (n,) a share of the size, one node may have, so that no line of nodes
+    from a root down has more than ``most`` of it; infinite where none has.
+    """
+    total, many = effect.copy(), (effect > 1e-3 * most).astype(float)
+    for level in rig.levels[1:]:
+        total[level] += total[rig.parents[level]]
+        many[level] += many[rig.parents[level]]
+    return np.inf if total.max(initial=0.0) <= most else most / float(many.max())

@@ -1,0 +1,92 @@
+"""What node constraints ask of frames, and how they are told in turned frames.
+
+A constraint keeps its meaning, for every motion and every weight, exactly when
+
+* rotation, tail: source and node turn alike (their parents do not matter);
+* roll: the parents of source and node turn alike, and in the new frame of the node
+  the roll axis is again one of its axes (the turn of the source does not matter);
+* aim: in the new frame of the node the aim axis is again one of the six.
+
+Then nothing but the letter of the axis is to be written anew.
+
+Source: derived from the pseudocode of VRMC_node_constraint 1.0; docs/exactness.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, rotate
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Constraint
+from rigtri.model.rig import Rig
+
+# Turns and axes that differ by less (radians) are one: what float64 leaves over.
+SAME = 1e-9
+
+
+def alike(rig: Rig, constraint: Constraint) -> tuple[int, int] | None:
+    """The two nodes that must turn alike, the leading one first; −1 is the world, which never turns."""
+    if constraint.kind == "aim":
+        return None
+    first, second = constraint.source, constraint.node
+    if constraint.kind == "roll":
+        first, second = int(rig.parents[first]), int(rig.parents[second])
+    return (first, second) if first != second else None
+
+
+def broken(rig: Rig, turn: Floats) -> list[Constraint]:
+    """The constraints that would not mean the same after the turns, (n, 4)."""
+    return [c for c in rig.constraints if not (_alike(rig, c, turn) and axis_fits(c, turn[c.node]))]
+
+
+def _alike(rig: Rig, constraint: Constraint, turn: Floats) -> bool:
+    pair = alike(rig, constraint)
+    if pair is None:
+        return True
+    a, b = (turn[node] if node >= 0 else IDENTITY for node in pair)
+    return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= SAME)
+
+
+def axis_fits(constraint: Constraint, turn: Floats) -> bool:
+    """Whether the axis of a constraint is again an axis in the new frame of its node."""
+    axis = _seen(constraint, turn)
+    return bool((np.abs(axis - np.rint(axis)) <= SAME).all())
+
+
+def axis_straightened(constraint: Constraint, turn: Floats, noise: float) -> Floats:
+    """A turn, (4,), that makes the axis an axis again, where ``turn`` misses that by ``noise`` (radians)."""
+    axis = _seen(constraint, turn)
+    nearest = np.rint(axis)
+    if not nearest.any() or axis_fits(constraint, turn) or np.abs(axis - nearest).max() > noise:
+        return turn
+    return np.asarray(multiply(turn, between(nearest, axis)))
+
+
+def turned_constraints(rig: Rig, turn: Floats) -> tuple[Constraint, ...]:
+    """The constraints of a rig, with their axes told in the turned frames."""
+    return tuple(
+        replace(c, axis=np.rint(_seen(c, turn[c.node])) + 0.0) if (turn[c.node] != IDENTITY).any() else c
+        for c in rig.constraints
+    )
+
+
+def told_by_rules(rig: Rig) -> dict[int, str]:
+    """The nodes that follow a rule of rigtri's which is also told as a constraint, and of which kind.
+
+    The rule's note says so by ``vrm``: such a constraint is meant to move its node, and comes and
+    goes with the note.
+    """
+    found = {}
+    for note in rig.notes.values():
+        if note.get("type") == "constraint" and "vrm" in note:
+            child = rig.known(note.get("child"))
+            if child is not None:
+                found[child] = str(note["vrm"])
+    return found
+
+
+def _seen(constraint: Constraint, turn: Floats) -> Floats:
+    return rotate(conjugate(turn), constraint.axis)

@@ -1,0 +1,51 @@
+"""Turns as three angles about axes in one of six orders, and back.
+
+Order ``xyz`` turns about x first, then about y, then about z, of axes that stand still:
+``Rx · Ry · Rz`` as row-vector matrices, Maya's ``rotateOrder`` of the same name.
+
+Source: K. Shoemake, "Euler angle conversion", Graphics Gems IV, 1994; the first angle is taken
+after the last is undone, which keeps all digits where the middle axis is near a right angle.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes
+from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos
+
+Order = Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"]
+ORDERS: tuple[Order, ...] = get_args(Order)
+# Of a unit vector: less of it tells no direction, and the last angle is taken as 0.
+_NOTHING = 1e-15
+
+
+def to_angles(q: ArrayLike, order: Order) -> Floats:
+    """Angles about x, y and z in radians, (..., 3), of unit quaternions (..., 4).
+
+    The middle angle of the order lies in ±π/2; at its ends the last angle is 0.
+    """
+    i, j, k = ("xyz".index(letter) for letter in order)
+    sign = 1.0 if (j - i) % 3 == 1 else -1.0
+    m = to_axes(q)
+    along, aside = m[..., i, i], sign * m[..., i, j]
+    size = np.sqrt(along * along + aside * aside)
+    angles = np.empty(m.shape[:-1])
+    angles[..., j] = arc_tangent(-sign * m[..., i, k], size)
+    angles[..., k] = np.where(size > _NOTHING, arc_tangent(aside, along), 0.0)
+    sine, cosine = sin_cos(angles[..., k])
+    undone = cosine[..., np.newaxis] * m[..., :, j] - sign * sine[..., np.newaxis] * m[..., :, i]
+    angles[..., i] = arc_tangent(-sign * undone[..., k], undone[..., j])
+    return angles
+
+
+def from_angles(angles: ArrayLike, order: Order) -> Floats:
+    """The turns by angles about x, y and z in radians, (..., 3) → (..., 4)."""
+    angles = np.asarray(angles, dtype=np.float64)
+    first, second, third = (
+        from_axis_angle(np.eye(3)["xyz".index(letter)], angles[..., "xyz".index(letter)]) for letter in order
+    )
+    return multiply(third, multiply(second, first))

@@ -1,0 +1,250 @@
+"""Transformation matrices, shape (..., 4, 4), **row vectors**: ``v_world = v_local @ M``.
+
+Row 0 is the X axis, row 1 Y, row 2 Z, row 3 the position; the fourth column is
+0, 0, 0, 1. The flat list of 16 numbers is the same in Maya, in USD and in glTF.
+``world = local · parent_world`` and ``local = world · inverse(parent_world)``:
+the constraint article's notation. The talk writes ``P.inverse() * M`` for the
+same thing with column vectors; docs/conventions.md has both side by side.
+
+Elementwise throughout, for the reason given in `rigtri.maths.vectors`.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018, slides "Transformation
+Matrix" to "Inverse matrix"; "Matrix parent constraint" (article).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rigtri.maths.quaternions import from_axes, rotate, to_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import as_vectors, by_component, cross, dot, length, normalise
+
+# Of each of three axes the one after it and the one before.
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+# Numbers of so few matrices are multiplied at once, which takes fewer steps and more memory.
+_FEW = 512
+# Axes that should meet at right angles do so within this cosine after float32 storage.
+SKEW = 1e-5
+
+
+def as_matrices(m: ArrayLike) -> Floats:
+    """Anything array-like as float64, shape (..., 4, 4); ValueError for another shape."""
+    array = np.asarray(m, dtype=np.float64)
+    if array.shape[-2:] != (4, 4):
+        raise ValueError(f"matrices are 4 by 4, these have shape {array.shape}")
+    return array
+
+
+def identity(*shape: int) -> Floats:
+    """Matrices aligned to the world, at the origin, shape (*shape, 4, 4).
+
+    Source: GDC 2018, slide "Identity Matrix".
+    """
+    return np.broadcast_to(np.eye(4), (*shape, 4, 4)).copy()
+
+
+def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
+    """Products a·b, (..., 4, 4): first ``a``, then ``b``. The order matters.
+
+    Source: GDC 2018, slide "Matrix Multiplication".
+    """
+    a, b = as_matrices(a), as_matrices(b)
+    with np.errstate(invalid="ignore", over="ignore"):  # inf and NaN go through as they are
+        if a.size + b.size <= _FEW:
+            each = a[..., np.newaxis] * b[..., np.newaxis, :, :]
+            return ((each[..., 0, :] + each[..., 1, :]) + each[..., 2, :]) + each[..., 3, :]
+        total = a[..., :, 0, np.newaxis] * b[..., np.newaxis, 0, :]
+        for k in (1, 2, 3):
+            total += a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :]
+    return np.asarray(total)
+
+
+def inverse(m: ArrayLike) -> Floats:
+    """Inverses, (..., 4, 4): ``multiply(inverse(m), m)`` is the identity; NaN or inf if singular.
+
+    For matrices whose fourth column is 0, 0, 0, 1 (anything with a position and
+    axes, sheared or not); a perspective column is not looked at.
+
+    Source: GDC 2018, slide "Inverse matrix"; adjugate over determinant.
+    """
+    m = as_matrices(m)
+    axes = m[..., :3, :3]
+    crossed = cross(axes[..., _NEXT, :], axes[..., _LAST, :])
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        volume = dot(crossed[..., 2, :], m[..., 2, :3])
+        linear = crossed.swapaxes(-1, -2) / volume[..., np.newaxis, np.newaxis]
+        result = by_component(m.shape, 2)
+        result[..., :3, :3] = linear
+        result[..., 3, :3] = -_row_times(m[..., 3, :3], linear)
+    result[..., :3, 3], result[..., 3, 3] = 0.0, 1.0
+    return result
+
+
+def determinant(m: ArrayLike) -> Floats:
+    """The volume of the three axes, (..., 4, 4) → (...); negative for a mirrored frame."""
+    m = as_matrices(m)
+    return dot(cross(m[..., 0, :3], m[..., 1, :3]), m[..., 2, :3])
+
+
+def local(world: ArrayLike, parent_world: ArrayLike) -> Floats:
+    """Matrices seen from their parents: ``world · inverse(parent_world)``, (..., 4, 4).
+
+    Source: GDC 2018, slide "Inverse matrix"; "Matrix parent constraint",
+    childLocal = childWorld · parentWorld⁻¹.
+    """
+    return multiply(world, inverse(parent_world))
+
+
+def world(local: ArrayLike, parent_world: ArrayLike) -> Floats:
+    """Matrices seen from the world: ``local · parent_world``, (..., 4, 4).
+
+    Source: "Matrix parent constraint", childWorld = childLocal · childParent.
+    """
+    return multiply(local, parent_world)
+
+
+def in_space(m: ArrayLike, space: ArrayLike, operation: Callable[[Floats], ArrayLike]) -> Floats:
+    """Take ``m`` into another space, operate there, and bring it back, (..., 4, 4).
+
+    ``space`` is the world matrix of that space; ``operation`` maps matrices to matrices.
+
+    Source: GDC 2018, slide "Inverse matrix" (change an object's space, operate, return).
+    """
+    return multiply(as_matrices(operation(local(m, space))), space)
+
+
+def transform_points(points: ArrayLike, m: ArrayLike) -> Floats:
+    """Points p·M, (..., 3), (..., 4, 4) → (..., 3)."""
+    m = as_matrices(m)
+    return _row_times(as_vectors(points), m[..., :3, :3]) + m[..., 3, :3]
+
+
+def transform_directions(directions: ArrayLike, m: ArrayLike) -> Floats:
+    """Directions d·M without the position, (..., 3), (..., 4, 4) → (..., 3); lengths scale along."""
+    return _row_times(as_vectors(directions), as_matrices(m)[..., :3, :3])
+
+
+def from_frame(axes: ArrayLike, position: ArrayLike) -> Floats:
+    """A matrix from three axes (rows), (..., 3, 3), and a position, (..., 3).
+
+    Source: GDC 2018, slide "Aiming node A at node B": M = [aim_X, aim_Y, aim_Z, A_pos].
+    """
+    axes, position = np.asarray(axes, dtype=np.float64), as_vectors(position)
+    shape = np.broadcast_shapes(axes.shape[:-2], position.shape[:-1])
+    m = by_component((*shape, 4, 4), 2)
+    m[..., :3, :3], m[..., 3, :3] = axes, position
+    m[..., :3, 3], m[..., 3, 3] = 0.0, 1.0
+    return m
+
+
+def compose(translation: ArrayLike, rotation: ArrayLike, scale: ArrayLike) -> Floats:
+    """Matrices that scale, then turn, then move: (..., 3), (..., 4), (..., 3) → (..., 4, 4).
+
+    The rotation is taken as unit; `rigtri.evaluation.sampling` says what becomes of one that is not.
+
+    Source: glTF 2.0 §3.5.3; UsdSkel joint-local transforms.
+    """
+    translation, scale = as_vectors(translation), as_vectors(scale)
+    axes = to_axes(rotation) * scale[..., :, np.newaxis]
+    return from_frame(axes, translation)
+
+
+def decompose(m: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Translation (..., 3), rotation xyzw (..., 4) and scale (..., 3) of matrices, (..., 4, 4).
+
+    A mirrored matrix gets three negative scales, so that the rotation is a
+    rotation. Skew cannot be kept: ask `skew` first. NaN where an axis is zero.
+
+    Source: GDC 2018, slides on scale and skew: lengths and angles of the rows.
+    """
+    m = as_matrices(m)
+    sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
+    scale = length(m[..., :3, :3]) * sign
+    return m[..., 3, :3].copy(), from_axes(orthonormal_axes(m)), scale
+
+
+def orthonormal_axes(m: ArrayLike) -> Floats:
+    """The axes of matrices without scale, skew and mirroring, rows, (..., 4, 4) → (..., 3, 3).
+
+    X keeps its line, Y the plane of X and Y (Gram-Schmidt). A mirrored matrix has all
+    three axes negated, which makes it right-handed. NaN where the axes do not span space.
+    """
+    m = as_matrices(m)
+    sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
+    x = normalise(m[..., 0, :3]) * sign
+    z = normalise(cross(x, m[..., 1, :3] * sign))
+    return _side_by_side(x, cross(z, x), z)
+
+
+def nearest_rotation(m: ArrayLike) -> Floats:
+    """The rotations nearest to the axes of matrices, as rows, (..., 4, 4) → (..., 3, 3).
+
+    Unlike `orthonormal_axes` no axis goes before another, so turning a sheared frame
+    turns its rotation by just as much. A mirrored matrix has all axes negated first.
+    NaN where the axes do not span space.
+
+    Source: N. J. Higham, "Computing the polar decomposition", 1986 (Newton's iteration).
+    """
+    m = as_matrices(m)
+    sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis, np.newaxis]
+    # One factor for all axes: three would not turn with a sheared frame.
+    size = np.abs(m[..., :3, :3]).max(axis=(-1, -2), keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rows = m[..., :3, :3] / size * sign
+    # Quadratic near the end, halving the stretch before: 20 steps are enough for 1 to 1000.
+    for _ in range(20):
+        x, y, z = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
+        opposite = _side_by_side(cross(y, z), cross(z, x), cross(x, y))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rows = 0.5 * (rows + opposite / dot(cross(x, y), z)[..., np.newaxis, np.newaxis])
+    return np.asarray(rows)
+
+
+def skew(m: ArrayLike) -> Floats:
+    """How far axes are from right angles: the largest |cosine| between two, (..., 4, 4) → (...).
+
+    0 for a frame that translation, rotation and scale can hold; compare with `SKEW`.
+
+    Source: GDC 2018, slide "We can Skew the object by making x, y, z non-orthogonal".
+    """
+    rows = normalise(as_matrices(m)[..., :3, :3])
+    x, y, z = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
+    return np.maximum(np.abs(dot(x, y)), np.maximum(np.abs(dot(y, z)), np.abs(dot(z, x))))
+
+
+def turn_before(q: ArrayLike, m: ArrayLike) -> Floats:
+    """C·M for the rotation C of ``q``: the same place, other axes, (..., 4), (..., 4, 4)."""
+    m = as_matrices(m).copy()
+    axes = to_axes(q)
+    m[..., :3, :3] = _rows_times(axes, m[..., :3, :3])
+    return m
+
+
+def turn_after(m: ArrayLike, q: ArrayLike) -> Floats:
+    """M·C for the rotation C of ``q``: every row turned, (..., 4, 4), (..., 4)."""
+    m = as_matrices(m).copy()
+    m[..., :, :3] = rotate(np.asarray(q, dtype=np.float64)[..., np.newaxis, :], m[..., :, :3])
+    return m
+
+
+def _side_by_side(x: Floats, y: Floats, z: Floats) -> Floats:
+    """Three vectors, (..., 3) each, as the rows of one array, (..., 3, 3)."""
+    rows = by_component((*x.shape, 3), 2)
+    rows[..., 0, :], rows[..., 1, :], rows[..., 2, :] = x, y, z
+    return rows
+
+
+def _row_times(v: Floats, linear: Floats) -> Floats:
+    return (
+        v[..., 0, np.newaxis] * linear[..., 0, :]
+        + v[..., 1, np.newaxis] * linear[..., 1, :]
+        + v[..., 2, np.newaxis] * linear[..., 2, :]
+    )
+
+
+def _rows_times(a: Floats, b: Floats) -> Floats:
+    return _row_times(a, b[..., np.newaxis, :, :])

@@ -1,0 +1,251 @@
+"""Rotations as unit quaternions xyzw, shape (..., 4); one and many are the same call.
+
+Hamilton's product: ``multiply(a, b)`` turns by ``b`` first, then by ``a``.
+glTF stores xyzw; ``Gf.Quat`` shows w first and keeps the same numbers.
+
+Source: glTF 2.0, appendix C (slerp); K. Shoemake, "Animating rotation with
+quaternion curves", SIGGRAPH 1985; S. W. Shepperd, "Quaternion from rotation
+matrix", J. Guidance and Control 1 (1978).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos, sine
+from rigtri.maths.vectors import as_vectors, by_component, cross, dot, length, normalise
+
+IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
+# Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
+NEARLY_UNIT = 1e-6
+# Each step squares what is left for turns about one axis, and divides it by 10 or so at 60° apart.
+_MEAN_STEPS = 16
+
+
+def as_quaternions(q: ArrayLike) -> Floats:
+    """Anything array-like as float64, shape (..., 4); ValueError for another last axis."""
+    array = np.asarray(q, dtype=np.float64)
+    if array.shape[-1:] != (4,):
+        raise ValueError(f"quaternions have four numbers, these have shape {array.shape}")
+    return array
+
+
+def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
+    """Products a·b, (..., 4): the turn ``b`` followed by the turn ``a``.
+
+    Bilinear and norm-preserving, so values that are not quite unit, and cubic
+    tangents, go through it unharmed.
+    """
+    a, b = as_quaternions(a), as_quaternions(b)
+    ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
+    bx, by, bz, bw = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
+    result = by_component(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
+    result[..., 0] = aw * bx + ax * bw + ay * bz - az * by
+    result[..., 1] = aw * by - ax * bz + ay * bw + az * bx
+    result[..., 2] = aw * bz + ax * by - ay * bx + az * bw
+    result[..., 3] = aw * bw - ax * bx - ay * by - az * bz
+    return result
+
+
+def conjugate(q: ArrayLike) -> Floats:
+    """The opposite turns, (..., 4), for unit quaternions."""
+    return np.asarray(as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0]))
+
+
+def norm(q: ArrayLike) -> Floats:
+    """Lengths of quaternions, (..., 4) → (...); 1 for a rotation."""
+    q = as_quaternions(q)
+    return np.sqrt(
+        q[..., 0] * q[..., 0] + q[..., 1] * q[..., 1] + q[..., 2] * q[..., 2] + q[..., 3] * q[..., 3]
+    )
+
+
+def unit(q: ArrayLike) -> Floats:
+    """Quaternions of length 1, (..., 4); NaN for a zero quaternion."""
+    q = as_quaternions(q)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return q / norm(q)[..., np.newaxis]
+
+
+def shown(q: ArrayLike) -> Floats:
+    """Rotations, (..., 4), as formats mean them: of length 1, whatever was stored; zero stays zero."""
+    q = as_quaternions(q)
+    size = norm(q)[..., np.newaxis]
+    return np.asarray(q / np.where(size == 0, 1.0, size))
+
+
+def meant_unit(q: ArrayLike) -> Floats:
+    """Rotations, (..., 4), normalised where they were meant to be unit, within [−1, 1] there."""
+    q = as_quaternions(q)
+    size = norm(q)[..., np.newaxis]
+    meant = np.abs(size - 1.0) <= NEARLY_UNIT
+    return np.where(meant, np.clip(q / np.where(meant, size, 1.0), -1.0, 1.0), q)
+
+
+def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
+    """Vectors ``v``, (..., 3), turned by unit quaternions ``q``, (..., 4)."""
+    q, v = as_quaternions(q), as_vectors(v)
+    axis = q[..., :3]
+    twice = 2.0 * cross(axis, v)
+    return v + q[..., 3:] * twice + cross(axis, twice)
+
+
+def to_axes(q: ArrayLike) -> Floats:
+    """The X, Y and Z axes after the turn, as rows, (..., 4) → (..., 3, 3)."""
+    q = as_quaternions(q)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    twice = x + x, y + y, z + z
+    xx, yy, zz = x * twice[0], y * twice[1], z * twice[2]
+    xy, yz, zx = y * twice[0], z * twice[1], x * twice[2]
+    wx, wy, wz = w * twice[0], w * twice[1], w * twice[2]
+    rows = by_component((*q.shape[:-1], 3, 3), 2)
+    # 0 + makes no difference but to the sign of a zero: `rotate` adds to axes with two zeros.
+    rows[..., 0, 0], rows[..., 0, 1], rows[..., 0, 2] = 1.0 - (yy + zz), (0.0 + wz) + xy, (0.0 - wy) + zx
+    rows[..., 1, 0], rows[..., 1, 1], rows[..., 1, 2] = (0.0 - wz) + xy, 1.0 - (zz + xx), (0.0 + wx) + yz
+    rows[..., 2, 0], rows[..., 2, 1], rows[..., 2, 2] = (0.0 + wy) + zx, (0.0 - wx) + yz, 1.0 - (xx + yy)
+    return rows
+
+
+def from_axes(axes: ArrayLike) -> Floats:
+    """The turn that takes X, Y, Z onto the rows of a right-handed orthonormal frame.
+
+    axes: shape (..., 3, 3), rows are unit vectors. Returns unit quaternions
+    (..., 4) with w ≥ 0. A left-handed or skewed frame is a programmer's mistake
+    and gives a meaningless turn.
+
+    Source: Shepperd 1978: the largest of the four squares is never below 1/4.
+    """
+    m = np.asarray(axes, dtype=np.float64)
+    xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
+    # Each row is the turn times four of one of its components: (4, 4, ...).
+    rows = np.empty((4, 4, *m.shape[:-2]))
+    rows[0, 0], rows[1, 1] = 1 + xx - yy - zz, 1 - xx + yy - zz
+    rows[2, 2], rows[3, 3] = 1 - xx - yy + zz, 1 + xx + yy + zz
+    for one, next_, other in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        rows[one, next_] = rows[next_, one] = m[..., one, next_] + m[..., next_, one]
+        rows[other, 3] = rows[3, other] = m[..., one, next_] - m[..., next_, one]
+    best = np.argmax(rows[range(4), range(4)], axis=0)  # the first of equals, NaN before all
+    q = by_component((*m.shape[:-2], 4))
+    q[...] = np.moveaxis(np.take_along_axis(rows, best[np.newaxis, np.newaxis], axis=0)[0], 0, -1)
+    q = unit(q)
+    return np.where(q[..., 3:] < 0, -q, q)
+
+
+def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
+    """Turns by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0."""
+    sine, cosine = sin_cos(np.asarray(angle, dtype=np.float64) / 2.0)
+    xyz = normalise(axis) * sine[..., np.newaxis]
+    result = by_component((*xyz.shape[:-1], 4))
+    result[..., :3], result[..., 3] = xyz, cosine
+    return result
+
+
+def between(a: ArrayLike, b: ArrayLike) -> Floats:
+    """The shortest turns that take direction ``a`` to direction ``b``, (..., 3) → (..., 4).
+
+    Opposite directions have no shortest turn; they get a half turn about an
+    axis perpendicular to ``a``.
+    """
+    a, b = normalise(a), normalise(b)
+    a, b = np.broadcast_arrays(a, b)
+    halfway = a + b
+    opposite = dot(halfway, halfway) < 1e-24  # 1e-12 rad from opposite: the cross product is noise
+    # The unit axis least parallel to a: crossing with it never degenerates.
+    aside = cross(a, np.eye(3)[np.argmin(np.abs(a), axis=-1)])
+    half = normalise(np.where(opposite[..., np.newaxis], aside, halfway))
+    turn = np.concatenate([cross(a, half), dot(a, half)[..., np.newaxis]], axis=-1)
+    flip = np.concatenate([half, np.zeros((*half.shape[:-1], 1))], axis=-1)
+    return np.where(opposite[..., np.newaxis], flip, turn)
+
+
+def turn_angle(q: ArrayLike) -> Floats:
+    """How far unit quaternions turn, (..., 4) → (...), in radians, 0 to π."""
+    q = as_quaternions(q)
+    return 2.0 * arc_tangent(length(q[..., :3]), np.abs(q[..., 3]))
+
+
+def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
+    """Turns on the shorter arc from ``a`` to ``b``, (..., 4); ``share``, (...), from 0 to 1.
+
+    The result is unit where ``a`` and ``b`` are.
+
+    Source: glTF 2.0, appendix C.4.
+    """
+    a, b = as_quaternions(a), as_quaternions(b)
+    share = np.asarray(share, dtype=np.float64)
+    b, total = _shorter(a, b)
+    sines = sine((1.0 - share) * total), sine(share * total)
+    return _along(a, b, share, sine(total), sines)
+
+
+def slerp_rows(a: Floats, b: Floats, rows: NDArray[np.int64], share: Floats) -> Floats:
+    """``slerp(a[rows], b[rows], share)`` to the bit, (f, t, 4), with what is alike of each arc found once.
+
+    a, b: (k, t, 4). rows, share: (f,).
+    """
+    b, total = _shorter(a, b)
+    # Turns before times, which then lie side by side in memory, as in a, b and what is given.
+    whole, totals = (np.take(angles.T, rows, axis=1) for angles in (sine(total), total))
+    here, there = share == 0, share == 1
+    inside = np.flatnonzero(~here & ~there)
+    part, some = share[inside], totals[:, inside]
+    from_a, from_b = np.where(here, whole, 0.0), np.where(there, whole, 0.0)
+    from_a[:, inside], from_b[:, inside] = sine((1.0 - part) * some), sine(part * some)
+    start, end = (np.take(turns.transpose(), rows, axis=2).transpose() for turns in (a, b))
+    return _along(start, end, share[:, np.newaxis], whole.T, (from_a.T, from_b.T))
+
+
+def _shorter(a: Floats, b: Floats) -> tuple[Floats, Floats]:
+    """``b`` or its opposite, the same turn, whichever is nearer to ``a``; the angle to it."""
+    products = a * b
+    cosine = products[..., 0] + products[..., 1] + products[..., 2] + products[..., 3]
+    if (cosine < 0).any():
+        b = np.where(cosine[..., np.newaxis] < 0, -b, b)
+    return b, 2.0 * arc_tangent(norm(b - a), norm(a + b))
+
+
+def _along(a: Floats, b: Floats, share: Floats, whole: Floats, sines: tuple[Floats, Floats]) -> Floats:
+    """A share of the way from ``a`` to ``b``: ``sines`` of the angles to both, ``whole`` of all."""
+    from_a, from_b = sines
+    close = whole < 1e-12  # the same turn twice: a straight line is exact to the last bit
+    scale = 1.0 / np.where(close, 1.0, whole)
+    weight_a = np.where(close, 1.0 - share, from_a * scale)
+    weight_b = np.where(close, share, from_b * scale)
+    return np.asarray(a * weight_a[..., np.newaxis] + b * weight_b[..., np.newaxis])
+
+
+def average(q: ArrayLike, weights: ArrayLike) -> Floats:
+    """The weighted mean of turns, (..., d, 4), weights (..., d) ≥ 0 → (..., 4); NaN where all weigh 0.
+
+    The mean on the sphere of rotations: from it the weighted turns to all others cancel. Of two
+    turns it is `slerp`, with the weights as shares of the angle. The order does not matter while all
+    lie within a right angle of each other; farther apart there may be several means, and the one
+    near the heaviest is taken.
+
+    Source: X. Pennec, "Computing the mean of geometric features", 1998 (gradient descent).
+    """
+    q, weights = as_quaternions(q), np.asarray(weights, dtype=np.float64)
+    count = q.shape[-2]
+    total = weights[..., 0]
+    for k in range(1, count):
+        total = total + weights[..., k]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = weights / total[..., np.newaxis]
+    heaviest = np.argmax(np.broadcast_to(shares, q.shape[:-1]), axis=-1)[..., np.newaxis, np.newaxis]
+    mean = unit(np.take_along_axis(q, heaviest, axis=-2)[..., 0, :])
+    if count == 1:
+        return np.where((total > 0)[..., np.newaxis], mean, np.nan)
+    for _ in range(_MEAN_STEPS):
+        step = np.zeros((*mean.shape[:-1], 3))
+        for k in range(count):
+            turn = multiply(conjugate(mean), q[..., k, :])
+            turn = np.where(turn[..., 3:] < 0, -turn, turn)
+            size = length(turn[..., :3])
+            half = arc_tangent(size, turn[..., 3]) / np.where(size == 0, 1.0, size)
+            step = step + (shares[..., k] * half)[..., np.newaxis] * turn[..., :3]
+        size = length(step)
+        sine, cosine = sin_cos(size)
+        xyz = step * (sine / np.where(size == 0, 1.0, size))[..., np.newaxis]
+        mean = unit(multiply(mean, np.concatenate([xyz, cosine[..., np.newaxis]], axis=-1)))
+    return mean

@@ -1,0 +1,103 @@
+"""One turn, one size and one move that lay the points of one file on those of another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations, product
+
+import numpy as np
+
+from rigtri.maths.matrices import determinant, from_frame, inverse, multiply, transform_points
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, length, normalise
+
+# What float32 matrices that a DCC has inverted and multiplied leave: radians, and a share of a size.
+SAME_TURN = 1e-4
+SAME_SIZE = 1e-4
+SAME_PLACE = 1e-5
+# Skeletons whose joints lie farther apart, as a share of their size, have other proportions.
+OTHER_SHAPE = 1e-3
+# Worlds whose sizes differ by less have one unit: a pose makes that much of a difference.
+_ONE_UNIT = 1.25
+
+
+def _axis_turns() -> Floats:
+    """The 24 rotations that take axes onto axes, the identity first, (24, 3, 3)."""
+    found = []
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            axes = np.zeros((3, 3))
+            axes[[0, 1, 2], order] = signs
+            if determinant(from_frame(axes, np.zeros(3))) > 0:
+                found.append(axes)
+    return np.array(found)
+
+
+AXIS_TURNS = _axis_turns()
+
+
+@dataclass(frozen=True, eq=False)
+class Similar:
+    """A turn about axes with one size and a move, as of whole worlds; residual: a share of the size."""
+
+    matrix: Floats
+    residual: float
+
+
+def fitted(theirs: Floats, ours: Floats, *, about_origin: bool, ratio: float | None = None) -> Similar:
+    """What takes points (k, 3) onto others: the identity where it does, else one of 24 turns and a size.
+
+    about_origin: the origin stays where it is, and near sizes are one. ratio: the size, where it is known.
+    """
+    middle = np.zeros((2, 3)) if about_origin else np.array([_mean(theirs), _mean(ours)])
+    a, b = theirs - middle[0], ours - middle[1]
+    sizes = [_spread(a), _spread(b)]
+    if ratio is None:
+        ratio = sizes[1] / sizes[0] if sizes[0] > 0 and sizes[1] > 0 else 1.0
+    near = _ONE_UNIT if about_origin else 1.0 + SAME_SIZE
+    if 1.0 / near <= ratio <= near:
+        ratio = 1.0
+    size = sizes[1] or 1.0
+    best, least = AXIS_TURNS[0], np.inf
+    for axes in AXIS_TURNS:
+        turned = transform_points(a * ratio, from_frame(axes, np.zeros(3)))
+        off = _spread(turned - b) / size
+        # Of equals the first, which is the identity: points on a line tell no turn about it.
+        if off < 0.99 * least - SAME_PLACE:
+            best, least = axes, off
+    if least > OTHER_SHAPE and not about_origin:
+        axes = _three_point_turn(a, b)
+        off = _spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size
+        if off < 0.1 * least:
+            best, least = axes, off
+    matrix = from_frame(best * ratio, np.zeros(3))
+    matrix[3, :3] = middle[1] - transform_points(middle[0], matrix)
+    if np.abs(matrix[3, :3]).max() <= SAME_PLACE * size:
+        matrix[3, :3] = 0.0
+    return Similar(matrix, float(least))
+
+
+def _three_point_turn(theirs: Floats, ours: Floats) -> Floats:
+    """The rotation, (3, 3), that lays the farthest of points and the one most aside onto others."""
+    far = int(np.argmax(length(ours)))
+    aside = int(np.argmax(length(cross(ours[far], ours))))
+    frames = []
+    for points in (theirs, ours):
+        x = normalise(points[far])
+        z = normalise(cross(x, points[aside]))
+        frames.append(from_frame(np.stack([x, cross(z, x), z]), np.zeros(3)))
+    return np.asarray(multiply(inverse(frames[0]), frames[1])[:3, :3])
+
+
+def _mean(points: Floats) -> Floats:
+    return np.asarray(_total(points) / max(len(points), 1))
+
+
+def _spread(points: Floats) -> float:
+    """The root of the mean square of lengths, (k, 3)."""
+    return float(np.sqrt(_total(np.ravel(points * points)) / max(len(points), 1)))
+
+
+def _total(values: Floats) -> Floats:
+    """The sum over the first axis, added one by one: the same bits everywhere; 0 where there are none."""
+    return np.asarray(values.cumsum(axis=0)[-1] if len(values) else np.zeros(values.shape[1:]))

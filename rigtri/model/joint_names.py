@@ -1,0 +1,92 @@
+"""What joint names say: their words, the side, and the twin on the other side.
+
+Names are cut into words at separators, digits and capitals. Which bone the words mean is
+`rigtri.recognition.naming_schemes`' to say.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Literal
+
+Side = Literal["left", "right", ""]
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
+_LEFT = frozenset({"l", "left", "lft", "左"})
+_RIGHT = frozenset({"r", "right", "rgt", "右"})
+SIDES = _LEFT | _RIGHT
+# A side stands alone between separators, or is Left/Right within a capitalised name.
+_SIDE = re.compile(
+    r"(?<![A-Za-z])(?:[lLrR]|left|right|LEFT|RIGHT|lft|rgt|Lft|Rgt)(?![A-Za-z])"
+    r"|Left(?![a-z])|Right(?![a-z])|^(?:left|right)(?=[A-Z])"
+)
+_SWAP = {
+    "l": "r",
+    "L": "R",
+    "left": "right",
+    "Left": "Right",
+    "LEFT": "RIGHT",
+    "r": "l",
+    "R": "L",
+    "right": "left",
+    "Right": "Left",
+    "RIGHT": "LEFT",
+    "lft": "rgt",
+    "rgt": "lft",
+    "Lft": "Rgt",
+    "Rgt": "Lft",
+}
+
+
+def words(name: str) -> list[str]:
+    """The words of a name, lower case, in order, without namespace and path.
+
+    >>> words("mixamorig:LeftForeArm"), words("DEF-upper_arm.L.001")
+    (['left', 'fore', 'arm'], ['def', 'upper', 'arm', 'l', '001'])
+    """
+    return [word.lower() for word in _WORD.findall(re.split(r"[:|/]", name)[-1])]
+
+
+def side(name: str) -> Side:
+    """Which side a name says: ``left``, ``right`` or "" for neither or both."""
+    found = set(words(spread(name)))
+    left, right = bool(found & _LEFT), bool(found & _RIGHT)
+    return "left" if left and not right else "right" if right and not left else ""
+
+
+def without_prefix(names: list[str]) -> list[str]:
+    """Names without the words that all of them begin with (``Fight_LeftArm`` → ``LeftArm``).
+
+    >>> without_prefix(["Fight_Hips", "Fight_LeftArm"])
+    ['Hips', 'LeftArm']
+    """
+    first, last = min(names, default=""), max(names, default="")
+    same = next((k for k, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))
+    common = first[:same] if len(names) > 1 else ""
+    cut = max((common.rfind(mark) for mark in "_:.- |"), default=-1) + 1
+    return [name[cut:] for name in names]
+
+
+def number(name: str) -> int | None:
+    """The last number in a name, or None.
+
+    >>> number("leg_joint_L_5")
+    5
+    """
+    digits = [int(word) for word in words(name) if word.isdigit()]
+    return digits[-1] if digits else None
+
+
+def twin(name: str) -> str:
+    """The name with its sides swapped; the name itself where it says no side.
+
+    >>> twin("hand.L"), twin("LeftArm"), twin("l_knee_jnt"), twin("左ひじ")
+    ('hand.R', 'RightArm', 'r_knee_jnt', '右ひじ')
+    """
+    swapped = _SIDE.sub(lambda found: _SWAP[found.group()], name)
+    return swapped.translate({0x5DE6: "右", 0x53F3: "左"})
+
+
+def spread(name: str) -> str:
+    """The name with a space behind CJK side characters, which are glued to the word."""
+    return re.sub(r"([左右])", r"\1 ", name)

@@ -1,0 +1,136 @@
+"""Weights of a bone's points shared anew among joints along it; what each point has of them stays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot
+from rigtri.model.records import Booleans, Integers, Spread
+
+# A share this near to none or all is none or all: it would cost an influence and show nothing.
+WHOLE = 1e-3
+# Weights that differ by less are the ones that were there.
+SAME = 1e-6
+
+
+def along(spread: Spread, points: Floats) -> Floats:
+    """Where points, (v, 3), stand along the bone, (v,): 0 at its start, 1 at its end."""
+    line = spread.end - spread.start
+    return np.asarray(dot(points - spread.start, line) / dot(line, line))
+
+
+def shared(
+    spread: Spread, points: Floats, joints: Integers, weights: Floats, *, units: bool = False
+) -> tuple[Integers, Floats]:
+    """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
+
+    points: (v, 3), as ``Mesh.bind`` leaves them. What a point has of the spread's joints together
+    goes to the two nearest along the bone, linear between them: the first of the two takes
+    the place that the first of them had, by which `folded` finds it again. units: weights are whole
+    numbers and stay so. What was so already keeps its bits and its place.
+    """
+    mine = np.isin(joints, spread.joints) & (weights != 0)
+    touched = mine.any(axis=1)
+    total = np.where(mine, weights, 0.0).cumsum(axis=1)[:, -1] if joints.shape[1] else np.zeros(len(joints))
+    near, far, share = _neighbours(spread, along(spread, points))
+    others = np.count_nonzero((weights != 0) & ~mine, axis=1)
+    if spread.most:
+        share = np.where(others + 2 > spread.most, np.where(share < 0.5, 0.0, 1.0), share)
+    # The larger part is rounded: the rest is then a float32 too, so that both add up to the total exactly.
+    larger = total * np.maximum(share, 1.0 - share)
+    rounded = np.rint(larger) if units else larger.astype(np.float32).astype(np.float64)
+    larger = np.where(larger < total, rounded, total)
+    first = np.where(share < 0.5, larger, total - larger)
+    second = total - first
+    out_joints = np.where(mine, 0, joints)
+    out_weights = np.where(mine, 0.0, weights)
+    home = _first(spread, joints, mine)
+    for joint, weight in ((near, first), (far, second)):
+        out_joints, out_weights = _put(out_joints, out_weights, joint, weight, touched & (weight != 0), home)
+    return _kept(joints, weights, out_joints, out_weights, 0.5 if units else SAME)
+
+
+def folded(
+    rows: Integers, at: Floats, joints: Integers, weights: Floats, width: int = 0
+) -> tuple[Integers, Floats]:
+    """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
+
+    rows, at: as in `Fold`. What a point has of a joint and of those that it inherits is added up in
+    the place of the first of them along the bone, which a spread has put there. Of columns at the end,
+    those that held something and do no longer go, and those behind them, but for the first ``width``.
+    """
+    inside = np.clip(joints, 0, len(rows) - 1)
+    live = weights != 0
+    moved = live & (rows[inside] != joints)
+    out_joints, out_weights = np.where(live | (rows[inside] == joints), rows[inside], 0), weights.copy()
+    for later in range(1, joints.shape[1]):
+        for first in range(later):
+            both = (out_weights[:, first] != 0) & (out_weights[:, later] != 0)
+            both &= (out_joints[:, first] == out_joints[:, later]) & (joints[:, first] != joints[:, later])
+            both &= moved[:, first] | moved[:, later]
+            one, two = at[inside[:, first]], at[inside[:, later]]
+            ahead = (one < two) | ((one == two) & (joints[:, first] < joints[:, later]))
+            total = out_weights[:, first] + out_weights[:, later]
+            for into, from_, own in ((first, later, ahead), (later, first, ~ahead)):
+                out_weights[both & own, into] = total[both & own]
+                out_weights[both & own, from_], out_joints[both & own, from_] = 0.0, 0
+    now = _width(out_weights)
+    kept = max(now, width, 1) if now < _width(weights) else joints.shape[1]
+    return out_joints[:, :kept], out_weights[:, :kept]
+
+
+def _width(weights: Floats) -> int:
+    """The number of columns up to the last that holds something."""
+    return int(np.flatnonzero((weights != 0).any(axis=0)).max(initial=-1)) + 1
+
+
+def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
+    """The joints before and after places along the bone, and the share of the one after, (v,) each."""
+    last = len(spread.at) - 1
+    after = np.searchsorted(spread.at, t, side="right")
+    near, far = np.clip(after - 1, 0, last), np.clip(after, 0, last)
+    span = spread.at[far] - spread.at[near]
+    share = np.where(span > 0, (t - spread.at[near]) / np.where(span > 0, span, 1.0), 0.0)
+    share = np.where(share < WHOLE, 0.0, np.where(share > 1.0 - WHOLE, 1.0, share))
+    return spread.joints[near], spread.joints[far], share
+
+
+def _first(spread: Spread, joints: Integers, mine: Booleans) -> Integers:
+    """The column, (v,), of those that are ``mine`` whose joint is first along the bone; 0 where none is."""
+    if not joints.shape[1]:
+        return np.zeros(len(joints), dtype=np.int64)
+    last = len(spread.joints)
+    place = np.full(joints.shape, last)
+    for number, joint in enumerate(spread.joints.tolist()):
+        place[mine & (joints == joint)] = number
+    return np.asarray(place.argmin(axis=1))
+
+
+def _put(
+    joints: Integers, weights: Floats, joint: Integers, weight: Floats, where: Booleans, home: Integers
+) -> tuple[Integers, Floats]:
+    """One influence more for some points, in the column ``home`` (v,) if it is free there, else the first
+    that is; a column more where one has none."""
+    free = weights == 0
+    if (where & ~free.any(axis=1)).any():
+        joints = np.concatenate([joints, np.zeros((len(joints), 1), dtype=np.int64)], axis=1)
+        weights = np.concatenate([weights, np.zeros((len(weights), 1))], axis=1)
+        free = weights == 0
+    rows = np.flatnonzero(where)
+    column = np.where(free[rows, home[rows]], home[rows], np.argmax(free[rows], axis=1))
+    joints[rows, column], weights[rows, column] = joint[rows], weight[rows]
+    return joints, weights
+
+
+def _kept(
+    joints: Integers, weights: Floats, new_joints: Integers, new_weights: Floats, least: float
+) -> tuple[Integers, Floats]:
+    """The new influences, with the old bits of those points whose influences are as they were."""
+    width = joints.shape[1]
+    wider = (new_weights[:, width:] != 0).any(axis=1)
+    alike = (new_joints[:, :width] == joints) | ((weights == 0) & (new_weights[:, :width] == 0))
+    close = np.abs(new_weights[:, :width] - weights) <= least
+    same = (alike & close).all(axis=1) & ~wider
+    new_joints[same, :width], new_weights[same, :width] = joints[same], weights[same]
+    return new_joints, new_weights

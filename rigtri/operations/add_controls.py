@@ -1,0 +1,377 @@
+"""add-controls: a tree of controls over chains of joints, one builder for all of them.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger": for each joint an
+offset at the joint's frame, the control under it with zero channels, the next offset
+under the control.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.sampling import world_of, worlds
+from rigtri.evaluation.twist_joints import is_twist
+from rigtri.frames.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.limits import refuse_unworkable
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot
+from rigtri.model.control_shapes import COLORS, KINDS, Kind
+from rigtri.model.joint_names import Side, side
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.aim_targets import Aim, Rules, aim_of, limb_children
+from rigtri.operations.control_drawing import Drawing, draw, draw_anew
+from rigtri.operations.control_names import call, remembered
+from rigtri.operations.joint_selection import Selection, chosen
+from rigtri.operations.options import operation
+from rigtri.operations.rigtri_nodes import add, find, group, home, noted, stand
+from rigtri.operations.skin_joints import Kind as EndKind
+from rigtri.operations.skin_joints import add_joint, as_wanted, beside, move_joint
+from rigtri.recognition.limbs import Limb, recognise, with_recognised
+from rigtri.recognition.proportions import forward, girths
+from rigtri.report import Report
+
+TOKENS = ("joint", "side", "kind")
+NAME = "{joint}_{kind}"
+# What {kind} stands for in a name, by the kind of control.
+_WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
+_SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
+# The radius of a shape as a share of the bone; bones shorter than this share of the median count as that.
+RADIUS = 0.5
+SHORTEST = 0.5
+# Around the trunk a shape is as wide as the shoulders, as a share of half the way between the limbs.
+GIRTH = 1.25
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `add_controls` can be told; the defaults are the command's.
+
+    selection: the joints that get FK controls. whole_character: all that carry weight, a root
+    control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them,
+    and FK controls of their three joints.
+    size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}, which is
+    ctl, ik_ctl or root_ctl. shapes: by kind of control (fk, ik, root, pole). colors: by side (left,
+    right, ""). What of these is given, controls that are there already get too, unless edited.
+    ends: whether IK ends and pole vectors are controls or joints; None keeps what is there. soft: how
+    far before it is straight an IK limb slows down, as a share of its length; stretch: it grows to
+    reach its target; None keeps what is there.
+    """
+
+    selection: Selection = Selection()
+    whole_character: bool = False
+    root_control: bool = False
+    ik: tuple[Limb, ...] = ()
+    ik_auto: bool = False
+    size: float | None = None
+    name: str | None = None
+    shapes: Mapping[str, Kind] = field(default_factory=dict)
+    colors: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    root: str | None = None
+    poles: PoleOptions = field(default_factory=PoleOptions)
+    ends: EndKind | None = None
+    soft: float | None = None
+    stretch: bool | None = None
+
+    def checked(self) -> Options:
+        """UsageError for what fits no control."""
+        for kind in self.shapes.values():
+            if kind not in KINDS:
+                raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
+        if unknown := [kind for kind in self.shapes if kind not in ("fk", "ik", "root", "pole")]:
+            raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
+        if unknown := [side for side in self.colors if side not in ("left", "right", "")]:
+            raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
+        refuse_unworkable("--size", self.size)
+        if self.size is not None and not self.size > 0:
+            raise UsageError(f"--size {self.size:g}: a size is a number above 0")
+        if self.ends is not None and not (self.ik or self.ik_auto or self.whole_character):
+            raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
+        try:
+            (self.name or NAME).format(**dict.fromkeys(TOKENS, "x"))
+        except (KeyError, IndexError, ValueError, AttributeError) as error:
+            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
+            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
+        if self.soft is not None and not 0 <= self.soft < 1:
+            raise UsageError("--soft is a share of the limb, from 0 to below 1")
+        if not (self.selection.named or self.whole_character or self.root_control or self.ik or self.ik_auto):
+            raise UsageError(
+                "say which joints get controls: --chain START END, --joints GLOB, --below NAME, "
+                "or --whole-character"
+            )
+        return self
+
+
+@operation(Options)
+def add_controls(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Put controls over joints; a second run finds its controls and sets their offsets anew.
+
+    Each control stands in its joint's frame at rest, its own channels zero; what a user
+    has since set or drawn on it stays. The record of each goes to ``report.added``.
+
+    Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
+    """
+    options.checked()
+    return _Builder(rig, options, report).build()
+
+
+class _Builder:
+    """One run: the rig as it grows, and what is known of its joints from the start."""
+
+    def __init__(self, rig: Rig, options: Options, report: Report) -> None:
+        self.rig, self.options, self.report = rig, options, report
+        self.tree: Skeleton = skeleton(rig, options.root)
+        self.ref: Reference = reference(self.tree, "nodes")
+        self.world = worlds(rig)
+        self.limbs = with_recognised(rig, options.ik) if self._all_limbs else options.ik
+        rules = Rules(limb_child=limb_children(self.tree, self.limbs))
+        self.aims = {joint: aim_of(self.tree, self.ref, joint, rules) for joint in self.tree.joints}
+        bones = [aim.length for aim in self.aims.values() if aim.length > 0]
+        self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
+        self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)
+        self.controls: dict[int, int] = {}
+        # The controls of this run: node, kind and joint.
+        self.made: list[tuple[int, str, int]] = []
+
+    @property
+    def _all_limbs(self) -> bool:
+        return self.options.whole_character or self.options.ik_auto
+
+    def build(self) -> Rig:
+        options = self.options
+        self.rig, _ = group(self.rig)
+        if options.root_control or options.whole_character:
+            self._root()
+        for joint in self._joints():
+            self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
+        for limb in dict.fromkeys(self.limbs):
+            chain = [self.rig.address(node) for node in limb.triple]
+            self._ik(limb, {"joint": chain[-1], "chain": chain})
+        self._poles()
+        self._give_names()
+        for control, kind, joint in self.made:
+            self._record(control, kind, joint)
+        return self.rig
+
+    def _give_names(self) -> None:
+        """Names by the user's rule, and a note of those that new controls have."""
+        if self.options.name is not None:
+            wanted = {c: self._name(joint, kind, self.options.name) for c, kind, joint in self.made}
+            self.rig = call(self.rig, wanted, self.options.name, self.report)
+        self.rig = remembered(self.rig, [c for c, _, _ in self.made if self.rig.keys[c] is None])
+
+    def _joints(self) -> list[int]:
+        """The joints that get FK controls, parents first; twist joints follow by themselves.
+
+        Those of limbs with IK always do, whatever carries weight: theirs hold what IK cannot.
+        """
+        options, found = self.options, list[int]()
+        if options.selection.named or options.whole_character:
+            found = [k for k in chosen(self.tree, options.selection) if not is_twist(self.rig.notes.get(k))]
+            if not options.selection.named:
+                found = [joint for joint in found if self.tree.carries[joint]]
+        missing = {node for limb in self.limbs for node in limb.triple}.difference(found)
+        return sorted({*found, *missing}) if missing else found
+
+    def _root(self) -> None:
+        """The control over all: below the first root joint, as low as the lowest joint, along the world."""
+        top = self.tree.roots[0]
+        points = self.ref.world[list(self.tree.joints), 3, :3]
+        up = np.asarray(self.rig.up, dtype=np.float64)
+        place = self.ref.position(top).copy()
+        low = float(dot(points, up).min())
+        place = place + up * (low - float(dot(place, up)))
+        note = {"joint": self.rig.address(top)}
+        control = self._find("root", note)
+        front = forward(self.rig, self.limbs or recognise(self.rig), self.ref.world)
+        drawing = self._drawing("root", top, self.ref.extent * 0.25, up, front)
+        if control is None:
+            self.rig, parent = group(self.rig)
+            control = self._new("root", top, parent, note, drawing)
+        else:
+            self._again(control, "root", top, drawing)
+        self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
+        self.made.append((control, "root", top))
+
+    def _find(self, kind: str, note: Mapping[str, Any]) -> int | None:
+        return find(self.rig, type="control", kind=kind, **note)
+
+    def _control(self, joint: int, kind: str, note: Mapping[str, Any]) -> int:
+        """The control of a kind over a joint, found again or new, its offset in the joint's frame."""
+        control = self._find(kind, note)
+        axes = self._frame(joint)
+        parent = self._parent(joint, kind)
+        drawing = self._drawing(kind, joint, *self._size(joint))
+        if control is None:
+            control = self._new(kind, joint, parent, note, drawing)
+        else:
+            self._again(control, kind, joint, drawing)
+        offset = int(self.rig.parents[control])
+        if int(self.rig.parents[offset]) != parent:
+            self._tell_kept(control)
+        self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
+        self.made.append((control, kind, joint))
+        return control
+
+    def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
+        """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
+        known, wanted = self._find("ik", about), self.options.ends
+        if wanted == "joint" if known is None else as_wanted(self.rig, known, wanted):
+            self._ik_joint(limb, known, about)
+        else:
+            self._control(limb.end, "ik", about)
+        self._limits(about)
+
+    def _limits(self, about: Mapping[str, Any]) -> None:
+        """How an IK limb reaches, on its control's note; what says nothing is not stored."""
+        control = self._find("ik", about)
+        given = {"soft": self.options.soft, "stretch": self.options.stretch}
+        told = {word: value for word, value in given.items() if value is not None}
+        if control is None or not told:
+            return
+        note = {word: value for word, value in self.rig.notes[control].items() if word not in told}
+        note |= {word: value for word, value in told.items() if value}
+        self.rig = noted(self.rig, control, note)
+
+    def _ik_joint(self, limb: Limb, known: int | None, about: Mapping[str, Any]) -> None:
+        """A joint beside a limb, in the frame of its end; nothing is drawn, engines show bones themselves."""
+        place, axes = self.world[limb.end, 3, :3], self._frame(limb.end)
+        if known is None:
+            parent, like = beside(self.rig, limb.start)
+            note = {"v": 1, "type": "control", "kind": "ik", **about, "side": self._side(limb.end)}
+            name = self._name(limb.end, "ik")
+            self.rig, node = add_joint(self.rig, name, parent, note, place, axes, like=like)
+        else:
+            self.rig, node = move_joint(self.rig, known, place, axes), known
+        self.made.append((node, "ik", limb.end))
+
+    def _frame(self, joint: int) -> Floats:
+        axes = nearest_rotation(self.world[joint])
+        if not np.isfinite(axes).all():
+            raise GeometryError(f"'{self.rig.title(joint)}' has no frame: a scale on or above it is zero")
+        return axes
+
+    def _name(self, joint: int, kind: str, rule: str = NAME) -> str:
+        name = self.rig.names[joint] or f"joint_{joint}"
+        return rule.format(joint=name, side=self._side(joint), kind=_WORDS[kind])
+
+    def _new(self, kind: str, joint: int, parent: int, note: Mapping[str, Any], drawing: Drawing) -> int:
+        name = self._name(joint, kind)
+        about = {"v": 1, "type": "control", "kind": kind, **note, "side": self._side(joint)}
+        offset_note = {"v": 1, "type": "offset", "kind": kind, "joint": note["joint"]}
+        self.rig, offset = add(self.rig, f"{name}_offset", parent, offset_note)
+        self.rig, control = add(self.rig, name, offset, about)
+        self.rig = draw(self.rig, control, drawing)
+        return control
+
+    def _again(self, control: int, kind: str, joint: int, drawing: Drawing) -> None:
+        """A control that is there already gets what was asked for."""
+        self.rig = draw_anew(self.rig, control, drawing, self._asked(kind, joint), self.report)
+
+    def _drawing(
+        self, kind: str, joint: int, size: float, normal: Floats, front: Floats | None = None
+    ) -> Drawing:
+        options, which = self.options, self._side(joint)
+        size = size * (1.0 if options.size is None else options.size)
+        shape: Kind = options.shapes.get(kind, _SHAPES[kind])
+        return Drawing(shape, size, options.colors.get(which, COLORS[which]), normal, front)
+
+    def _asked(self, kind: str, joint: int) -> frozenset[str]:
+        """What of a drawing the options say."""
+        options = self.options
+        said = {
+            "shape": kind in options.shapes,
+            "size": options.size is not None,
+            "color": self._side(joint) in options.colors,
+        }
+        return frozenset(key for key, given in said.items() if given)
+
+    def _parent(self, joint: int, kind: str) -> int:
+        """The control of the nearest joint above that has one; IK ends hang under the root control."""
+        above = self.tree.above.get(joint, -1) if kind == "fk" else -1
+        while above >= 0:
+            found = self.controls.get(above)
+            found = found if found is not None else self._find("fk", {"joint": self.rig.address(above)})
+            if found is not None:
+                return found
+            above = self.tree.above[above]
+        self.rig, parent = home(self.rig)
+        return parent
+
+    def _size(self, joint: int) -> tuple[float, Floats]:
+        """The radius of a joint's shape, and which of the joint's axes lies along the bone, (3,)."""
+        aim = self.aims.get(joint, Aim("keep"))
+        above = self.aims.get(self.tree.above.get(joint, -1), Aim("keep"))
+        bone = aim.length or 0.5 * above.length
+        direction = aim.direction if aim.direction is not None else above.direction
+        normal = np.array([1.0, 0.0, 0.0])
+        if direction is not None:
+            axis = int(np.argmax(np.abs(direction)))
+            normal = np.where(np.arange(3) == axis, np.sign(direction[axis]), 0.0)
+        least = GIRTH * self.girths.get(joint, 0.0)
+        return max(RADIUS * max(bone, SHORTEST * self.typical), least), normal
+
+    def _side(self, joint: int) -> Side:
+        """The side that a VRM bone or a name says, of the joint or the nearest above that says one."""
+        bones = {node: bone for bone, node in self.rig.humanoid.items()}
+        node = joint
+        while node >= 0:
+            told = side(bones.get(node, "")) or side(self.rig.names[node])
+            if told:
+                return told
+            node = self.tree.above.get(node, -1)
+        return ""
+
+    def _poles(self) -> None:
+        """A pole vector for every IK limb, drawn where it is new."""
+        if not self.limbs:
+            return
+        before = set(self.rig.notes)
+        limbs = tuple(dict.fromkeys(self.limbs))
+        wanted = replace(self.options.poles, limbs=limbs, auto=False, kind=self.options.ends)
+        self.rig = add_polevector(self.rig, options=wanted, report=self.report)
+        for node in self._drawn_poles(limbs):
+            middle = self.rig.find(str(self.rig.notes[node]["chain"][1]))
+            drawing = self._drawing("pole", middle, 0.5 * self._size(middle)[0], np.array([1.0, 0.0, 0.0]))
+            if node not in before:
+                self.rig = draw(self.rig, node, drawing)
+            elif "shape" in self.rig.notes[node]:
+                asked = self._asked("pole", middle)
+                self.rig = draw_anew(self.rig, node, drawing, asked, self.report)
+
+    def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:
+        """The pole vectors of limbs that are no joints."""
+        chains = ([self.rig.address(node) for node in limb.triple] for limb in limbs)
+        found = [find(self.rig, type="poleVector", chain=chain) for chain in chains]
+        return [node for node in found if node is not None and not self.rig.is_joint[node]]
+
+    def _tell_kept(self, control: int) -> None:
+        self.report.warn(
+            "control-kept-in-place",
+            f"'{self.rig.names[control]}' was made before the controls above it and stays under "
+            f"'{self.rig.title(int(self.rig.parents[self.rig.parents[control]]))}'; to rebuild the tree, "
+            "strip the file first",
+        )
+
+    def _record(self, control: int, kind: str, joint: int) -> None:
+        offset = control if self.rig.is_joint[control] else int(self.rig.parents[control])
+        parent = int(self.rig.parents[offset])
+        place = world_of(self.rig, offset)[3, :3]
+        self.report.added.append(
+            {
+                "node": self.rig.names[control],
+                "type": "control",
+                "kind": kind,
+                "joint": self.rig.title(joint),
+                "parent": self.rig.names[parent],
+                "new": self.rig.keys[control] is None,
+                "position": [float(x) for x in place],
+            }
+        )

@@ -1,0 +1,317 @@
+"""add-polevector: a locator that says which way a limb bends.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
+"Using Vector Math to Rig an Arm" (ratio method, at the root, 5 units away).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageError
+from rigtri.frames.skeleton import Reference, Skeleton, reference
+from rigtri.limits import refuse_unworkable
+from rigtri.maths.triangle import bend_angle, bend_direction, frame, pole_position
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import distance, normalise, project
+from rigtri.model.rig import Rig
+from rigtri.operations.control_drawing import KEYS
+from rigtri.operations.options import operation
+from rigtri.operations.rigtri_nodes import add, find, free_name, home, noted, plain_name, renamed, stand
+from rigtri.operations.skin_joints import Kind, add_joint, as_wanted, beside, move_joint
+from rigtri.recognition.bend_plane import Bend, bend, crossings
+from rigtri.recognition.limbs import Limb, along, recognise
+from rigtri.report import Report
+
+# Below this sine (0.1°) a bend plane is float32 noise; below the second (0.6°) it is shaky.
+NO_PLANE = 1.7453283658983088e-3
+SHAKY = 1.0471784116245793e-2
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `add_polevector` can be told; the defaults are the command's.
+
+    limbs: three-joint limbs. chains: (start, end, bend joint or None) of more joints.
+    bends: by the name of a limb's root, middle or end joint, the direction it bends to.
+    kind: a loose locator, or a joint beside the limb; None keeps what is there, else a locator.
+    """
+
+    limbs: tuple[Limb, ...] = ()
+    chains: tuple[tuple[str, str, str | None], ...] = ()
+    auto: bool = False
+    method: Literal["perpendicular", "ratio"] = "perpendicular"
+    origin: Literal["middle", "root", "foot"] = "middle"
+    reach: float = 0.5
+    distance: float | None = None
+    reach_of: Literal["limb", "chord"] = "limb"
+    orientation: Literal["world", "limb", "aim"] = "world"
+    bends: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    facing: tuple[float, float, float] | None = None
+    name: str | None = None
+    pose: str = "nodes"
+    check_clips: bool = False
+    kind: Kind | None = None
+
+
+@operation(Options)
+def add_polevector(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Place a pole vector for each limb; a second run finds it by its chain and moves it.
+
+    The locators hang under the root node ``rigtri_controls``. Each limb's record goes
+    to ``report.limbs``. Raises NameNotFoundError, UsageError, and GeometryError for a
+    straight limb of which nothing tells the side.
+    """
+    for flag, number in (("--reach", options.reach), ("--distance", options.distance)):
+        refuse_unworkable(flag, number)
+    limbs = _limbs(rig, options, report)
+    if options.name is not None and len(limbs) > 1:
+        raise UsageError(f"--name fits one limb, not {len(limbs)}")
+    _check_name(rig, limbs, options)
+    ref = posed(rig, options.pose)
+    bends = _named_bends(rig, limbs, options)
+    others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
+    unsaid = []
+    for limb in limbs:
+        found = _bend(rig, limb, ref, options, others, bends.get(limb))
+        if found is None:
+            unsaid.append(limb)
+            continue
+        rig = _place(rig, limb, ref, found, options, report)
+    if unsaid:
+        raise GeometryError(_straight_message(rig, unsaid, ref))
+    return rig
+
+
+def _check_name(rig: Rig, limbs: list[Limb], options: Options) -> None:
+    """UsageError for a name that another node has."""
+    if options.name is None:
+        return
+    chain = [rig.address(node) for node in limbs[0].triple]
+    own = find(rig, type="poleVector", chain=chain)
+    if free_name(rig, options.name, own) != plain_name(options.name):
+        raise UsageError(f"--name {options.name}: another node is called so")
+
+
+def _limbs(rig: Rig, options: Options, report: Report) -> list[Limb]:
+    limbs = list(options.limbs)
+    for start, end, middle in options.chains:
+        limbs.append(_of_chain(rig, start, end, middle, options.pose))
+    if options.auto:
+        found = [limb for limb in recognise(rig) if limb.triple not in {k.triple for k in limbs}]
+        if not found and not limbs:
+            raise NoLimbError
+        limbs.extend(found)
+        _tell_left_out(rig, limbs, report)
+    if not limbs:
+        raise UsageError("say which limbs: --limb ROOT MIDDLE END, --chain START END, or --limbs auto")
+    return limbs
+
+
+def _tell_left_out(rig: Rig, limbs: list[Limb], report: Report) -> None:
+    """Warn where joints of the same names as a limb's are in no limb: siblings that share names."""
+    inside = {node for limb in limbs for node in limb.triple}
+    names = {rig.names[limb.middle] for limb in limbs} - {""}
+    for name in sorted(names):
+        others = [k for k in range(len(rig)) if rig.names[k] == name and k not in inside]
+        if others and rig.is_joint[others].any():
+            shown = ", ".join(rig.labels[k] for k in others[:4])
+            report.warn(
+                "limb-left-out",
+                f"'{name}' names other joints too ({shown}), which are in no limb; name theirs with --limb",
+            )
+
+
+def _of_chain(rig: Rig, start: str, end: str, middle: str | None, pose: str) -> Limb:
+    """A longer chain as a limb; it bends at the joint farthest from the chord unless one is named."""
+    path = along(rig, rig.find(start), rig.find(end))
+    inner = [node for node in path[1:-1] if rig.is_joint[node] or not rig.is_joint.any()]
+    if middle is not None:
+        node = rig.find(middle)
+        if node not in inner:
+            raise UsageError(f"'{middle}' does not lie between '{start}' and '{end}'")
+        return Limb(path[0], node, path[-1])
+    if not inner:
+        raise UsageError(f"there is no joint between '{start}' and '{end}' that could bend")
+    ref = posed(rig, pose)
+    points = ref.world[inner, 3, :3]
+    off = distance(points, project(points, ref.position(path[0]), ref.position(path[-1])))
+    return Limb(path[0], inner[int(np.argmax(off))], path[-1])
+
+
+def posed(rig: Rig, pose: str) -> Reference:
+    """The pose in use; any node may be in a limb, so all of them are taken as joints."""
+    above = {node: int(parent) for node, parent in enumerate(rig.parents)}
+    tree = Skeleton(rig, tuple(range(len(rig))), above, {}, np.ones(len(rig), dtype=bool))
+    return reference(tree, pose)
+
+
+def _named_bends(rig: Rig, limbs: list[Limb], options: Options) -> dict[Limb, Floats]:
+    """Which limb each ``--bend NAME=x,y,z`` means: the one with that joint."""
+    found: dict[Limb, Floats] = {}
+    for name, direction in options.bends.items():
+        node = rig.find(name)
+        mine = [limb for limb in limbs if node in limb.triple]
+        if not mine:
+            known = [rig.names[k] for limb in limbs for k in limb.triple]
+            raise NameNotFoundError("joint of a limb", name, known)
+        found.update(dict.fromkeys(mine, np.asarray(direction, dtype=np.float64)))
+    return found
+
+
+def _bend(
+    rig: Rig,
+    limb: Limb,
+    ref: Reference,
+    options: Options,
+    others: tuple[Limb, ...],
+    given: Floats | None,
+) -> Bend | None:
+    facing = options.facing if options.facing is not None else rig.facing
+    found = bend(
+        rig,
+        limb,
+        ref.world,
+        least_sine=NO_PLANE,
+        others=others,
+        facing=None if facing is None else np.asarray(facing, dtype=np.float64),
+        given=given,
+        other_pose=ref.other,
+    )
+    if given is not None and found is None:
+        raise GeometryError(
+            f"--bend {rig.title(limb.middle)}: the direction runs along the limb; give one across it"
+        )
+    return found
+
+
+def _place(rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, report: Report) -> Rig:
+    points = ref.world[list(limb.triple), 3, :3]
+    direction = found.direction
+    if found.source == "pose" and options.method == "ratio":
+        direction = bend_direction(*points, method="ratio")
+    position = pole_position(
+        *points,
+        direction=direction,
+        origin=options.origin,
+        reach=options.reach,
+        reach_of=options.reach_of,
+        far=options.distance,
+    )
+    if not np.isfinite(position).all():
+        raise GeometryError(
+            f"the root and end of the limb {_title(rig, limb)} are at one place: it has no chord"
+        )
+    degrees = float(np.degrees(bend_angle(*points)))
+    note = _note(rig, limb, options, found, degrees)
+    _tell(rig, limb, found, degrees, report)
+    rig, node = _placed(rig, limb, note, options, position, _axes(points, found, options))
+    entry: dict[str, Any] = {
+        "limb": [rig.title(k) for k in limb.triple],
+        "polevector": rig.names[node],
+        "evidence": limb.evidence,
+        "position": [float(x) for x in position],
+        "bend_degrees": round(degrees, 6),
+        "source": found.source,
+        "pose": options.pose,
+    }
+    if options.check_clips:
+        entry["clips"] = _clips(rig, limb)
+    report.limbs.append(entry)
+    return rig
+
+
+def _note(rig: Rig, limb: Limb, options: Options, found: Bend, degrees: float) -> dict[str, Any]:
+    chain = [rig.address(node) for node in limb.triple]
+    note: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": chain}
+    note |= {"method": options.method, "from": options.origin}
+    if options.distance is not None:
+        note["distance"] = float(options.distance)
+    else:
+        note |= {"reach": float(options.reach), "reachOf": options.reach_of}
+    return note | {"bend": round(degrees, 4), "source": found.source, "pose": options.pose}
+
+
+def _tell(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:
+    title = _title(rig, limb)
+    if found.source != "pose":
+        report.warn(
+            "straight",
+            f"{title} bends {degrees:.4f}°: the side it bends to is taken from: {found.source}.",
+            joint=title,
+            geometry=found.source in ("other side", "facing"),
+        )
+    elif found.sine < SHAKY:
+        report.warn(
+            "nearly-straight",
+            f"{title} bends only {degrees:.4f}°: its plane is near the noise of the file.",
+            joint=title,
+            geometry=True,
+        )
+
+
+def _title(rig: Rig, limb: Limb) -> str:
+    return " - ".join(rig.title(node) for node in limb.triple)
+
+
+def _placed(
+    rig: Rig, limb: Limb, note: dict[str, Any], options: Options, position: Floats, axes: Floats
+) -> tuple[Rig, int]:
+    """The limb's pole vector at its place, found again by its chain or made new."""
+    node = find(rig, type="poleVector", chain=note["chain"])
+    name = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
+    if node is not None:
+        joint = as_wanted(rig, node, options.kind)
+        if joint and options.name is not None and rig.names[node] != plain_name(options.name):
+            raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
+        rig = rig if options.name is None else renamed(rig, node, options.name)
+        drawing = {key: rig.notes[node][key] for key in KEYS if key in rig.notes[node]}
+        rig = noted(rig, node, note | drawing)
+        return (move_joint if joint else stand)(rig, node, position, axes), node
+    if options.kind == "joint":
+        parent, like = beside(rig, limb.start)
+        return add_joint(rig, name, parent, note, position, axes, like=like)
+    rig, parent = home(rig)
+    rig, node = add(rig, name, parent, note)
+    return stand(rig, node, position, axes), node
+
+
+def _axes(points: Floats, found: Bend, options: Options) -> Floats:
+    """The locator's world axes, rows: the world's, the limb's own, or aiming at its middle joint."""
+    if options.orientation == "limb":
+        return frame(points[1] - points[0], found.hinge)
+    if options.orientation == "aim":
+        return frame(-found.direction, found.hinge)
+    return np.asarray(np.eye(3))
+
+
+def _clips(rig: Rig, limb: Limb) -> list[dict[str, Any]]:
+    """The key times of each clip at which the limb is straight or its pole flips side."""
+    found = []
+    for clip in (clip for clip in rig.clips if not clip.idle):
+        events = crossings(rig, limb, clip, NO_PLANE)
+        if events:
+            listed = [{"time": round(time, 6), "what": what} for time, what in events]
+            found.append({"clip": clip.name, "at": listed})
+    return found
+
+
+def _straight_message(rig: Rig, limbs: list[Limb], ref: Reference) -> str:
+    worst = limbs[0]
+    points = ref.world[list(worst.triple), 3, :3]
+    name = rig.names[worst.middle] or rig.labels[worst.middle]
+    rest = f" So do {len(limbs) - 1} more." if len(limbs) > 1 else ""
+    degenerate = not np.isfinite(normalise(points[2] - points[0])).all()
+    what = (
+        "has its root and end at one place"
+        if degenerate
+        else f"is straight (bent {float(np.degrees(bend_angle(*points))):.3g}°)"
+    )
+    return (
+        f"The limb {_title(rig, worst)} {what}, and neither a clip, the other side nor its name "
+        f"says which way it bends.{rest} Say it with --bend '{name}=0,0,1' or --facing +z."
+    )

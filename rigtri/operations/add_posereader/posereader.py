@@ -1,0 +1,593 @@
+"""Pose readers: morph targets and control values that follow a joint's pose, baked to keys."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.adaptive_sampling import fitted
+from rigtri.evaluation.pose_readers import (
+    KERNELS,
+    KINDS,
+    MODES,
+    Kernel,
+    Kind,
+    Mode,
+    Reader,
+    relative,
+    same_poses,
+    weights,
+)
+from rigtri.evaluation.timelines import (
+    Timeline,
+    jumps,
+    just_before,
+    merged_weights,
+    moment,
+    placed,
+    single,
+    steps_only,
+    times_within,
+)
+from rigtri.limits import refuse_unworkable
+from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.quaternions import between, conjugate, from_axes, rotate
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.model.mesh_triangles import meshes_named
+from rigtri.model.records import Interpolation, Mesh, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader import replaced_keys as kept_keys
+from rigtri.operations.add_rivet.rebind import remounted
+from rigtri.operations.control_names import refuse_taken
+from rigtri.operations.options import operation
+from rigtri.operations.rigtri_nodes import add, find, group, noted
+from rigtri.report import Report
+
+# Weights that differ by less stay the same all the time, and get one key.
+STILL = 1e-9
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A target as a user gives it: one of a direction of the world at rest, a pose, or a node.
+
+    pose: ``CLIP@TIME`` or ``rest``; the last @ splits. rotation: a pose as xyzw of the driver seen
+    from the frame.
+    """
+
+    name: str = ""
+    direction: tuple[float, float, float] | None = None
+    pose: str = ""
+    node: str = ""
+    rotation: tuple[float, float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Options:
+    """A pose reader. ``name`` is what it is found by in a second run.
+
+    driver: the joint that is read. axis: of the driver. frame: what it is seen from, its parent
+    unless named, or ``world``. targets: what it looks for. morphs: (target, mesh, morph target),
+    by name or number; a target may drive several. attributes: (target, control, attribute). A target
+    that drives no morph gets a node whose x translation is its weight. inner, outer: of a cone, in
+    degrees. within: how far a weight may be off between keys. fps: additional keys a second.
+    """
+
+    driver: str = ""
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    frame: str = ""
+    reader: Kind = "dot"
+    targets: tuple[Goal, ...] = ()
+    morphs: tuple[tuple[str, str, str], ...] = ()
+    attributes: tuple[tuple[str, str, str], ...] = ()
+    inner: float = 0.0
+    outer: float = 90.0
+    kernel: Kernel = "linear"
+    mode: Mode = "swing"
+    name: str = ""
+    within: float = 1e-4
+    fps: float | None = None
+
+    def checked(self) -> Options:
+        """These options. UsageError where they say nothing, or contradict each other."""
+        if not self.driver:
+            raise UsageError("say which joint is read: --driver JOINT")
+        if not self.targets:
+            raise UsageError("say what it looks for: --target X,Y,Z, CLIP@TIME, rest or a node")
+        known = self.names()
+        if len(set(known)) < len(known):
+            raise UsageError("each target needs a name of its own")
+        for target, *rest in (*self.morphs, *self.attributes):
+            if target not in known:
+                raise UsageError(f"'{target}' ({' '.join(rest)}) is no target; there are {', '.join(known)}")
+        if self.reader not in KINDS or self.kernel not in KERNELS or self.mode not in MODES:
+            raise UsageError(
+                f"readers are {', '.join(KINDS)}, of {', '.join(KERNELS)} and {', '.join(MODES)}"
+            )
+        if not 0 <= self.inner < self.outer <= 180:
+            raise UsageError(
+                f"a cone goes from an inner to a larger outer angle, not {self.inner:g} to {self.outer:g}"
+            )
+        if self.reader == "rbf" and any(goal.node for goal in self.targets):
+            raise UsageError("rbf reads poses; a node is a target of dot and cone readers")
+        if not np.isfinite(self.axis).all() or not any(self.axis):
+            raise UsageError("the axis of the driver is a direction, e.g. x or 0,1,0")
+        refuse_unworkable("--fps", self.fps)
+        if not self.within > 0 or (self.fps is not None and not self.fps > 0):
+            raise UsageError("--within and --fps are numbers above 0")
+        return self
+
+    def names(self) -> list[str]:
+        """The names of the targets: their own, else ``target1``, ``target2`` …"""
+        return [goal.name or f"target{k + 1}" for k, goal in enumerate(self.targets)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Drive:
+    """Which weights go to which morph targets of one node: columns (morph) by columns (target)."""
+
+    meshes: Sequence[Mesh]
+    columns: dict[int, int] = field(default_factory=dict)
+
+    @property
+    def mesh(self) -> Mesh:
+        return self.meshes[0]
+
+
+@operation(Options)
+def add_posereader(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Read how much a joint is in some poses, and drive morph targets or values by it, in every clip.
+
+    What it drives has other weights on purpose: ``report.driven`` names it, and the self-check
+    compares all else. A second run finds the reader by its name. Rivets on meshes whose morph targets
+    it drives are baked anew.
+
+    Raises NameNotFoundError, UsageError, GeometryError (no morphs, poses that coincide), FileError.
+    """
+    options.checked()
+    builder = _Builder(rig, options, report)
+    return remounted(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
+
+
+def options_of(note: Mapping[str, Any]) -> Options:
+    """What a pose reader's note says of how it was made.
+
+    Goals have their names and nodes; directions and poses of a note are seen from the frame, and stay there.
+    """
+    outputs = note["outputs"]
+    x, y, z = map(float, note["axis"])
+    return Options(
+        driver=note["driver"],
+        axis=(x, y, z),
+        frame=note["frame"] or "world",
+        reader=note["reader"],
+        targets=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
+        morphs=tuple((str(o["target"]), str(o["mesh"]), str(o["morph"])) for o in outputs if "morph" in o),
+        attributes=tuple(
+            (str(o["target"]), str(o["control"]), str(o["attribute"])) for o in outputs if "morph" not in o
+        ),
+        inner=float(note.get("inner", 0.0)),
+        outer=float(note.get("outer", 90.0)),
+        kernel=note.get("kernel", "linear"),
+        mode=note.get("mode", "swing"),
+        name=str(note["name"]),
+        within=float(note["within"]),
+        fps=note.get("fps"),
+    )
+
+
+def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
+    """The rig with what a pose reader drives baked anew, at rest and in some clips, by their places.
+
+    Raises what `add_posereader` does, where what the note names is not there any more.
+    """
+    note = rig.notes[node]
+    report = report if report is not None else Report()
+    return _Builder(rig, options_of(note).checked(), report, note=note, clips=frozenset(clips)).build()
+
+
+class _Builder:
+    """One run: the rig as it grows. note: of a reader that is there. clips: the places of those baked."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        options: Options,
+        report: Report,
+        *,
+        note: Mapping[str, Any] | None = None,
+        clips: frozenset[int] | None = None,
+    ) -> None:
+        self.clips = clips
+        self.rig, self.options, self.report = rig, options, report
+        self.driver = rig.find(options.driver)
+        self.frame = self._frame()
+        self.axis = normalise(np.array(options.axis, dtype=np.float64))
+        self.note = dict(note) if note is not None else self._note()
+        self.reader = Reader.of_note(self.note)
+        if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
+            raise GeometryError(
+                f"Targets '{same[0]}' and '{same[1]}' are one pose of '{rig.title(self.driver)}' "
+                f"as to its {options.mode}; leave one of them out"
+            )
+        self.drives = self._drives()
+        self.moving = _Moving(rig, self.driver, self.frame, tuple(self._nodes().values()))
+
+    @property
+    def name(self) -> str:
+        return self.options.name or f"{self.rig.names[self.driver] or 'joint'}_reader"
+
+    def _frame(self) -> int:
+        """The node that all is seen from; −1 for the world."""
+        if not self.options.frame:
+            return int(self.rig.parents[self.driver])
+        return -1 if self.options.frame == "world" else self.rig.find(self.options.frame, "node")
+
+    def build(self) -> Rig:
+        rig, parent = group(self.rig)
+        node = find(rig, type="poseReader", name=self.name)
+        if node is None:
+            if self.options.name:
+                refuse_taken(rig, self.options.name)
+            rig, node = add(rig, self.name, parent, self.note)
+        else:
+            rig = self._given_back(rig, node)
+        self.note[kept_keys.KEY] = list(rig.notes[node].get(kept_keys.KEY, ()))
+        self.rig = rig
+        values = self._value_nodes(node)
+        counts: dict[str, int] = {}
+        for title, timeline in kept_keys.titles(self.rig).items():
+            if self.clips is not None and self.clips.isdisjoint(timeline.members):
+                continue
+            self._keep(title, timeline)
+            times, found = self._baked(timeline)
+            counts[timeline.name] = len(times)
+            tracks = [*self._morph_tracks(timeline, times, found), *_value_tracks(values, times, found)]
+            self.rig = placed(self.rig, timeline, tracks)
+        if not self.note[kept_keys.KEY]:
+            del self.note[kept_keys.KEY]
+        self.rig = noted(self.rig, node, self.note)
+        if not counts:
+            self.report.warn(
+                "reader-without-clips",
+                f"There is no clip to bake '{self.name}' into; it is described, and drives nothing",
+            )
+        for drive in self.drives if counts else ():
+            self.report.driven.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
+        self._record(node, counts)
+        return self.rig
+
+    def _given_back(self, rig: Rig, node: int) -> Rig:
+        """The rig with the keys back that this reader has replaced, where it drives others from now on."""
+        note = rig.notes[node]
+        wanted = [(output.get("mesh"), output.get("morph")) for output in self.note["outputs"]]
+        had = [(output.get("mesh"), output.get("morph")) for output in note.get("outputs", ())]
+        if set(had) <= set(wanted):
+            return rig
+        rig, driven = kept_keys.restored(rig, [node], self.report)
+        for mesh, columns in driven.items():
+            self.report.driven.setdefault(rig.keys[mesh], set()).update(columns)
+        return noted(rig, node, {key: value for key, value in note.items() if key != kept_keys.KEY})
+
+    # --- what the note says
+
+    def _note(self) -> dict[str, Any]:
+        rig, options = self.rig, self.options
+        mine: dict[str, Any] = {}
+        if options.reader == "cone":
+            mine = {"inner": float(options.inner), "outer": float(options.outer)}
+        if options.reader == "rbf":
+            mine = {"kernel": options.kernel, "mode": options.mode, "rest": self._numbers(self._resting)}
+        names = options.names()
+        controls = {name: self._control(name) for _, name, _ in options.attributes}
+        outputs = [
+            *(
+                {"target": t, "mesh": self._mesh_address(mesh), "morph": morph}
+                for t, mesh, morph in options.morphs
+            ),
+            *(
+                {"target": t, "control": rig.address(controls[control]), "attribute": attribute}
+                for t, control, attribute in options.attributes
+            ),
+        ]
+        return {
+            "v": 1,
+            "type": "poseReader",
+            "name": self.name,
+            "driver": rig.address(self.driver),
+            "frame": rig.address(self.frame) if self.frame >= 0 else "",
+            "axis": self._numbers(self.axis),
+            "reader": options.reader,
+            **mine,
+            "targets": [self._target(goal, name) for goal, name in zip(options.targets, names, strict=True)],
+            "outputs": outputs,
+            "within": float(options.within),
+            **({"fps": float(options.fps)} if options.fps is not None else {}),
+        }
+
+    def _control(self, name: str) -> int:
+        """A control that add-controls has made."""
+        node = self.rig.find(name, "node")
+        if self.rig.notes.get(node, {}).get("type") != "control":
+            raise UsageError(f"'{name}' is no control; make some with: rigtri add-controls")
+        return node
+
+    def _mesh_address(self, name: str) -> str:
+        return self.rig.address(meshes_named(self.rig, name)[0].node)
+
+    @staticmethod
+    def _numbers(values: Floats) -> list[float]:
+        return [float(value) for value in values]
+
+    @cached_property
+    def _resting(self) -> Floats:
+        """The driver's rotation in the frame at rest, (4,)."""
+        return self._rotation(pose.worlds(self.rig)[np.newaxis])
+
+    def _rotation(self, world: Floats) -> Floats:
+        frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
+        found = relative(world[:, self.driver], frame)[0]
+        if not np.isfinite(found).all():
+            raise GeometryError(
+                f"'{self.rig.title(self.driver)}' has no axes: a scale on or above it is zero"
+            )
+        return np.asarray(found)
+
+    def _target(self, goal: Goal, name: str) -> dict[str, Any]:
+        """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
+        if goal.node:
+            node = self.rig.find(goal.node, "node")
+            if node == self.driver:
+                raise UsageError(f"--target {goal.node}: a joint does not point at itself; name another node")
+            return {"name": name, "node": self.rig.address(node)}
+        if goal.pose or goal.rotation is not None:
+            rotation = self._posed(goal.pose) if goal.rotation is None else np.array(goal.rotation)
+            direction = rotate(rotation, self.axis)
+        else:
+            direction = self._in_frame(goal.direction)
+            away = between(rotate(self._resting, self.axis), direction)
+            rotation = product(away, self._resting)
+        if self.options.reader == "rbf":
+            return {"name": name, "rotation": self._numbers(rotation)}
+        return {"name": name, "direction": self._numbers(direction)}
+
+    def _in_frame(self, direction: Sequence[float] | None) -> Floats:
+        wanted = np.array(direction, dtype=np.float64)
+        if wanted.shape != (3,) or not np.isfinite(wanted).all() or not wanted.any():
+            raise UsageError("a target is a direction other than 0,0,0, a pose or a node")
+        if self.frame < 0:
+            return normalise(wanted)
+        axes = from_axes(orthonormal_axes(pose.worlds(self.rig)[self.frame]))
+        return np.asarray(rotate(conjugate(axes), normalise(wanted)))
+
+    def _posed(self, text: str) -> Floats:
+        """The driver's rotation in the frame in a pose, (4,)."""
+        timeline, time = moment(self.rig, text)
+        if timeline is None:
+            return self._resting
+        keys = pose.key_times(timeline.clip)
+        if len(keys) and not keys[0] <= time <= keys[-1]:
+            end = keys[0] if time < keys[0] else keys[-1]
+            self.report.warn(
+                "pose-clamped",
+                f"'{text}' lies outside its clip, which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
+                f"that at {end:g}",
+            )
+        return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [time])))
+
+    def _nodes(self) -> dict[str, int]:
+        """The nodes that targets name, by address."""
+        return {t.node: self.rig.find(t.node, "node") for t in self.reader.targets if t.node}
+
+    # --- what it drives
+
+    def _drives(self) -> list[_Drive]:
+        """The morph targets to be driven, by the node that shows them."""
+        found: dict[int, _Drive] = {}
+        names = self.options.names()
+        for target, name, morph in self.options.morphs:
+            meshes = [mesh for mesh in meshes_named(self.rig, name) if len(mesh.morphs)]
+            if not meshes:
+                raise GeometryError(f"Mesh '{name}' has no morph targets{self._with_morphs()}")
+            drive = found.setdefault(meshes[0].node, _Drive(meshes))
+            column = _morph(meshes[0], morph)
+            if column in drive.columns:
+                raise UsageError(f"morph target '{morph}' of '{name}' can follow one target, not two")
+            drive.columns[column] = names.index(target)
+            self._tell_shared(meshes[0], column, morph)
+        return list(found.values())
+
+    def _tell_shared(self, mesh: Mesh, column: int, morph: str) -> None:
+        """Warn where another reader drives a morph target too: the keys will be this one's."""
+        for note in self.rig.notes.values():
+            if note.get("type") != "poseReader" or note.get("name") == self.name:
+                continue
+            for output in note.get("outputs", ()):
+                if self.rig.known(output.get("mesh")) == mesh.node and output.get("morph") in (
+                    str(column),
+                    *mesh.morph_names[column : column + 1],
+                ):
+                    self.report.warn(
+                        "morph-driven-twice",
+                        f"Morph target '{morph}' of '{mesh.name}' is driven by reader '{note['name']}' too; "
+                        f"its keys are now those of '{self.name}'",
+                        geometry=True,
+                    )
+
+    def _with_morphs(self) -> str:
+        """Which meshes have some, for a message."""
+        have = list(dict.fromkeys(self.rig.title(m.node) for m in self.rig.meshes if len(m.morphs)))
+        return f"; {', '.join(have[:6])} have some" if have else ", and no other mesh of this file has any"
+
+    def _value_nodes(self, reader: int) -> dict[int, int]:
+        """The nodes whose x translation is a weight, by target: of targets that drive no morph."""
+        driving = {column for drive in self.drives for column in drive.columns.values()}
+        rest = self._weights_at_rest()
+        found = {}
+        outputs = {t: (control, attribute) for t, control, attribute in self.options.attributes}
+        for column, name in enumerate(self.options.names()):
+            if column in driving and name not in outputs:
+                continue
+            note: dict[str, Any] = {"v": 1, "type": "poseWeight", "reader": self.name, "target": name}
+            if name in outputs:
+                control, attribute = outputs[name]
+                note |= {"control": self.rig.address(self._control(control)), "attribute": attribute}
+            node = find(self.rig, type="poseWeight", reader=self.name, target=name)
+            if node is None:
+                self.rig, node = add(self.rig, f"{self.name}_{name}", reader, note)
+            self.rig = noted(self.rig, node, note)
+            if abs(self.rig.translation[node, 0] - rest[column]) > STILL:
+                translation = self.rig.translation.copy()
+                translation[node] = [rest[column], 0.0, 0.0]
+                self.rig = replace(self.rig, translation=translation)
+            found[column] = node
+        return found
+
+    def _weights_at_rest(self) -> Floats:
+        world = pose.worlds(self.rig)[np.newaxis]
+        frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
+        nodes = {name: world[:, node] for name, node in self._nodes().items()}
+        return np.asarray(weights(self.reader, world[:, self.driver], frame, nodes)[0])
+
+    # --- keys
+
+    def _baked(self, timeline: Timeline) -> tuple[Floats, Floats]:
+        """Times and weights, (k,) and (k, targets), of as many keys as they need."""
+        moving = self.moving.affecting(timeline)
+
+        def read(times: Floats) -> Floats:
+            driver, frame, nodes = self.moving.at(moving, times)
+            return weights(self.reader, driver, frame, dict(zip(self._nodes(), nodes, strict=True)))
+
+        times = times_within(
+            moving if moving.clip.tracks else timeline, self.options.fps, self.rig.per_second
+        )
+        if not steps_only(moving):
+            before = just_before(jumps(moving))
+            times = np.unique(np.concatenate([times, before[before > times[0]]]))
+            try:
+                times = fitted(read, _error, times, within=self.options.within, keep=single)
+            except OverflowError as error:
+                raise GeometryError(
+                    f"'{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
+                ) from None
+        found = read(times)
+        if np.abs(found - found[0]).max() <= STILL:
+            return times[:1], found[:1]
+        if steps_only(moving) and not isinstance(self.rig.clips[timeline.members[0]].key, tuple):
+            # Weights are linear in a file that can say so for each track: hold each to the next.
+            ends = just_before(times[1:])
+            kept = ends > times[:-1]
+            return (
+                np.sort(np.concatenate([times, ends[kept]])),
+                np.concatenate([found, found[:-1][kept]])[np.argsort(np.concatenate([times, ends[kept]]))],
+            )
+        return times, found
+
+    def _keep(self, title: str, timeline: Timeline) -> None:
+        """Note what drives the morph targets until now."""
+        for drive in self.drives:
+            was, mesh = timeline.track(drive.mesh.node, "weights"), self.rig.address(drive.mesh.node)
+            old = self.note[kept_keys.KEY]
+            self.note[kept_keys.KEY] = kept_keys.kept(old, title, mesh, was, drive.columns)
+
+    def _morph_tracks(self, timeline: Timeline, times: Floats, found: Floats) -> Iterable[Track]:
+        for drive in self.drives:
+            mesh = drive.mesh
+            was = timeline.track(mesh.node, "weights")
+            if was is None:
+                still = np.zeros(1) if not len(times) else times[:1]
+                was = Track(mesh.node, "weights", "STEP", still, mesh.morph_weights[np.newaxis])
+            morphs, columns = list(drive.columns), list(drive.columns.values())
+            try:
+                yield merged_weights(was, times, morphs, found[:, columns])
+            except ValueError:
+                raise FileError(
+                    f"Clip '{timeline.name}': the morph weights of '{self.rig.title(mesh.node)}' are splines "
+                    "(CUBICSPLINE), which cannot take other keys; store them as LINEAR first"
+                ) from None
+
+    def _record(self, node: int, counts: Mapping[str, int]) -> None:
+        rest = self._weights_at_rest()
+        self.report.added.append(
+            {
+                "node": self.rig.names[node],
+                "type": "poseReader",
+                "driver": self.rig.title(self.driver),
+                "reader": self.options.reader,
+                "new": self.rig.keys[node] is None,
+                "rest": dict(zip(self.options.names(), map(float, rest), strict=True)),
+                "morphs": sum(len(drive.columns) for drive in self.drives) if counts else 0,
+                "keys": dict(counts),
+            }
+        )
+
+
+def _value_tracks(values: Mapping[int, int], times: Floats, found: Floats) -> Iterable[Track]:
+    way: Interpolation = "LINEAR" if len(times) > 1 else "STEP"
+    for column, node in values.items():
+        places = np.zeros((len(times), 3))
+        places[:, 0] = found[:, column]
+        if np.abs(places - places[0]).max() <= STILL:
+            yield Track(node, "translation", "STEP", times[:1], places[:1])
+        else:
+            yield Track(node, "translation", way, times, places)
+
+
+def _error(values: Floats, left: Floats, right: Floats, share: Floats, times: Floats) -> Floats:
+    line = left + (right - left) * share[:, np.newaxis]
+    return np.asarray(np.abs(values - line).max(axis=1))
+
+
+def _morph(mesh: Mesh, name: str) -> int:
+    """The column of a morph target, by its name or its number."""
+    if name in mesh.morph_names:
+        return mesh.morph_names.index(name)
+    if name.isdecimal() and int(name) < len(mesh.morphs):
+        return int(name)
+    if not mesh.morph_names:
+        raise NameNotFoundError("morph target", name, map(str, range(len(mesh.morphs))))
+    raise NameNotFoundError("morph target", name, mesh.morph_names)
+
+
+@dataclass(frozen=True, eq=False)
+class _Moving:
+    """The world matrices of the driver, the frame and the nodes of targets over time."""
+
+    rig: Rig
+    driver: int
+    frame: int
+    nodes: tuple[int, ...]
+
+    @cached_property
+    def _part(self) -> tuple[Rig, dict[int, int]]:
+        wanted: set[int] = set()
+        for node in (self.driver, self.frame, *self.nodes):
+            while node >= 0 and node not in wanted:
+                wanted.add(node)
+                node = int(self.rig.parents[node])
+        return replace(self.rig, clips=()).part(sorted(wanted))
+
+    def affecting(self, timeline: Timeline) -> Timeline:
+        """The timeline with only those tracks that can change what is read."""
+        place = self._part[1]
+        tracks = [t for t in timeline.clip.tracks if t.path != "weights" and t.node in place]
+        return replace(timeline, clip=replace(timeline.clip, tracks=tuple(tracks)))
+
+    def at(self, timeline: Timeline, times: Floats) -> tuple[Floats, Floats, list[Floats]]:
+        """Driver, frame and targets' nodes at ``times``, (f, 4, 4) each."""
+        rig, place = self._part
+        tracks = tuple(replace(t, node=place[t.node]) for t in timeline.clip.tracks)
+        motion = pose.Motion(rig, replace(timeline.clip, tracks=tracks))
+        world = pose.worlds(rig, motion.locals_at(times))
+        still = np.broadcast_to(np.eye(4), (len(times), 4, 4))
+        frame = world[:, place[self.frame]] if self.frame >= 0 else still
+        return world[:, place[self.driver]], frame, [world[:, place[node]] for node in self.nodes]

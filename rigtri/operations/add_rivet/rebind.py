@@ -1,0 +1,71 @@
+"""Rivets set anew on meshes that something else moves in another way from now on."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import FileError, GeometryError
+from rigtri.maths.matrices import transform_points
+from rigtri.model.records import Mesh
+from rigtri.model.rig import Rig
+from rigtri.model.skin_weights import shared
+from rigtri.operations.add_rivet.rivet import rebaked
+from rigtri.report import Report
+
+
+def remounted(rig: Rig, meshes: Collection[int], report: Report) -> Rig:
+    """The rig with the rivets of some meshes, by their nodes, where their triangles are now, in every clip.
+
+    One that cannot be baked stays as it is, and is told.
+    """
+    clips = range(len(rig.clips))
+    for node in _rivets(rig, meshes):
+        try:
+            rig = rebaked(rig, node, clips=clips, report=report)
+        except (FileError, GeometryError) as error:
+            report.warn("follower-kept", f"'{rig.title(node)}' keeps its keys: {error}")
+    return rig
+
+
+def _rivets(rig: Rig, meshes: Collection[int]) -> list[int]:
+    return [
+        node
+        for node, note in sorted(rig.notes.items())
+        if note.get("type") == "rivet" and rig.known(note["mesh"]) in meshes
+    ]
+
+
+def remounted_on_spreads(rig: Rig, report: Report) -> Rig:
+    """The same for meshes whose weights the rig's spreads share anew: as they will be in the file.
+
+    Weights that are stored as whole numbers are rounded there, by half a unit at most.
+    """
+    told = {note.get("mesh") for note in rig.notes.values() if note.get("type") == "rivet"}
+    skins = {spread.skin for spread in rig.spreads}
+    if not told or not skins:
+        return rig
+    meshes = rig.meshes
+    touched = {mesh.node for mesh in meshes if mesh.skin in skins}
+    if not _rivets(rig, touched):
+        return rig
+    anew = [_spread(mesh, rig) for mesh in meshes]
+    # As float32, which glTF keeps them in: so a second run, which reads those, finds the same places.
+    skins_read = tuple(
+        replace(skin, inverse_bind=skin.inverse_bind.astype(np.float32).astype(np.float64))
+        for skin in rig.skins
+    )
+    set_anew = remounted(replace(rig, read_meshes=lambda: anew, skins=skins_read), touched, report)
+    return replace(set_anew, read_meshes=rig.read_meshes, skins=rig.skins)
+
+
+def _spread(mesh: Mesh, rig: Rig) -> Mesh:
+    """A mesh with the weights that the spreads of its skin give it."""
+    joints, weights = mesh.joints, mesh.weights
+    for spread in rig.spreads if len(joints) else ():
+        if spread.skin == mesh.skin:
+            points = transform_points(mesh.points, mesh.bind)
+            joints, weights = shared(spread, points, joints, weights)
+    return mesh if weights is mesh.weights else replace(mesh, joints=joints, weights=weights)

@@ -1,0 +1,401 @@
+"""Rivets: locators held by a triangle of a mesh, through skinning and morphs, baked to keys."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.adaptive_sampling import fitted
+from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.sampling import sample, worlds
+from rigtri.evaluation.timelines import (
+    Timeline,
+    jumps,
+    just_before,
+    looked_at,
+    placed,
+    single,
+    steps_only,
+    timelines,
+    times_within,
+)
+from rigtri.limits import refuse_points, refuse_unworkable
+from rigtri.maths.quaternions import conjugate, from_axes, slerp, to_axes, turn_angle
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.triangle import frame
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, length
+from rigtri.model.mesh_triangles import flat, meshes_named, nearest, triangles, vertices_of
+from rigtri.model.records import Integers, Interpolation, Mesh, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.options import operation
+from rigtri.operations.rigtri_nodes import add, find, group, noted, stand
+from rigtri.report import Report
+
+# Something so long, as a share of the mesh, may hang on a rivet: turns count by what its end moves.
+ARM = 0.1
+# What moves less than this share of the mesh stands still, and gets one key.
+STILL = 1e-8
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Where rivets go. Each of ``triangles``, ``at`` and ``vertices`` is one rivet.
+
+    mesh: the node that shows it, by name, path or label; ``NODE/1`` is its second primitive alone.
+    triangles: numbers, counted through the primitives of the node; polygons are fans from their first
+    corner. barycentric: one for each triangle, the middle where there is none. at: points of the
+    world at rest; the nearest point of the mesh is taken. vertices: point numbers of the first
+    primitive; the first triangle that has it holds the rivet. names: of the rivets, in the order
+    triangles, at, vertices; a single name is numbered. within: how far, as a share of the mesh's size,
+    what is tied to a rivet may be off between keys. fps: additional keys, so many a second.
+    """
+
+    mesh: str = ""
+    triangles: tuple[int, ...] = ()
+    barycentric: tuple[Point, ...] = ()
+    at: tuple[Point, ...] = ()
+    vertices: tuple[int, ...] = ()
+    names: tuple[str, ...] = ()
+    within: float = 1e-5
+    fps: float | None = None
+
+    @property
+    def count(self) -> int:
+        """How many rivets are asked for."""
+        return len(self.triangles) + len(self.at) + len(self.vertices)
+
+    def checked(self) -> Options:
+        """These options. UsageError where they say nothing, or what cannot be."""
+        if not self.mesh:
+            raise UsageError("say which mesh holds the rivet: --mesh NAME")
+        if not self.count:
+            raise UsageError("say where the rivet goes: --triangle N, --at X,Y,Z or --vertex N")
+        if len(self.barycentric) > len(self.triangles):
+            raise UsageError(
+                f"there are {len(self.barycentric)} --barycentric and {len(self.triangles)} --triangle; "
+                "each belongs to one"
+            )
+        for weights in self.barycentric:
+            if not all(0 <= w <= 1 for w in weights) or abs(weights[0] + weights[1] + weights[2] - 1) > 1e-6:
+                raise UsageError(f"--barycentric {_told(weights)}: three weights from 0 to 1 that sum to 1")
+        refuse_points("--at", self.at)
+        refuse_unworkable("--fps", self.fps)
+        if len(self.names) > 1 and len(self.names) != self.count:
+            raise UsageError(f"{len(self.names)} names for {self.count} rivets; give one for each, or one")
+        if len(set(self.names)) < len(self.names):
+            raise UsageError("each rivet needs a name of its own")
+        if not self.within > 0 or (self.fps is not None and not self.fps > 0):
+            raise UsageError("--within and --fps are numbers above 0")
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class _Seat:
+    """Where a rivet sits: a primitive, three of its points, and their weights. number: for messages."""
+
+    mesh: Mesh
+    primitive: int
+    vertices: Integers
+    weights: Floats
+    number: int
+
+
+@operation(Options)
+def add_rivet(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Tie locators to triangles of a mesh and bake their motion in every clip.
+
+    The frame of a rivet: x along the triangle's first edge, y its normal. A second run finds a
+    rivet by its name and moves it. The record of each goes to ``report.added``, with the largest
+    distance from the surface.
+
+    Raises NameNotFoundError, UsageError, GeometryError (no triangles, out of range, no area), FileError.
+    """
+    options.checked()
+    ground = _Ground(rig, meshes_named(rig, options.mesh), options.mesh)
+    for name, seat in zip(_names(rig, options, ground), ground.seats(options), strict=True):
+        rig = _Rivet(rig, name, seat, ground.size, options, report).built()
+    return rig
+
+
+def options_of(note: Mapping[str, Any]) -> Options:
+    """What a rivet's note says of how it was made; its place is left to the caller."""
+    return Options(
+        mesh=note["mesh"], names=(str(note["name"]),), within=float(note["within"]), fps=note.get("fps")
+    )
+
+
+def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
+    """The rig with a rivet where its triangle is now: at rest, and in some clips, by their places.
+
+    Raises GeometryError where the mesh of its note has no such points any more, FileError.
+    """
+    note = rig.notes[node]
+    options, mesh_node = options_of(note), rig.known(note["mesh"])
+    meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node]
+    rows, number = np.array(note["vertices"], dtype=np.int64), int(note["primitive"])
+    if not number < len(meshes) or rows.min() < 0 or rows.max() >= len(meshes[number].points):
+        raise GeometryError(
+            f"Rivet '{rig.title(node)}': mesh '{note['mesh']}' has no such triangle, or cannot be read; "
+            "make it anew with: rigtri add-rivet"
+        )
+    ground = _Ground(rig, meshes, note["mesh"])
+    seat = _Seat(meshes[number], number, rows, np.array(note["barycentric"]), ground.number(number, rows))
+    report = report if report is not None else Report()
+    return _Rivet(rig, options.names[0], seat, ground.size, options, report, frozenset(clips)).built()
+
+
+def _told(numbers: Sequence[float]) -> str:
+    return ",".join(f"{number:g}" for number in numbers)
+
+
+def _names(rig: Rig, options: Options, ground: _Ground) -> list[str]:
+    if len(options.names) == options.count:
+        return list(options.names)
+    base = options.names[0] if options.names else f"{rig.names[ground.meshes[0].node] or 'mesh'}_rivet"
+    return [base if k == 0 else f"{base}_{k + 1}" for k in range(options.count)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Ground:
+    """The primitives of the mesh that holds the rivets."""
+
+    rig: Rig
+    meshes: Sequence[Mesh]
+    name: str
+
+    @cached_property
+    def triangles(self) -> list[Integers]:
+        found = [triangles(mesh) for mesh in self.meshes]
+        if not any(map(len, found)):
+            raise GeometryError(f"Mesh '{self.name}' has no triangles to hold a rivet")
+        return found
+
+    @cached_property
+    def points(self) -> list[Floats]:
+        """The points of each primitive at rest, in the world."""
+        return [Carried(self.rig, mesh, np.arange(len(mesh.points))).at_rest() for mesh in self.meshes]
+
+    @cached_property
+    def size(self) -> float:
+        """The diagonal of the box of the points at rest."""
+        points = np.concatenate(self.points)
+        points = points[np.isfinite(points).all(axis=1)]
+        if not len(points):
+            raise GeometryError(f"No point of mesh '{self.name}' has a place at rest")
+        return float(length(points.max(axis=0) - points.min(axis=0))) or 1.0
+
+    def seats(self, options: Options) -> list[_Seat]:
+        middle = (1.0 / 3, 1.0 / 3, 1.0 / 3)
+        given = [*options.barycentric, *[middle] * (len(options.triangles) - len(options.barycentric))]
+        return [
+            *(self._of_triangle(n, w) for n, w in zip(options.triangles, given, strict=True)),
+            *map(self._nearest, options.at),
+            *map(self._of_vertex, options.vertices),
+        ]
+
+    def _of_triangle(self, number: int, weights: Point) -> _Seat:
+        total = sum(map(len, self.triangles))
+        if not 0 <= number < total:
+            raise GeometryError(
+                f"Mesh '{self.name}' has {total} triangles, 0 to {total - 1}; there is no triangle {number}"
+            )
+        row, primitive = number, 0
+        while row >= len(self.triangles[primitive]):
+            row -= len(self.triangles[primitive])
+            primitive += 1
+        seat = self._seat(primitive, row, np.array(weights, dtype=np.float64))
+        if flat(self.points[primitive][seat.vertices]):
+            raise GeometryError(
+                f"Triangle {number} of mesh '{self.name}' has no area, so it has no normal; choose another"
+            )
+        return seat
+
+    def number(self, primitive: int, rows: Integers) -> int:
+        """The number of the triangle with some corners, −1 where there is none any more."""
+        hits = np.flatnonzero((self.triangles[primitive] == rows).all(axis=1))
+        return sum(map(len, self.triangles[:primitive])) + int(hits[0]) if len(hits) else -1
+
+    def _seat(self, primitive: int, row: int, weights: Floats) -> _Seat:
+        mesh, before = self.meshes[primitive], sum(map(len, self.triangles[:primitive]))
+        # The place among all primitives of the node, also where one alone was named.
+        every = [other.name for other in self.rig.meshes if other.node == mesh.node]
+        rows = self.triangles[primitive][row]
+        return _Seat(mesh, every.index(mesh.name), rows, weights, before + row)
+
+    def _nearest(self, place: Point) -> _Seat:
+        sizes = list(map(len, self.triangles))
+        corners = np.concatenate(
+            [points[rows] for points, rows in zip(self.points, self.triangles, strict=True)]
+        )
+        found, weights = nearest(np.array(place, dtype=np.float64), corners)
+        primitive = int(np.searchsorted(np.cumsum(sizes), found, side="right"))
+        return self._seat(primitive, found - sum(sizes[:primitive]), weights)
+
+    def _of_vertex(self, vertex: int) -> _Seat:
+        count = len(self.meshes[0].points)
+        if not 0 <= vertex < count:
+            raise GeometryError(
+                f"Mesh '{self.name}' has {count} points, 0 to {count - 1}; there is no vertex {vertex}"
+            )
+        for primitive, row, corner in vertices_of(self.triangles[:1], vertex):
+            if not flat(self.points[primitive][self.triangles[primitive][row]]):
+                return self._seat(primitive, row, np.where(np.arange(3) == corner, 1.0, 0.0))
+        raise GeometryError(f"Vertex {vertex} of mesh '{self.name}' is in no triangle that has an area")
+
+
+@dataclass(frozen=True, eq=False)
+class _Rivet:
+    """One rivet on its way into the rig. clips: the places of those it is baked into, None for all."""
+
+    rig: Rig
+    name: str
+    seat: _Seat
+    size: float
+    options: Options
+    report: Report
+    clips: frozenset[int] | None = None
+
+    def built(self) -> Rig:
+        note = {
+            "v": 1,
+            "type": "rivet",
+            "name": self.name,
+            "mesh": self.rig.address(self.seat.mesh.node),
+            "primitive": self.seat.primitive,
+            "vertices": [int(vertex) for vertex in self.seat.vertices],
+            "barycentric": [float(weight) for weight in self.seat.weights],
+            "within": self.options.within,
+            **({"fps": float(self.options.fps)} if self.options.fps is not None else {}),
+        }
+        rig, parent = group(self.rig)
+        node = find(rig, type="rivet", name=self.name)
+        if node is None:
+            rig, node = add(rig, self.name, parent, note)
+        else:
+            rig = noted(rig, node, note)
+        resting = self._seats(Carried(rig, self.seat.mesh, self.seat.vertices).at_rest()[np.newaxis])[0]
+        rig = stand(rig, node, resting[:3], to_axes(resting[3:]))
+        held = Carried(rig, self.seat.mesh, self.seat.vertices, int(rig.parents[node]))
+        counts: dict[str, int] = {}
+        worst = 0.0
+        for timeline in timelines(rig):
+            if self.clips is not None and self.clips.isdisjoint(timeline.members):
+                continue
+            tracks = self._tracks(held, timeline, node)
+            rig = placed(rig, timeline, tracks)
+            counts[timeline.name] = max(len(track.times) for track in tracks)
+            worst = max(worst, self._off(held, timeline, tracks))
+        self._record(rig, node, counts, worst)
+        return rig
+
+    def _seats(self, points: Floats) -> Floats:
+        """Position and rotation xyzw, (f, 7), on corners (f, 3, 3)."""
+        weights = self.seat.weights
+        place = weights[0] * points[:, 0] + weights[1] * points[:, 1] + weights[2] * points[:, 2]
+        first, other = points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            turns = from_axes(frame(first, cross(first, other)))
+        turns = np.where(flat(points)[:, np.newaxis], np.nan, turns)
+        return np.concatenate([place, turns], axis=1)
+
+    def _tracks(self, held: Carried, timeline: Timeline, node: int) -> list[Track]:
+        """Translation and rotation of the rivet over a timeline, with as many keys as they need."""
+        moving = held.affecting(timeline)
+
+        def seats(times: Floats) -> Floats:
+            return self._seats(held.sample(moving, times))
+
+        times = times_within(
+            moving if moving.clip.tracks else timeline, self.options.fps, held.rig.per_second
+        )
+        holds = steps_only(moving)
+        if not holds:
+            before = just_before(jumps(moving))
+            times = np.unique(np.concatenate([times, before[before > times[0]]]))
+            bound = self.options.within * self.size
+            try:
+                times = fitted(seats, self._error, times, within=bound, keep=single)
+            except OverflowError as error:
+                raise GeometryError(
+                    f"Rivet '{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
+                ) from None
+        values = self._whole(seats(times), timeline, times)
+        if (self._apart(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
+            times, values = times[:1], values[:1]
+        values = single(values)  # as what follows the rivet will read them
+        way: Interpolation = "STEP" if holds or len(times) == 1 else "LINEAR"
+        return [
+            Track(node, "translation", way, times, values[:, :3]),
+            Track(node, "rotation", way, times, _one_way_round(values[:, 3:])),
+        ]
+
+    def _whole(self, values: Floats, timeline: Timeline, times: Floats) -> Floats:
+        """Values with turns also where the triangle has no area: those of the key before, or after."""
+        if not np.isfinite(values[:, :3]).all():
+            at = float(times[int((~np.isfinite(values[:, :3]).all(axis=1)).argmax())])
+            raise GeometryError(f"Rivet '{self.name}' has no place in clip '{timeline.name}' at {at:g}")
+        known = np.asarray(np.isfinite(values[:, 3:]).all(axis=1))
+        if known.all():
+            return values
+        at = float(times[int(np.argmin(known))])
+        self.report.warn(
+            "rivet-flat",
+            f"Rivet '{self.name}': its triangle has no area in clip '{timeline.name}' at {at:g}; "
+            "it keeps its axes there",
+            geometry=True,
+        )
+        last = np.maximum.accumulate(np.where(known, np.arange(len(known)), -1))
+        last = np.where(last < 0, int(known.argmax()) if known.any() else 0, last)
+        turns = values[last, 3:] if known.any() else np.broadcast_to([0.0, 0, 0, 1], (len(values), 4))
+        return np.concatenate([values[:, :3], turns], axis=1)
+
+    def _error(self, values: Floats, left: Floats, right: Floats, share: Floats, times: Floats) -> Floats:
+        """How far a line between two keys is off in between, (f,), in file units."""
+        with np.errstate(invalid="ignore"):
+            place = left[:, :3] + (right[:, :3] - left[:, :3]) * share[:, np.newaxis]
+            between = np.concatenate([place, slerp(left[:, 3:], right[:, 3:], share)], axis=1)
+            return np.nan_to_num(self._apart(values, between), nan=0.0)
+
+    def _apart(self, values: Floats, others: Floats) -> Floats:
+        """How far the end of what hangs on the rivet is moved, (f,), in file units."""
+        turned = turn_angle(product(conjugate(values[:, 3:]), others[:, 3:]))
+        return np.asarray(length(values[:, :3] - others[:, :3]) + ARM * self.size * turned)
+
+    def _off(self, held: Carried, timeline: Timeline, tracks: Sequence[Track]) -> float:
+        """The largest distance of the baked rivet, stored as float32, from the surface, in file units."""
+        moving = held.affecting(timeline)
+        times = tracks[0].times if steps_only(moving) else looked_at(tracks[0].times)
+        surface = self._seats(held.sample(moving, times))[:, :3]
+        return float(length(surface - sample(tracks[0], times)).max(initial=0.0))
+
+    def _record(self, rig: Rig, node: int, counts: dict[str, int], worst: float) -> None:
+        self.report.added.append(
+            {
+                "node": rig.names[node],
+                "type": "rivet",
+                "mesh": rig.title(self.seat.mesh.node),
+                "triangle": self.seat.number,
+                "vertices": [int(vertex) for vertex in self.seat.vertices],
+                "barycentric": [float(weight) for weight in self.seat.weights],
+                "new": rig.keys[node] is None,
+                "position": [float(x) for x in worlds(rig)[node, 3, :3]],
+                "keys": counts,
+                "deviation": worst / self.size,
+            }
+        )
+
+
+def _one_way_round(turns: Floats) -> Floats:
+    """Quaternions, (k, 4), of the signs that keep each next to the one before."""
+    both = turns[1:] * turns[:-1]
+    ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
+    signs = np.cumprod(np.concatenate([[1.0], np.where(ahead < 0, -1.0, 1.0)]))
+    return np.asarray(turns * signs[:, np.newaxis])

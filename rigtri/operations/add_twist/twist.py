@@ -1,0 +1,317 @@
+"""add-twist: joints along a bone that take a share of a twist each, so that skin does not wring.
+
+Source: "Matrix parent constraint" (twist distribution, announced); `rigtri.evaluation.twist_joints`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError, NoLimbError, UsageError
+from rigtri.evaluation.twist_joints import bone, driver_path, twist_of
+from rigtri.frames.skeleton import ZERO_LENGTH
+from rigtri.maths.matrices import inverse, nearest_rotation, transform_points
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Mesh, Skin, Spread
+from rigtri.model.rig import Rig
+from rigtri.operations.add_rivet.rebind import remounted_on_spreads
+from rigtri.operations.add_twist.key_baking import BOUND, keyed
+from rigtri.operations.control_names import refuse_taken
+from rigtri.operations.options import operation
+from rigtri.operations.rigtri_nodes import find, noted, plain_name
+from rigtri.operations.skin_joints import add_joint, move_joint
+from rigtri.recognition.limbs import Limb, along, recognise
+from rigtri.report import Report
+
+COUNT, MOST = 2, 64
+NAME = "{joint}_twist_{number}"
+TOKENS = ("joint", "number")
+# The key of a note with {mesh, count} each: how many joints points had room for before the split.
+INFLUENCES = "influences"
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `add_twist` can be told; the defaults are the command's.
+
+    bones: (joint, child) each; whether the child's twist spreads up or the joint's own is taken away
+    is what its limb says, else the former. upper, lower: which bones of limbs, or which of the two
+    for ``bones``; neither: both. count: twist joints for a bone. weights: of each, from −1 to 1,
+    the share of the driver's twist that it turns by. axis: (3,), in the joint's own space, instead
+    of the bone. split_weights: share the bone's weight among them. most: joints that a point may
+    have then, 0 for any number. keys: let them follow in clips.
+    """
+
+    limbs: tuple[Limb, ...] = ()
+    auto: bool = False
+    bones: tuple[tuple[str, str], ...] = ()
+    count: int = COUNT
+    weights: tuple[float, ...] = ()
+    upper: bool = False
+    lower: bool = False
+    axis: tuple[float, float, float] | None = None
+    split_weights: bool = False
+    most: int = 0
+    keys: bool = True
+    name: str = NAME
+
+    def checked(self) -> Options:
+        """UsageError for what fits no twist joint."""
+        if not (self.limbs or self.auto or self.bones):
+            raise UsageError("say which: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto")
+        if not 1 <= self.count <= MOST:
+            raise UsageError(f"--count {self.count}: a bone takes 1 to {MOST} twist joints")
+        if self.weights and len(self.weights) != self.count:
+            raise UsageError(f"--weights: {len(self.weights)} weights for {self.count} twist joints")
+        if not all(-1.0 <= weight <= 1.0 for weight in self.weights):
+            raise UsageError("--weights: each lies between -1 and 1")
+        if self.weights and (self.limbs or self.auto) and self.upper == self.lower:
+            raise UsageError("--weights: say for which bone of the limbs, --upper or --lower")
+        if self.axis is not None and not (np.isfinite(self.axis).all() and np.any(self.axis)):
+            raise UsageError("--axis: a direction has a length")
+        try:
+            self.name.format(joint="x", number=1)
+        except (KeyError, IndexError, ValueError, AttributeError) as error:
+            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
+            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
+        return self
+
+
+@dataclass(frozen=True)
+class _Bone:
+    """A bone that gets twist joints: node indices; ``upper`` where its own twist is taken away."""
+
+    joint: int
+    to: int
+    upper: bool
+
+    @property
+    def driver(self) -> int:
+        return self.joint if self.upper else self.to
+
+
+@operation(Options)
+def add_twist(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Put twist joints along bones, with keys in every clip that turns their drivers.
+
+    A second run finds them by the bone and their number and sets them anew. The record of each
+    goes to ``report.added``. Rivets on meshes whose weights are split are baked anew.
+
+    Raises NameNotFoundError, UsageError, GeometryError (a bone without length, a driver elsewhere).
+    """
+    options.checked()
+    bones = _bones(rig, options, report)
+    if options.name != NAME:
+        _check_names(rig, bones, options)
+    for each in bones:
+        rig = _build(rig, each, options, report)
+    return remounted_on_spreads(rig, report) if options.split_weights else rig
+
+
+def _check_names(rig: Rig, bones: list[_Bone], options: Options) -> None:
+    """UsageError where a user's rule gives two new twist joints one name, or that of another node."""
+    names: set[str] = set()
+    for of in bones:
+        for number in range(1, options.count + 1):
+            if find(rig, **_said(rig, of), number=number) is None:
+                name = _name(rig, of, number, options)
+                refuse_taken(rig, name)
+                if plain_name(name) in names:
+                    raise UsageError(f"--name {options.name}: several twist joints would be called '{name}'")
+                names.add(plain_name(name))
+
+
+def _name(rig: Rig, of: _Bone, number: int, options: Options) -> str:
+    return options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
+
+
+def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
+    both = options.upper == options.lower
+    limbs = [*options.limbs, *(recognise(rig) if options.auto else ())]
+    if options.auto and not limbs:
+        raise NoLimbError
+    found = []
+    for limb in limbs:
+        found += [_Bone(limb.start, limb.middle, True)] if both or options.upper else []
+        if (both or options.lower) and (limb in options.limbs or rig.is_below(limb.end, limb.middle)):
+            found.append(_Bone(limb.middle, limb.end, False))
+        elif both or options.lower:
+            report.warn(
+                "twist-left-out",
+                f"'{rig.title(limb.end)}' does not hang below '{rig.title(limb.middle)}', whose bone gets "
+                "no twist joints",
+                joint=rig.title(limb.middle),
+            )
+    starts = {(limb.start, limb.middle) for limb in (recognise(rig) if options.bones else ())}
+    for name, child in options.bones:
+        joint, to = rig.find(name), rig.find(child)
+        found.append(_Bone(joint, to, (joint, to) in starts if both else options.upper))
+    return list(dict.fromkeys(found))
+
+
+def _build(rig: Rig, of: _Bone, options: Options, report: Report) -> Rig:
+    if of.joint == of.to:
+        raise UsageError(f"'{rig.title(of.joint)}' is both ends of the bone; a bone has two")
+    along(rig, of.joint, of.to)  # UsageError where the one does not lie below the other
+    driver_path(rig, of.driver, -1 if of.upper else of.joint)
+    line = bone(rig, of.joint, of.to)
+    size = float(np.abs(rig.world[of.joint, :3, :3]).max()) * float(length(line))
+    extent = float(length(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0))) if rig.is_joint.any() else 0.0
+    if not np.isfinite(size) or size <= ZERO_LENGTH * extent:
+        raise GeometryError(
+            f"'{rig.title(of.joint)}' and '{rig.title(of.to)}' are at one place: there is no bone to "
+            "twist about"
+        )
+    _check_count(rig, of, options)
+    made = []
+    for number in range(1, options.count + 1):
+        rig, node = _joint(rig, of, number, line, options, report)
+        made.append(node)
+    if options.split_weights:
+        found = _spreads(rig, of, line, options, report)
+        rig = _with_influences(replace(rig, spreads=(*rig.spreads, *found)), made[0], found)
+    return rig
+
+
+def _with_influences(rig: Rig, node: int, spreads: Sequence[Spread]) -> Rig:
+    """Let the note of a bone's first twist joint say how many joints points could have, unless it does.
+
+    Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
+    """
+    if not rig.raw or INFLUENCES in rig.notes[node]:
+        return rig
+    skins = {spread.skin for spread in spreads}
+    widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}
+    if not widths:
+        return rig
+    said = [{"mesh": rig.address(mesh), "count": width} for mesh, width in widths.items()]
+    return noted(rig, node, {**rig.notes[node], INFLUENCES: said})
+
+
+def _roomy(mesh: Mesh) -> bool:
+    return bool(mesh.weights.shape[1] and not mesh.weights[:, -1].any())
+
+
+def _check_count(rig: Rig, of: _Bone, options: Options) -> None:
+    known = _said(rig, of)
+    numbers = [int(n["number"]) for n in rig.notes.values() if all(n.get(k) == v for k, v in known.items())]
+    if numbers and max(numbers) > options.count:
+        raise UsageError(
+            f"'{rig.title(of.joint)}' has {max(numbers)} twist joints already; give --count "
+            f"{max(numbers)} or more, or strip the file first"
+        )
+
+
+def _said(rig: Rig, of: _Bone) -> dict[str, Any]:
+    """What the notes of a bone's twist joints say of it."""
+    return {"type": "twist", "joint": rig.address(of.joint), "to": rig.address(of.to)}
+
+
+def _joint(
+    rig: Rig, of: _Bone, number: int, line: Floats, options: Options, report: Report
+) -> tuple[Rig, int]:
+    """One twist joint of a bone, found again or new, at its place and with its keys."""
+    at = number / (options.count + 1)
+    weight = options.weights[number - 1] if options.weights else at - 1.0 if of.upper else at
+    note = {"v": 1, **_said(rig, of), "driver": rig.address(of.driver), "number": number}
+    note |= {"count": options.count, "at": at, "weight": float(weight)}
+    if options.axis is not None:
+        note["axis"] = [float(x) for x in options.axis]
+    place = transform_points(line * at, rig.world[of.joint])
+    axes = nearest_rotation(rig.world[of.joint])
+    node = find(rig, **_said(rig, of), number=number)
+    new = node is None
+    if node is None:
+        name = _name(rig, of, number, options)
+        rig, node = add_joint(rig, name, of.joint, note, place, axes)
+    else:
+        note |= {key: rig.notes[node][key] for key in (INFLUENCES,) if key in rig.notes[node]}
+        rig = move_joint(noted(rig, node, note), node, place, axes)
+    rig, keys = _keys(rig, node, note, options, report)
+    report.added.append(
+        {
+            "node": rig.names[node],
+            "type": "twist",
+            "joint": rig.title(of.joint),
+            "to": rig.title(of.to),
+            "driver": rig.title(of.driver),
+            "at": at,
+            "weight": float(weight),
+            "new": new,
+            "position": [float(x) for x in place],
+            "clips": keys,
+        }
+    )
+    return rig, node
+
+
+def _keys(
+    rig: Rig, node: int, note: Mapping[str, Any], options: Options, report: Report
+) -> tuple[Rig, list[dict[str, Any]]]:
+    """Keys for a twist joint, and how well they follow, by clip."""
+    if not options.keys:
+        return rig, []
+    rig, found = keyed(rig, twist_of(rig, node, note))
+    driver = str(note["driver"])
+    for clip, (off, refined) in found.items():
+        if off > BOUND and refined:
+            report.warn(
+                "twist-jumps",
+                f"The twist of '{driver}' in clip '{clip}' jumps: it swings or twists by 180° there",
+                joint=driver,
+            )
+        elif off > BOUND:
+            report.warn(
+                "twist-between-keys",
+                f"Between the keys of clip '{clip}' the twist joints of '{driver}' are off by up to "
+                f"{float(np.degrees(off)):.2g}°; its joints share their key times, so none were added",
+                joint=driver,
+            )
+    return rig, [{"clip": clip, "off": float(off)} for clip, (off, _) in found.items()]
+
+
+def _spreads(rig: Rig, of: _Bone, line: Floats, options: Options, report: Report) -> list[Spread]:
+    """How each skin that holds the bone's joint shares its weight."""
+    known = _said(rig, of)
+    places = {of.joint: 1.0 if of.upper else 0.0}
+    for node, note in rig.notes.items():
+        if all(note.get(key) == value for key, value in known.items()):
+            places[node] = float(note["at"])
+    found = []
+    for number, skin in enumerate(rig.skins):
+        rows = {node: row for row, node in enumerate(skin.joints.tolist()) if node in places}
+        if of.joint in rows and len(rows) > 1:
+            found.append(_spread(skin, number, rows, places, of, line, options.most))
+    if not found:
+        report.warn(
+            "nothing-to-split",
+            f"'{rig.title(of.joint)}' is in no skin, so no weight is split",
+            joint=rig.title(of.joint),
+        )
+    return found
+
+
+def _spread(
+    skin: Skin,
+    number: int,
+    rows: Mapping[int, int],
+    places: Mapping[int, float],
+    of: _Bone,
+    line: Floats,
+    most: int,
+) -> Spread:
+    order = sorted(rows, key=lambda node: places[node])
+    bind = inverse(skin.inverse_bind[rows[of.joint]])
+    return Spread(
+        skin=number,
+        joints=np.array([rows[node] for node in order], dtype=np.int64),
+        at=np.array([places[node] for node in order]),
+        start=bind[3, :3],
+        end=transform_points(line, bind),
+        most=most,
+    )

@@ -1,0 +1,262 @@
+"""Where each joint aims: at its chain child, between several children, or by the end rule."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import sqrt
+from typing import Literal
+
+import numpy as np
+
+from rigtri.evaluation.twist_joints import is_twist
+from rigtri.frames.skeleton import ZERO_LENGTH, Reference, Skeleton
+from rigtri.maths.matrices import transform_points
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, length, normalise, unit_of
+from rigtri.model.joint_names import twin
+from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import Limb
+
+# A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
+CONTINUES = 0.8660254037844387
+# An average of children is no direction when it is this far off the incoming bone (cosine of 60°) …
+AVERAGE_OFF = 0.5
+# … or shorter than this share of the children's mean length.
+AVERAGE_SHORT = 0.3
+
+Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
+End = Literal["tip", "parent", "incoming", "keep", "world"]
+_EYES = ("leftEye", "rightEye")
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """What a joint aims at.
+
+    how: ``child``, ``average``, ``tip`` … the rule that decided. direction: unit
+    vector, (3,), in the joint's own space; None where the rule copies a whole frame
+    (``parent``), keeps it (``keep``) or takes the world's (``world``). node: what it
+    aims at, if one node. length: of the bone, in world units.
+    """
+
+    how: str
+    direction: Floats | None = None
+    node: int | None = None
+    length: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rules:
+    """The user's word on aims: branch and end rules, children named, targets named, `limb_children`."""
+
+    branch: Branch = "chain"
+    branch_to: tuple[int, ...] = ()
+    end: End = "tip"
+    aim_at: Mapping[int, int] | None = None
+    limb_child: Mapping[int, int] = field(default_factory=dict)
+
+
+def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
+    """The one joint below that continues the chain, or None: an end, or an open branch.
+
+    A lone child more than 30° off the incoming bone with no weight on or below it is
+    a slot or a control, not a continuation. Of several, the one that has no twin of
+    the other side continues (the neck between two clavicles); else the only one within
+    30°; of several such, the only one with weighted joints below it.
+    """
+    if joint not in ref.chained:
+        ref.chained[joint] = _continuing(tree, ref, joint)
+    return ref.chained[joint]
+
+
+def _continuing(tree: Skeleton, ref: Reference, joint: int) -> int | None:
+    candidates = _candidates(tree, ref, joint)
+    if len(candidates) == 1:
+        child = candidates[0]
+        continues = _within(tree, ref, joint, child, CONTINUES)
+        return child if continues or tree.carries[child] else None
+    middle = _unpaired(tree.rig, candidates)
+    if len(middle) == 1 and _within(tree, ref, joint, middle[0], AVERAGE_OFF):
+        return middle[0]
+    ahead = [k for k in candidates if _within(tree, ref, joint, k, CONTINUES)]
+    if len(ahead) > 1:
+        ahead = [k for k in ahead if any(tree.carries[below] for below in tree.below[k])]
+    return ahead[0] if len(ahead) == 1 and tree.above[joint] >= 0 else None
+
+
+def aim_of(tree: Skeleton, ref: Reference, joint: int, rules: Rules) -> Aim:
+    """Where ``joint`` aims in the pose of ``ref``."""
+    if rules.aim_at and joint in rules.aim_at:
+        return _at(ref, joint, rules.aim_at[joint], "named") or Aim("keep")
+    limb_node = rules.limb_child.get(joint)
+    if limb_node is not None:
+        aim = _at(ref, joint, limb_node, "child" if limb_node in tree.below[joint] else "limb")
+        if aim is not None:
+            return aim
+    named = [k for k in rules.branch_to if k in tree.below[joint]]
+    if named:
+        return _at(ref, joint, named[0], "named") or Aim("keep")
+    candidates = _candidates(tree, ref, joint)
+    if len(candidates) > 1:
+        return _branching(tree, ref, joint, candidates, rules.branch)
+    child = chain_child(tree, ref, joint)
+    if child is not None:
+        return _through_zero(tree, ref, joint, child) or _ending(tree, ref, joint, rules.end)
+    return _ending(tree, ref, joint, rules.end)
+
+
+def _candidates(tree: Skeleton, ref: Reference, joint: int) -> list[int]:
+    """Joints below that may continue a chain: no eyes, no twist joints, only weighted ones if some are."""
+    eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
+    below = [k for k in tree.below[joint] if k not in eyes and not is_twist(tree.rig.notes.get(k))]
+    weighted = [k for k in below if tree.carries[k]]
+    some = weighted or below
+    if not some:
+        return []
+    return [k for k in some if _distance(ref, joint, k) > ZERO_LENGTH * ref.extent] or some[:1]
+
+
+def limb_path(tree: Skeleton, limb: Limb) -> list[int]:
+    """The joints of a limb from root to end; the end may hang elsewhere (flat IK rigs)."""
+    path = [limb.end]
+    for here, there in ((limb.middle, limb.end), (limb.start, limb.middle)):
+        way = []
+        node = tree.above.get(there, -1)
+        while node >= 0 and node != here:
+            way.append(node)
+            node = tree.above[node]
+        # Where the end does not hang below, nothing lies between.
+        path = [here, *(reversed(way) if node == here else ()), *path]
+    return path
+
+
+def _unpaired(rig: Rig, nodes: list[int]) -> list[int]:
+    """The nodes without a left or right twin among them, by name."""
+    names = {rig.names[node] for node in nodes}
+    paired = {name for name in names if name and twin(name) != name and twin(name) in names}
+    return [node for node in nodes if rig.names[node] not in paired] if paired else []
+
+
+def limb_children(tree: Skeleton, limbs: Sequence[Limb]) -> dict[int, int]:
+    """For each joint within a limb the next one of it; the first limb that has it says."""
+    after: dict[int, int] = {}
+    for limb in limbs:
+        path = limb_path(tree, limb)
+        for joint, child in pairwise(path):
+            after.setdefault(joint, child)
+    return after
+
+
+def _branching(tree: Skeleton, ref: Reference, joint: int, candidates: list[int], branch: Branch) -> Aim:
+    if branch == "keep":
+        return Aim("keep")
+    if branch == "first":
+        return _at(ref, joint, candidates[0], "first child") or Aim("keep")
+    if branch == "longest":
+        far = max(candidates, key=lambda k: (_distance(ref, joint, k), -k))
+        return _at(ref, joint, far, "longest child") or Aim("keep")
+    if branch == "incoming":
+        return _incoming(tree, ref, joint) or Aim("keep")
+    if branch == "chain":
+        child = chain_child(tree, ref, joint)
+        if child is not None:
+            return _at(ref, joint, child, "child") or Aim("keep")
+    return _average(tree, ref, joint, candidates)
+
+
+def _average(tree: Skeleton, ref: Reference, joint: int, candidates: list[int]) -> Aim:
+    vectors = _seen_from(ref, joint, candidates)
+    mean = vectors.cumsum(axis=0)[-1] / len(vectors)
+    typical = float(length(vectors).cumsum()[-1]) / len(vectors)
+    incoming = _incoming(tree, ref, joint)
+    short = not length(mean) >= AVERAGE_SHORT * typical
+    if incoming is not None and incoming.direction is not None:
+        if short or float(dot(normalise(mean), incoming.direction)) < AVERAGE_OFF:
+            return incoming
+    elif short:
+        return Aim("keep")
+    return Aim("average", normalise(mean), None, _world_length(ref, joint, mean))
+
+
+def _ending(tree: Skeleton, ref: Reference, joint: int, end: End) -> Aim:
+    if end == "tip":
+        tip = _tip(tree, joint)
+        aim = _at(ref, joint, tip, "tip") if tip is not None else None
+        if aim is not None and aim.length > ZERO_LENGTH * ref.extent:
+            return aim
+        end = "parent"
+    if end == "incoming":
+        return _incoming(tree, ref, joint) or Aim("keep")
+    if end == "parent" and tree.above[joint] < 0:
+        return Aim("keep")
+    return Aim(end)
+
+
+def _tip(tree: Skeleton, joint: int) -> int | None:
+    """The bare leaf node that ends a joint: not a joint, nothing on it, nothing below it."""
+    rig = tree.rig
+    bare = [
+        k
+        for k in rig.children[joint]
+        if k not in tree.above and not rig.children[k] and rig.payload[k] < 0 and k not in rig.notes
+    ]
+    named = [k for k in bare if rig.names[k].lower().endswith(("_end", ".end", "_tip", "end"))]
+    one = named if len(named) == 1 else bare
+    return one[0] if len(one) == 1 else None
+
+
+def _incoming(tree: Skeleton, ref: Reference, joint: int) -> Aim | None:
+    """The direction in which the bone from the parent arrives."""
+    parent = tree.above[joint]
+    if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
+        return None
+    back = _seen_from(ref, joint, [parent])[0]
+    return Aim("incoming", normalise(-back), None, _distance(ref, parent, joint))
+
+
+def _through_zero(tree: Skeleton, ref: Reference, joint: int, child: int) -> Aim | None:
+    """Aim at the child, or past children at the same place at the next one that is not."""
+    node: int | None = child
+    while node is not None:
+        if _distance(ref, joint, node) > ZERO_LENGTH * ref.extent:
+            return _at(ref, joint, node, "child" if node == child else "descendant")
+        node = chain_child(tree, ref, node)
+    return None
+
+
+def _at(ref: Reference, joint: int, node: int, how: str) -> Aim | None:
+    (x, y, z), (a, b, c, place) = ref.places[node], ref.inverse[joint].tolist()
+    direction = unit_of([x * a[k] + y * b[k] + z * c[k] + place[k] for k in range(3)])
+    return None if direction is None else Aim(how, np.array(direction), node, _distance(ref, joint, node))
+
+
+def _within(tree: Skeleton, ref: Reference, joint: int, child: int, cosine: float) -> bool:
+    """Whether a child is off the incoming bone by no more than the angle of this cosine, in the world."""
+    parent = tree.above[joint]
+    if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
+        return True
+    (x, y, z), (u, v, w) = _way(ref, parent, joint), _way(ref, joint, child)
+    return x * u + y * v + z * w >= cosine * _distance(ref, parent, joint) * _distance(ref, joint, child)
+
+
+def _way(ref: Reference, a: int, b: int) -> tuple[float, float, float]:
+    """From one node to another. Of single nodes plain numbers are a hundred times as fast as arrays."""
+    (x, y, z), (u, v, w) = ref.places[a], ref.places[b]
+    return u - x, v - y, w - z
+
+
+def _distance(ref: Reference, a: int, b: int) -> float:
+    x, y, z = _way(ref, a, b)
+    return sqrt(x * x + y * y + z * z)
+
+
+def _seen_from(ref: Reference, joint: int, nodes: Sequence[int]) -> Floats:
+    """Positions of nodes in the joint's own space, (k, 3)."""
+    return transform_points(ref.world[list(nodes), 3, :3], ref.inverse[joint])
+
+
+def _world_length(ref: Reference, joint: int, vector: Floats) -> float:
+    moved = transform_points(vector, ref.world[joint])
+    return float(length(moved - ref.position(joint)))

@@ -1,0 +1,477 @@
+"""bake: controls and constraints worked out into joint keys, and the other way round.
+
+Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); docs/evaluation.md.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from functools import cached_property
+from typing import Literal, get_args
+
+import numpy as np
+
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, movers, size_of
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, Refined, refined
+from rigtri.evaluation.inverse_solver import matched
+from rigtri.evaluation.key_reduction import needed, shares
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.shared_key_times import as_read, times_of
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import (
+    Timeline,
+    jumps,
+    just_before,
+    placed,
+    single,
+    steps_only,
+    timelines,
+    times_within,
+)
+from rigtri.evaluation.twist_joints import is_twist, twists
+from rigtri.evaluation.zero_pose import Reference
+from rigtri.limits import refuse_single_name, refuse_unworkable
+from rigtri.maths.quaternions import unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.constraints import rules_of
+from rigtri.model.records import Interpolation, Path, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_twist.key_baking import keyed
+from rigtri.operations.bake.dependents import followed, followers, holding, refuse_circles
+from rigtri.operations.bake.residuals import fidelity
+from rigtri.operations.bake.sampling_warnings import tell_limited, tell_swinging
+from rigtri.operations.bake.stable_keys import stands
+from rigtri.operations.bake.stretch_limit import refuse_endless
+from rigtri.operations.options import operation
+from rigtri.operations.pose import at_rest
+from rigtri.operations.solver_warnings import clip_troubles, troubles
+from rigtri.report import Report
+
+Direction = Literal["joints", "controls"]
+DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
+_PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+# How far what lies between samples may be off unless another share of the size is given: less than what
+# thirty frames a second leave, and few keys for animators; a hundredth of it takes ten times as many.
+BETWEEN = 1e-3
+# Notes of nodes whose keys follow joints, and are made anew after them.
+_FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
+# Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
+_ROUNDS = 8
+# What follows rivets has come to rest after so many passes for each of them, or goes round in a circle.
+_PASSES = 6
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `bake` can be told; the defaults are the command's.
+
+    to: ``joints`` or ``controls``. clips: globs of the clips, all of them where there is none.
+    fps: so many samples a second besides the keys; None: as many as ``between`` needs: how far what lies
+    between samples may be off. tolerance: how far thinned keys may be off. Both are shares of the rig's size.
+    soft, stretch: of all limbs, instead of what their controls say.
+    """
+
+    to: Direction = "joints"
+    clips: tuple[str, ...] = ()
+    fps: float | None = None
+    between: float = BETWEEN
+    tolerance: float = 1e-5
+    soft: float | None = None
+    stretch: bool | None = None
+
+    def checked(self) -> Options:
+        """These options. UsageError for what cannot be."""
+        if self.to not in DIRECTIONS:
+            raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
+        refuse_single_name("--clip", self.clips)
+        told = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
+        for flag, number in (*told, ("--between", self.between)):
+            refuse_unworkable(flag, number)
+        if self.fps is not None and not self.fps > 0:
+            raise UsageError("--fps is a number above 0, e.g. 30")
+        if not self.between >= 0:
+            raise UsageError("--between is a share of the rig's size, 0 or more")
+        if not self.tolerance >= 0:
+            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
+        if self.soft is not None and not 0 <= self.soft < 1:
+            raise UsageError("--soft is a share of the limb, from 0 to below 1")
+        if self.stretch is not None and not isinstance(self.stretch, bool):
+            raise UsageError(f"stretch={self.stretch!r}: True, False or None (as stored)")
+        return self
+
+
+@operation(Options)
+def bake(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Evaluate controls and constraints into joint keys, or give joints' motion to their controls.
+
+    A control with keys in a clip moves its joints there; one without leaves them their own. What was
+    done in each clip goes to ``report.added``.
+
+    Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle; nothing to bake).
+    """
+    return _Baker(_with_limits(rig, options.checked()), options, report).baked()
+
+
+def _with_limits(rig: Rig, options: Options) -> Rig:
+    """The rig with another soft or stretch for its IK controls."""
+    if options.soft is None and options.stretch is None:
+        return rig
+    notes = dict(rig.notes)
+    for node, note in rig.notes.items():
+        if note.get("type") == "control" and note.get("kind") == "ik":
+            more = {} if options.soft is None else {"soft": options.soft}
+            more |= {} if options.stretch is None else {"stretch": options.stretch}
+            notes[node] = {**note, **more}
+    return replace(rig, notes=notes)
+
+
+class _Baker:
+    """One run: the rig as it changes."""
+
+    def __init__(self, rig: Rig, options: Options, report: Report) -> None:
+        self.rig, self.options, self.report, self.start = rig, options, report, rig
+        self.solvers: dict[frozenset[int] | None, Solver] = {}
+        self.reference = Reference(rig)
+        follows = options.to == "joints" and followers(rig)
+        if not (
+            self.reference.fk or self.reference.limbs or self.reference.roots or rules_of(rig) or follows
+        ):
+            raise GeometryError(
+                "There is nothing to bake: the file has no controls and no constraints of rigtri. "
+                "Add some with: rigtri add-controls, or name a file that has them with --rig"
+            )
+
+    def baked(self) -> Rig:
+        if self.options.to == "controls":
+            if not timelines(self.rig):
+                text = "The file has no clips, so there is no motion that controls could be given"
+                self.report.warn("no-clips", text)
+            for timeline in self._chosen():
+                self._to_controls(timeline)
+            self._tell_limited()
+            return self.rig
+        self.report.reposed = True
+        held = holding(self.rig)
+        told = len(self.report.added)
+        refuse_circles(self.rig)
+        # What follows a rivet comes to rest once everything before it in the chain has; and then its keys,
+        # as other nodes' key times depend on them: a few passes each.
+        for _ in range(_PASSES * (len(held) + 1)):
+            before = self.rig
+            del self.report.added[told:]
+            self._once()
+            if not held or _same_motion(before, self.rig):
+                self._tell_limited()
+                return self.rig
+        names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
+        raise GeometryError(
+            f"Constraints follow {names}, on meshes that they move themselves through pose readers: they go "
+            "round in a circle"
+        )
+
+    def _once(self) -> None:
+        """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
+        self.reference, self.solvers = Reference(self.rig), {}
+        chosen = self._chosen()
+        for timeline in chosen:
+            self._to_joints(timeline)
+        self._rest(self.rig)
+        self._follow(frozenset(member for timeline in chosen for member in timeline.members))
+
+    def _follow(self, clips: frozenset[int]) -> None:
+        """All that follows joints, from the joints' keys as a reader will find them.
+
+        Where joints share their key times those of followers come to them, too, so it is done again until
+        there are no more times.
+        """
+        told, mine = len(self.report.added), twists(self.rig)
+        seen = as_read(self.rig, without=[twist.node for twist in mine])
+        for _ in range(_ROUNDS):
+            del self.report.added[told:]
+            rig = seen.rig
+            for twist in mine:
+                rig, _ = keyed(rig, twist)
+            self.rig = seen.undone(followed(rig, clips, self.report), self.rig)
+            last, seen = seen, as_read(self.rig)
+            if last.same_times(seen):
+                break
+
+    def _chosen(self) -> list[Timeline]:
+        """The timelines of the clips that were asked for."""
+        every = timelines(self.rig)
+        if not self.options.clips:
+            return every
+        shown = self.rig.shown_clips
+        found: list[Timeline] = []
+        for pattern in self.options.clips:
+            names = {clip.name for clip in shown}
+            hits = [
+                t
+                for t in every
+                if any(
+                    pattern in (self.rig.clips[k].name, f"#{k}")
+                    or (pattern not in names and fnmatchcase(self.rig.clips[k].name, pattern))
+                    for k in t.members
+                )
+            ]
+            if not hits:
+                raise NameNotFoundError("clip", pattern, [clip.name for clip in shown])
+            found += [t for t in hits if t not in found]
+        return found
+
+    @cached_property
+    def size(self) -> float:
+        """The diagonal of the box of the joints at rest, in file units."""
+        return size_of(self.rig)
+
+    @cached_property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """How far thinned keys of each node may be off, (n,): moves in its parent's units, and radians."""
+        return shares(self.rig, self.options.tolerance * self.size, self.size)
+
+    def _bound(self, node: int, path: Path) -> float:
+        """How far thinned keys of a node may be off: moves in its parent's units, and radians."""
+        moves, turns = self.bounds
+        found = {"translation": moves[node], "rotation": turns[node]}.get(path, self.options.tolerance / 2)
+        return float(found)
+
+    def _solver(self, driven: frozenset[int] | None) -> Solver:
+        if driven not in self.solvers:
+            self.solvers[driven] = Solver(self.rig, driven)
+        return self.solvers[driven]
+
+    @cached_property
+    def movers(self) -> frozenset[int]:
+        """The nodes whose keys say that a control is at work: controls and poles."""
+        return movers(self.rig)
+
+    def _telling(self, timeline: Timeline, told: Collection[tuple[int, Path]]) -> Timeline:
+        """The timeline without what is found anew, ``told``, and what follows it: the rest says when.
+
+        So a second run, which reads keys that were thinned, looks at the same times.
+        """
+        held = holding(self.rig)
+        follow = {node for node, note in self.rig.notes.items() if note.get("type") in _FOLLOW} - held
+        kept = tuple(
+            t
+            for t in timeline.clip.tracks
+            if t.path != "weights" and t.node not in follow and (t.node, t.path) not in told
+        )
+        return replace(timeline, clip=replace(timeline.clip, tracks=kept))
+
+    def _times(self, timeline: Timeline) -> Floats:
+        """Where joints, or controls, get keys to begin with."""
+        times = times_within(timeline, self.options.fps, self.rig.per_second)
+        if not steps_only(timeline):
+            before = just_before(jumps(timeline))
+            times = np.unique(np.concatenate([times, before[before > times[0]]]))
+        return times
+
+    def _samples(self, curve: JointCurve | ControlCurve, telling: Timeline) -> Refined:
+        """Where they get keys: also where what lies between these would else be off."""
+        times = self._times(telling)
+        if steps_only(telling) or not curve.nodes:
+            return Refined(times, curve.at(times), 0.0, limited=False)
+        bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
+        return refined(curve, times, bound=bound, per_second=self.rig.per_second)
+
+    def _tell_limited(self) -> None:
+        tell_limited(self.start, self.report, max(self.options.between, self.options.tolerance))
+        tell_swinging(self.start, self.report)
+
+    @staticmethod
+    def _jumps(timeline: Timeline, times: Floats) -> Floats:
+        """Those times at which what has changed has jumped: values were held up to them."""
+        return times if steps_only(timeline) else jumps(timeline)
+
+    # --- to joints
+
+    def _to_joints(self, timeline: Timeline) -> None:
+        solver = self._solver(keyed_in(self.rig, timeline))
+        nodes = [node for node in solver.sets if not is_twist(self.rig.notes.get(node))]
+        if not solver.steps or not nodes:
+            return
+        told = {
+            (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
+        }
+        told |= {(node, path) for node in solver.offsets for path in _PATHS}
+        telling = self._telling(timeline, told)
+        samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
+        times, parts = samples.times, samples.parts
+        held = self._jumps(telling, times)
+        refuse_endless(self.rig, solver.limbs, parts, timeline.name, times)
+        tracks = [
+            track
+            for node in nodes
+            for track in self._tracks(timeline, times, held, node, parts[node])
+            if track.path in {path for path, _ in solver.writes[node]}
+        ]
+        self.report.hear(clip_troubles(solver, timeline, times, parts))
+        room = times_of(placed(self.rig, timeline, tracks))
+        fresh = [
+            track
+            for track in tracks
+            if not stands(
+                timeline.track(track.node, track.path),
+                track,
+                times,
+                dict(zip(_PATHS, parts[track.node], strict=True))[track.path],
+                bound=self._bound(track.node, track.path),
+                room=room.get((track.node, track.path), track.times),
+            )
+        ]
+        self.rig = placed(self.rig, timeline, fresh)
+        self._record(timeline, solver, samples, tracks, nodes)
+
+    def _tracks(
+        self,
+        timeline: Timeline,
+        times: Floats,
+        held: Floats,
+        node: int,
+        parts: Parts,
+        *,
+        rest: Parts | None = None,
+    ) -> list[Track]:
+        """Keys for what is moved of a node: what stays at rest, and nothing drove, gets none.
+
+        held: the times up to which values may be held.
+        """
+        rest = rest or Posed(self.rig).part(node)
+        found = []
+        for path, values, still in zip(_PATHS, parts, rest, strict=True):
+            bound = self._bound(node, path)
+            values = single(_one_way_round(values) if path == "rotation" else values)
+            if path != "rotation" and timeline.track(node, path) is None:
+                noise = NOTHING * (1.0 if path == "scale" else self.size)
+                if np.abs(values - still).max() <= min(noise, max(bound, 1e-30)):
+                    continue
+            found.append(_track(node, path, times, held, values, bound))
+        return found
+
+    def _rest(self, start: Rig) -> None:
+        """Joints at rest where controls at rest were moved, and where constraints put their children."""
+        rig = start
+        solver = self._solver(moved_at_rest(rig, self.size))
+        if not solver.steps:
+            return
+        posed = solver.run({})
+        self.report.hear(troubles(solver, posed, lambda _: "the rest pose"))
+        moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
+        moves, _ = self.bounds
+        least = np.minimum(moves, NOTHING * self.size)
+        self.rig, found = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
+        if found:
+            self.report.added.append({"type": "rest", "nodes": [self.rig.title(node) for node in found]})
+
+    # --- to controls
+
+    def _to_controls(self, timeline: Timeline) -> None:
+        reference = self.reference
+        # A joint that only the root control carries keeps its own keys; that control gets none.
+        carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
+        solver = self._solver(self.movers - carrying)
+        made = self.movers | solver.offsets
+        telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
+        joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
+        clip = replace(timeline.clip, tracks=joints)
+        samples = self._samples(ControlCurve(solver, clip, self.size), telling)
+        times = samples.times
+        held = self._jumps(telling, times)
+        tracks: list[Track] = []
+
+        def keep(node: int, parts: Parts) -> Parts:
+            """Tracks for a control, and what they say at all times."""
+            at_zero = Posed(self.rig).part(node)
+            own = self._tracks(timeline, times, held, node, parts, rest=at_zero)
+            tracks.extend(own)
+            read = dict(zip(_PATHS, at_zero, strict=True))
+            for track in own:
+                read[track.path] = track.values if track.times is times else sample(track, times)
+            return Parts(read["translation"], unit(read["rotation"]), read["scale"])
+
+        found = matched(solver, sampled(self.rig, clip, times), keep)
+        self.rig = placed(self.rig, timeline, tracks)
+        controls = sorted({node for block in found for node in block.found.controls})
+        told, notices = fidelity(
+            self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance
+        )
+        self.report.hear(notices)
+        self._record(timeline, solver, samples, tracks, controls, told)
+
+    def _record(
+        self,
+        timeline: Timeline,
+        solver: Solver,
+        samples: Refined,
+        tracks: Sequence[Track],
+        nodes: Sequence[int],
+        more: Mapping[str, float] | None = None,
+    ) -> None:
+        self.report.added.append(
+            {
+                "type": "clip",
+                "clip": timeline.name,
+                "to": self.options.to,
+                "frames": len(samples.times),
+                "nodes": len(nodes),
+                "limbs": len(solver.limbs),
+                "keys": int(sum(len(track.times) for track in tracks)),
+                "keys_before": sum(self._keys_before(timeline, tracks).values()),
+                "keys_of": self._keys_of(timeline, tracks),
+                "between_samples": samples.off / self.size,
+                "between_after": samples.after,
+                "between_node": self.rig.title(samples.node) if samples.node >= 0 else None,
+                "limited": samples.limited,
+                **(more or {}),
+            }
+        )
+
+    def _keys_before(self, timeline: Timeline, tracks: Sequence[Track]) -> Counter[int]:
+        """How many keys the file has, by node, of what gets others."""
+        fresh = {(track.node, track.path) for track in tracks}
+        found = Counter[int]()
+        for track in (t for k in timeline.members for t in self.start.clips[k].played.tracks):
+            found[track.node] += len(track.times) if (track.node, track.path) in fresh else 0
+        return found
+
+    def _keys_of(self, timeline: Timeline, tracks: Sequence[Track]) -> dict[str, list[int]]:
+        """How many keys each node gets, and how many the file has of the same."""
+        before, now = self._keys_before(timeline, tracks), Counter[int]()
+        for track in tracks:
+            now[track.node] += len(track.times)
+        return {self.rig.title(node): [now[node], before[node]] for node in sorted(now)}
+
+
+def _same_motion(a: Rig, b: Rig) -> bool:
+    """Whether two states of a rig have the same clips and, but for rounding, the same rest pose."""
+    clips = all(one is other for one, other in zip(a.clips, b.clips, strict=True))
+    return clips and bool(
+        np.abs(a.world - b.world).max(initial=0.0) <= 1e-9 * np.abs(a.world).max(initial=1.0)
+    )
+
+
+def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, bound: float) -> Track:
+    """Keys, thinned out within a bound, for the values of one path of a node; see `_Baker._tracks`."""
+    if len(values) == 1:
+        return Track(node, path, "STEP", times[:1], values)
+    fresh = np.append(True, (values[1:] != values[:-1]).any(axis=1))
+    if fresh.any() and np.isin(times[fresh][1:], held).all():
+        return Track(node, path, "STEP", times[fresh], values[fresh])
+    keys = needed(times, values, bound)
+    way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
+    return Track(node, path, way, times if len(keys) == len(times) else times[keys], values[keys])
+
+
+def _one_way_round(turns: Floats) -> Floats:
+    """Quaternions, (k, 4), of the signs that keep each next to the one before."""
+    both = turns[1:] * turns[:-1]
+    ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
+    signs = np.cumprod(np.concatenate([[1.0], np.where(ahead < 0, -1.0, 1.0)]))
+    return np.asarray(turns * signs[:, np.newaxis])

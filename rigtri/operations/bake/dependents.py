@@ -1,0 +1,76 @@
+"""What follows joints and is told by keys: rivets and pose readers, baked anew from their notes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation.dependency_graph import circle, waits_for
+from rigtri.evaluation.point_skinning import Carried
+from rigtri.model.constraints import rules_of
+from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader import posereader
+from rigtri.operations.add_rivet import rivet
+from rigtri.report import Report
+
+
+def followers(rig: Rig) -> list[int]:
+    """The nodes of pose readers and then of rivets: morph weights move the points that hold rivets."""
+    return [
+        node
+        for kind in ("poseReader", "rivet")
+        for node, note in sorted(rig.notes.items())
+        if note.get("type") == kind
+    ]
+
+
+def holding(rig: Rig) -> frozenset[int]:
+    """The rivets that a constraint looks at, or that hold what it looks at."""
+    found = set[int]()
+    for rule in rules_of(rig).values():
+        for node in rule.sources:
+            while node >= 0:
+                if rig.notes.get(node, {}).get("type") == "rivet":
+                    found.add(node)
+                node = int(rig.parents[node])
+    return frozenset(found)
+
+
+def refuse_circles(rig: Rig) -> None:
+    """GeometryError where what a constraint makes of a rivet moves the triangle that holds the rivet."""
+    held = sorted(holding(rig))
+    waits = waits_for(rig)
+    for node in held:
+        waits.setdefault(node, set()).update(_carrying(rig, node))
+    for node in held:
+        way = circle(waits, [node], sorted(waits[node]))
+        if way:
+            told = " → ".join(f"'{rig.title(each)}'" for each in (node, *way))
+            raise GeometryError(
+                f"Constraints follow '{rig.title(node)}', on a mesh that they move themselves: they go round "
+                f"in a circle; each of these needs the next: {told}. Take a constraint out"
+            )
+
+
+def _carrying(rig: Rig, rivet: int) -> set[int]:
+    """The nodes that move the triangle of a rivet; none where there is no such triangle any more."""
+    note = rig.notes[rivet]
+    mesh_node, rows = rig.known(note["mesh"]), np.array(note["vertices"], dtype=np.int64)
+    meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node][int(note["primitive"]) :]
+    return (
+        set(Carried(rig, meshes[0], rows).nodes) if meshes and rows.max() < len(meshes[0].points) else set()
+    )
+
+
+def followed(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
+    """The rig with rivets and pose readers where joints have them now: at rest, and in ``clips``.
+
+    One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, and is told.
+    """
+    for node in followers(rig):
+        module = posereader if rig.notes[node]["type"] == "poseReader" else rivet
+        try:
+            rig = module.rebaked(rig, node, clips=clips, report=report)
+        except (FileError, GeometryError, NameNotFoundError, UsageError) as error:
+            report.warn("follower-kept", f"'{rig.title(node)}' keeps its keys: {error}")
+    return rig

@@ -1,0 +1,357 @@
+"""constrain: a node follows others; what it follows, and how, is stored on a node of its own.
+
+Source: "Matrix parent constraint" (article): child_world = offset · driver_world. Offset and
+joint orient go together, because the joint orient is taken out of the finished local matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Any, Literal
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.constraint_solver import factored, rotate_of
+from rigtri.evaluation.dependency_graph import applied, circle, waits_for
+from rigtri.evaluation.sampling import rest, worlds
+from rigtri.evaluation.solver import refuse_circles
+from rigtri.evaluation.step_order import CircleError
+from rigtri.limits import refuse_unworkable
+from rigtri.maths.euler import ORDERS, Order, from_angles
+from rigtri.maths.matrices import SKEW, skew
+from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, turn_angle
+from rigtri.maths.vectors import cross, length, normalise
+from rigtri.model.constraints import (
+    CHANNELS,
+    KINDS,
+    ROTATION,
+    SCALE,
+    TRANSLATION,
+    WORLD_UPS,
+    Kind,
+    Rule,
+    WorldUp,
+    note_of,
+    rules_of,
+)
+from rigtri.model.rig import Rig
+from rigtri.operations.constrain.maintain_offset import measured
+from rigtri.operations.constrain.vrm_export import say, unsay
+from rigtri.operations.options import operation
+from rigtri.operations.rigtri_nodes import add, group, noted, renamed
+from rigtri.recognition.limbs import given
+from rigtri.report import Report
+
+_DEGREE = np.pi / 180.0
+Vector = tuple[float, float, float]
+
+# The notice of a rule that VRM has no words for.
+UNTOLD = "constraint-not-vrm"
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `constrain` can be told; the defaults are the command's.
+
+    drivers: (node, weight). skip: channels (``tx`` … ``sz``) that stay the child's own, ``t``, ``r``,
+    ``s`` for three. joint_orient: ``rest``, ``none`` or three degrees (about x, then y, then z).
+    space: of orient, ``world`` axes or turns from rest in ``local`` axes; roll: only the turn about
+    this axis of the child. aim, up: axes of the child; world_up: what up leans to, ``up_vector`` (in
+    the world, or in the axes of ``up_object``) or the place of ``up_object``. limb: of polevector.
+    vrm: also as VRMC_node_constraint where that says the same.
+    """
+
+    kind: Kind
+    child: str = ""
+    drivers: tuple[tuple[str, float], ...] = ()
+    skip: tuple[str, ...] = ()
+    maintain_offset: bool = True
+    order: Order = "xyz"
+    joint_orient: Literal["rest", "none"] | Vector = "rest"
+    space: Literal["world", "local"] = "world"
+    roll: str = ""
+    aim: Vector = (1.0, 0.0, 0.0)
+    up: Vector = (0.0, 1.0, 0.0)
+    world_up: WorldUp = "vector"
+    up_vector: Vector | None = None
+    up_object: str | None = None
+    limb: tuple[str, str, str] | None = None
+    vrm: bool = False
+
+    @property
+    def skipped(self) -> frozenset[str]:
+        """The channels to skip, one by one."""
+        whole = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}
+        return frozenset(c for channel in self.skip for c in whole.get(channel, (channel,)))
+
+    def checked(self) -> Options:
+        """UsageError for what makes no constraint."""
+        if self.kind not in KINDS:
+            raise UsageError(f"there is no constraint '{self.kind}'; choose of {', '.join(KINDS)}")
+        if self.order not in ORDERS:
+            raise UsageError(f"there is no rotate order '{self.order}'; choose of {', '.join(ORDERS)}")
+        if not self.drivers:
+            raise UsageError("say what the child follows: --driver NODE, repeatable")
+        for name, weight in self.drivers:
+            if not (isfinite(weight) and weight >= 0):
+                raise UsageError(f"--driver {name}: the weight {weight:g} is none; give a number from 0 on")
+            refuse_unworkable(f"--driver {name}", weight)
+        self._check_skip()
+        self._check_orient()
+        self._check_aim()
+        if self.limb is not None and self.kind != "polevector":
+            raise UsageError("--limb is for --type polevector")
+        if not self.child and self.limb is None:
+            raise UsageError("say which node follows: --child NODE")
+        return self
+
+    def _check_skip(self) -> None:
+        known = CHANNELS[self.kind]
+        for channel in sorted(self.skipped):
+            if channel not in TRANSLATION + ROTATION + SCALE:
+                raise UsageError(f"--skip {channel}: the channels are tx, ty, tz, rx … sz, or t, r, s")
+            if channel not in known:
+                raise UsageError(f"--skip {channel}: a {self.kind} constraint does not set it")
+        if known and self.skipped >= set(known):
+            raise UsageError("--skip leaves nothing that the constraint would set")
+
+    def _check_orient(self) -> None:
+        if self.kind != "orient" and (self.roll or self.space != "world"):
+            raise UsageError("--space and --roll-axis are for --type orient")
+        if self.roll not in ("", "x", "y", "z"):
+            raise UsageError(f"--roll-axis {self.roll}: give x, y or z")
+        if self.roll and self.space == "local":
+            raise UsageError("--roll-axis compares what the two parents see; leave --space out")
+        if (self.roll or self.space == "local") and self.skipped:
+            raise UsageError("--skip is for turns in the world; leave out --space local and --roll-axis")
+        if self.roll and not self.maintain_offset:
+            raise UsageError("a roll is counted from rest, so --roll-axis always keeps the offset")
+
+    def _check_aim(self) -> None:
+        if self.kind != "aim":
+            return
+        if self.up_vector is not None and self.world_up not in ("vector", "objectrotation"):
+            raise UsageError(f"--up-vector means nothing with --world-up {self.world_up}")
+        if self.world_up not in WORLD_UPS:
+            raise UsageError(f"there is no --world-up {self.world_up}; choose of {', '.join(WORLD_UPS)}")
+        if not (length(self.aim) > 0 and length(self.up) > 0):
+            raise UsageError("--aim-axis and --up-axis are directions; they cannot be zero")
+        if self.world_up != "none" and length(cross(normalise(self.aim), normalise(self.up))) < 1e-6:
+            raise UsageError("--aim-axis and --up-axis lie on one line; name two different axes")
+        if (self.world_up in ("object", "objectrotation")) != (self.up_object is not None):
+            raise UsageError("--up-object goes with --world-up object or objectrotation, and they with it")
+
+
+@operation(Options)
+def constrain(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Let a node follow others by a rule that is stored; nothing moves.
+
+    A second run for the same child and kind, or one that sets the same channels, replaces the
+    rule. The record goes to ``report.added``.
+
+    Raises NameNotFoundError, UsageError, GeometryError (a circle; a frame that cannot be told).
+    """
+    options.checked()
+    return follow(rig, _asked(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report)
+
+
+def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Rig:
+    """Store a rule whose offsets are still to be measured; see `constrain`.
+
+    keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint.
+    """
+    place = _place(rig, rule, report)
+    _refuse_circles(rig, rule, place)
+    with np.errstate(all="ignore"):
+        rule = measured(rig, rule, keep=keep)
+    _tell(rig, rule, report)
+    stored = _stored(rig, rule, place, vrm, report)
+    _refuse_unsolvable(rig, stored, rule)
+    return stored
+
+
+def _asked(rig: Rig, options: Options) -> Rule:
+    """What the options say, with offsets still to be measured."""
+    drivers = tuple(rig.find(name, "node") for name, _ in options.drivers)
+    chain = _chain(rig, options) if options.kind == "polevector" else ()
+    child = chain[1] if chain else rig.find(options.child, "node")
+    if len(set(drivers)) < len(drivers):
+        raise UsageError("a driver is named twice; give it once, with the sum of the weights")
+    own = factored(rest(rig)[child]).rotation
+    orients: dict[str, Any] = {"rest": own, "none": IDENTITY}
+    given = options.joint_orient
+    joint_orient = orients[given] if isinstance(given, str) else from_angles(np.array(given) * _DEGREE, "xyz")
+    up_vector = options.up_vector or (rig.up if options.world_up == "vector" else options.up)
+    return Rule(
+        kind=options.kind,
+        child=child,
+        drivers=drivers,
+        weights=np.array([weight for _, weight in options.drivers]),
+        offsets=np.zeros((0, 4, 4)),
+        skip=options.skipped,
+        order=options.order,
+        joint_orient=joint_orient,
+        rest=own,
+        space="roll" if options.roll else options.space,
+        roll=options.roll,
+        aim=options.aim,
+        up=options.up,
+        world_up=options.world_up if options.kind == "aim" else "none",
+        up_vector=up_vector,
+        up_object=rig.find(options.up_object, "node") if options.up_object is not None else -1,
+        chain=chain,
+    )
+
+
+def _chain(rig: Rig, options: Options) -> tuple[int, ...]:
+    """The limb of a pole vector: named, or the one of an IK control or pole vector that has the child."""
+    if options.limb is not None:
+        triple = given(rig, *options.limb).triple
+        if options.child and rig.find(options.child) not in triple:
+            raise UsageError(f"--child {options.child} is no joint of the limb; --limb alone is enough")
+        return triple
+    child, chains = rig.find(options.child, "node"), set()
+    for node, note in rig.notes.items():
+        if note.get("type") in ("control", "poleVector"):
+            chain = tuple(k for name in note.get("chain", ()) if (k := rig.known(name)) is not None)
+            if len(chain) == 3 and (child == node or child in chain):
+                chains.add(chain)
+    if len(chains) != 1:
+        raise UsageError(
+            f"'{rig.title(child)}' is of {len(chains)} limbs with an IK control or pole vector; "
+            "name the joints with --limb ROOT MIDDLE END"
+        )
+    return chains.pop()
+
+
+def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
+    """The node of the constraint that this one replaces; None where it is a new one."""
+    of_child = {node: old for node, old in rules_of(rig).items() if old.child == rule.child}
+    same = next((node for node, old in of_child.items() if old.kind == rule.kind), None)
+    others = [node for node, old in of_child.items() if node != same and old.sets & rule.sets]
+    if same is None and len(others) == 1:
+        report.warn(
+            "constraint-replaced",
+            f"'{rig.names[others[0]]}', a {rig.notes[others[0]]['kind']} constraint of "
+            f"'{rig.title(rule.child)}', set the same channels; the new one takes its place",
+        )
+        return others[0]
+    if others:
+        names = ", ".join(f"'{rig.names[node]}'" for node in others)
+        raise UsageError(
+            f"'{rig.title(rule.child)}' gets the same channels from {names}; leave axes out with --skip, "
+            "or strip the file first"
+        )
+    return same
+
+
+def _refuse_circles(rig: Rig, rule: Rule, place: int | None) -> None:
+    """GeometryError where a driver, or what up leans to, waits for the child."""
+    children = rule.chain or (rule.child,)
+    before = unsay(rig, place) if place is not None else rig
+    way = circle(waits_for(before, place), children, rule.sources)
+    if way:
+        names = " → ".join(f"'{rig.title(node)}'" for node in (way[-1], *way))
+        raise GeometryError(
+            f"'{rig.title(way[-1])}' cannot follow '{rig.title(way[0])}', which itself waits for it: {names} "
+            "(each waits for the next, as its child, by a constraint, a control or IK)"
+        )
+
+
+def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
+    """GeometryError where a rule leaves no order in which `bake` could work; not for what had none before."""
+    try:
+        refuse_circles(after)
+    except CircleError as error:
+        try:
+            refuse_circles(before)
+        except CircleError:
+            return
+        drivers = ", ".join(f"'{before.title(node)}'" for node in rule.sources)
+        raise GeometryError(
+            f"'{before.title(rule.child)}' cannot follow {drivers}: controls and constraints would go "
+            f"round in a circle; {error.way}"
+        ) from error
+
+
+def _tell(rig: Rig, rule: Rule, report: Report) -> None:
+    """What the user should know of the rule as it is."""
+    if not rule.weights.any():
+        report.warn(
+            "constraint-weightless",
+            f"all drivers of '{rig.title(rule.child)}' have weight 0, so it keeps its own place",
+        )
+    world = rig.shown_world
+    for driver in rule.drivers:
+        size = length(world[driver, :3, :3])
+        uneven = size.max() - size.min() > SKEW * size.max() or skew(world[driver]) > SKEW
+        if rule.kind == "parent" and uneven:
+            report.warn(
+                "constraint-shear",
+                f"'{rig.title(driver)}' is stretched unlike along its axes; where it turns against "
+                f"'{rig.title(rule.child)}' the shear is left out, which no node can hold",
+            )
+
+
+def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) -> Rig:
+    """The rig with the rule's note, and the record of it."""
+    name = f"con_{rig.names[rule.child] or f'node_{rule.child}'}_{rule.kind}"
+    note, known = note_of(rig, rule), rig.constraints
+    if place is None:
+        rig, above = group(rig)
+        rig, node = add(rig, name, above, note)
+    else:
+        node = place
+        if rig.notes[node]["kind"] != rule.kind:
+            rig = renamed(rig, node, name)
+        rig = unsay(rig, node)
+    if vrm:
+        rig, why, said = say(rig, rule, known)
+        note |= {"vrm": said} if said else {}
+        if said is None:
+            report.warn(
+                UNTOLD,
+                f"'{rig.title(rule.child)}': VRMC_node_constraint cannot say this {rule.kind} constraint "
+                f"({why}); it is stored in extras alone",
+            )
+    rig = noted(rig, node, note)
+    report.added.append(_record(rig, rule, node, note))
+    return rig
+
+
+def _record(rig: Rig, rule: Rule, node: int, note: dict[str, Any]) -> dict[str, Any]:
+    record: dict[str, Any] = {
+        "node": rig.names[node],
+        "type": "constraint",
+        "kind": rule.kind,
+        "child": rig.title(rule.child),
+        "drivers": {
+            rig.title(k): float(weight) for k, weight in zip(rule.drivers, rule.weights, strict=True)
+        },
+        "new": rig.keys[node] is None,
+        "vrm": note.get("vrm"),
+    }
+    if rule.kind == "polevector":
+        return record | {"chain": [rig.title(joint) for joint in rule.chain]}
+    local = rest(rig)[np.newaxis]
+    own = local[:, rule.child]
+    with np.errstate(all="ignore"):
+        found = applied(rig, rule, worlds(rig, local), local, own)
+        parts, mine = factored(found[0]), factored(own[0])
+        turn = turn_angle(multiply(conjugate(mine.rotation), parts.rotation))
+        angles = rotate_of(rule, parts.rotation) / _DEGREE
+    if np.isfinite(angles).all():
+        still = replace(rule, order="xyz", joint_orient=IDENTITY)
+        record |= {
+            "rotateOrder": rule.order,
+            "jointOrient": _numbers(rotate_of(still, rule.joint_orient) / _DEGREE),
+            "rotate": _numbers(angles),
+            "turned": float(turn) / _DEGREE,
+        }
+    return record | {"moved": float(length(found[0, 3, :3] - own[0, 3, :3]))}
+
+
+def _numbers(values: Any) -> list[float]:
+    return [float(value) + 0.0 for value in values]

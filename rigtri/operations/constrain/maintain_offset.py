@@ -1,0 +1,105 @@
+"""The offsets of constraints: what leaves a child where it stands at rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.constraint_solver import aimed, factored, lengths_for, turn_of
+from rigtri.evaluation.sampling import rest, worlds
+from rigtri.maths.matrices import from_frame, identity, inverse, multiply, transform_points
+from rigtri.maths.quaternions import IDENTITY, conjugate, to_axes
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length, normalise, perpendicular, project
+from rigtri.model.constraints import Rule
+from rigtri.model.rig import Rig
+
+# Sine of a limb's bend below which its plane is the rounding of its positions.
+_STRAIGHT = 1e-6
+
+
+def measured(rig: Rig, rule: Rule, *, keep: bool) -> Rule:
+    """The rule with its offsets, by rule (`rigtri.model.constraints`); without ``keep`` they change nothing.
+
+    Raises GeometryError where the child, its parent or a driver has no frame (a scale of zero).
+    """
+    local = rest(rig)
+    world = worlds(rig, local)
+    count = 1 if rule.kind == "aim" else len(rule.drivers)
+    offsets = identity(count)
+    if keep:
+        above = int(rig.parents[rule.child])
+        parent = world[above] if above >= 0 else np.eye(4)
+        offsets = _offsets(rule, world, local, parent)
+    if rule.kind == "aim":
+        _check_aim(rig, rule, world)
+    lost = ~np.isfinite(offsets).all(axis=(1, 2))
+    fine = rule.kind in ("point", "polevector") or np.isfinite(factored(local[rule.child]).rotation).all()
+    if lost.any() or not fine:
+        names = [rule.drivers[k] for k in np.flatnonzero(lost)] if count > 1 else list(rule.drivers)
+        raise GeometryError(
+            f"'{rig.title(rule.child)}' cannot keep its offset to '{rig.title(names[0])}': one of "
+            "the two, or a node above, has a scale of zero, or numbers that are none"
+        )
+    return replace(rule, offsets=offsets)
+
+
+def _check_aim(rig: Rig, rule: Rule, world: Floats) -> None:
+    """GeometryError where a child stands where it is to aim at."""
+    places = world[[rule.child, *rule.drivers], 3, :3]
+    size = max(float(np.abs(places).max()), float(np.abs(world[:, 3, :3]).max()))
+    if (length(places[1:] - places[0]) <= _STRAIGHT * size).all():
+        raise GeometryError(
+            f"'{rig.title(rule.child)}' stands where '{rig.title(rule.drivers[0])}' stands, so it has no "
+            "direction to aim in; name another driver"
+        )
+
+
+def _offsets(rule: Rule, world: Floats, local: Floats, parent: Floats) -> Floats:
+    drivers = world[list(rule.drivers)]
+    mine = factored(local[rule.child])
+    if rule.kind == "parent":
+        return multiply(world[rule.child], inverse(drivers))
+    if rule.kind == "point":
+        return _moves(world[rule.child, 3, :3] - drivers[:, 3, :3])
+    if rule.kind == "orient":
+        turns, own = turn_of(drivers), product(turn_of(parent), mine.rotation)
+        if rule.space != "world":
+            turns, own = turn_of(local[list(rule.drivers)]), mine.rotation
+        if rule.space == "local":
+            return _turns(product(own, conjugate(turns)))
+        return _turns(product(conjugate(turns), own))
+    if rule.kind == "scale":
+        sizes = lengths_for(parent, mine) * mine.scale / length(drivers[:, :3, :3])
+        return from_frame(np.eye(3) * sizes[:, np.newaxis, :], np.zeros(3))
+    if rule.kind == "aim":
+        # Without any weight the offset is that of the drivers' middle.
+        weights = rule.weights if rule.weights.any() else np.ones(len(rule.drivers))
+        plain = replace(rule, offsets=identity(1), weights=weights)
+        up = world[rule.up_object][np.newaxis] if rule.up_object >= 0 else None
+        found = aimed(plain, drivers[np.newaxis], parent[np.newaxis], mine, up)
+        return _turns(product(conjugate(found), mine.rotation))
+    return _pole_offsets(rule, world, drivers)
+
+
+def _pole_offsets(rule: Rule, world: Floats, drivers: Floats) -> Floats:
+    """From each driver to where, about the line from root to end, it lies in the plane of the bend."""
+    root, middle, end = (world[joint, 3, :3] for joint in rule.chain)
+    bend = perpendicular(middle - root, end - root)
+    if not length(bend) > _STRAIGHT * length(end - root):
+        return identity(len(drivers))  # a straight limb: the pole stays the only one who knows
+    places = drivers[:, 3, :3]
+    feet = project(places, root, end)
+    wanted = feet + normalise(bend) * length(places - feet)[:, np.newaxis]
+    return _moves(transform_points(wanted, inverse(drivers)))
+
+
+def _moves(places: Floats) -> Floats:
+    return from_frame(to_axes(IDENTITY), places)
+
+
+def _turns(turns: Floats) -> Floats:
+    return from_frame(to_axes(np.atleast_2d(turns)), np.zeros(3))

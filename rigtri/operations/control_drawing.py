@@ -1,0 +1,72 @@
+"""Lines of controls: drawn where new, drawn anew where asked for, left where a user has edited them.
+
+What was drawn is in the note: shape, size and colour. Lines of the file that are no longer those are
+a user's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.control_shapes import Kind, drawn
+from rigtri.model.rig import Rig
+from rigtri.operations.rigtri_nodes import noted
+from rigtri.report import Report
+
+# Sizes that differ by less, as a share, are one: what float32 leaves of a bone's length.
+_SAME_SIZE = 1e-5
+KEYS = ("shape", "size", "color")
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Lines at a node: a shape, its radius in units of the node, how it lies and its linear RGB colour."""
+
+    shape: Kind
+    size: float
+    color: tuple[float, float, float]
+    normal: Floats
+    ahead: Floats | None = None
+
+
+def draw(rig: Rig, node: int, drawing: Drawing) -> Rig:
+    """Draw at a node, and note what."""
+    color = (float(drawing.color[0]), float(drawing.color[1]), float(drawing.color[2]))
+    size = float(drawing.size)
+    lines = drawn(drawing.shape, size=size, normal=drawing.normal, color=color, ahead=drawing.ahead)
+    note = {**rig.notes[node], "shape": drawing.shape, "size": size, "color": list(color)}
+    return replace(noted(rig, node, note), shapes={**rig.shapes, node: lines})
+
+
+def draw_anew(rig: Rig, node: int, drawing: Drawing, asked: frozenset[str], report: Report) -> Rig:
+    """Draw at a known node what is ``asked`` for, of KEYS; the rest stays, and what a user has edited."""
+    note = rig.notes[node]
+    if not asked:
+        return rig
+    if node not in rig.shapes and not _is_ours(rig, node, note):
+        report.warn(
+            "shape-kept",
+            f"the lines of '{rig.title(node)}' are not those that rigtri has drawn; they stay as they are",
+        )
+        return rig
+    wanted = replace(
+        drawing,
+        shape=drawing.shape if "shape" in asked else note["shape"],
+        size=drawing.size if "size" in asked else note["size"],
+        color=drawing.color if "color" in asked else tuple(note["color"]),
+    )
+    same = abs(wanted.size - note["size"]) <= _SAME_SIZE * note["size"]
+    if same and wanted.shape == note["shape"] and list(wanted.color) == list(note["color"]):
+        return rig
+    return draw(rig, node, wanted)
+
+
+def _is_ours(rig: Rig, node: int, note: Mapping[str, Any]) -> bool:
+    """Whether the file shows what the note says."""
+    lines = rig.lines(rig.keys[node])
+    if lines is None or any(key not in note for key in KEYS):
+        return False
+    return lines.are(str(note["shape"]), float(note["size"]), note["color"])

@@ -1,0 +1,146 @@
+"""Which joints an operation turns, and why the others stay as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.frames.skeleton import Reference, Skeleton
+from rigtri.model.rig import Rig
+from rigtri.operations.aim_targets import chain_child
+from rigtri.recognition.limbs import along
+
+_EYES = ("leftEye", "rightEye")
+EXCLUDED = "excluded"
+ROOT = "root joint: its motion is root motion"
+EYE = "VRM eye"
+WEIGHTLESS = "no weight on or below it"
+LONE = "lone end joint beside siblings"
+# Joints that are kept for these reasons do not turn for the sake of another joint either.
+STEADFAST = frozenset({EXCLUDED, ROOT, EYE})
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Joints as the user names them; empty means all that turn unnamed.
+
+    joints: names or globs. chains: (start, end) pairs. below: joints with all
+    under them. skin: only joints of this skin. exclude: names or globs.
+    """
+
+    joints: tuple[str, ...] = ()
+    chains: tuple[tuple[str, str], ...] = ()
+    below: tuple[str, ...] = ()
+    skin: str | None = None
+    exclude: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> bool:
+        return bool(self.joints or self.chains or self.below)
+
+
+def select(
+    tree: Skeleton, ref: Reference, selection: Selection, *, all_named: bool = False
+) -> tuple[list[int], dict[int, str]]:
+    """The joints to turn, parents first, and for every other joint the reason it is kept.
+
+    all_named: the user named the top node of a plain hierarchy, so all of it is meant.
+    Raises NameNotFoundError for names that the rig does not have.
+    """
+    rig = tree.rig
+    _check_named(rig, selection)
+    stays = _Stays(tree, ref)
+    within = _of_skin(rig, selection.skin, tree.joints)
+    excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
+    named = _named(tree, selection)
+    kept: dict[int, str] = {}
+    turning = []
+    for joint in tree.joints:
+        if joint in excluded:
+            kept[joint] = EXCLUDED
+        elif selection.named and joint not in named:
+            kept[joint] = "not selected"
+        elif joint not in within:
+            kept[joint] = "not in the skin"
+        elif joint in rig.fixed:
+            kept[joint] = rig.fixed[joint]
+        elif not selection.named and not all_named and (reason := stays.why(joint)):
+            kept[joint] = reason
+        else:
+            turning.append(joint)
+    return turning, kept
+
+
+def chosen(tree: Skeleton, selection: Selection) -> list[int]:
+    """The joints that a selection names, parents first, whatever may or may not turn.
+
+    Raises NameNotFoundError for names that the rig does not have, UsageError where none is named.
+    """
+    excluded = {node for glob in selection.exclude for node in tree.rig.match(glob, tree.joints)}
+    within = _of_skin(tree.rig, selection.skin, tree.joints)
+    named = _named(tree, selection) if selection.named else set(tree.joints)
+    wanted = (named & within) - excluded
+    return [joint for joint in tree.joints if joint in wanted]
+
+
+def _check_named(rig: Rig, selection: Selection) -> None:
+    """GeometryError for a joint that the user named by itself and that may not turn."""
+    named = [name for name in selection.joints if rig.has(name)]
+    named += [name for chain in selection.chains for name in chain]
+    for name in named:
+        node = rig.find(name)
+        if node in rig.fixed and node not in rig.aside:
+            raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.fixed[node]}")
+
+
+def _named(tree: Skeleton, selection: Selection) -> set[int]:
+    rig, known = tree.rig, set(tree.joints)
+    named = {node for glob in selection.joints for node in rig.match(glob, tree.joints)}
+    for start, end in selection.chains:
+        named.update(along(rig, rig.find(start), rig.find(end)))
+    for top in selection.below:
+        named.update(rig.below(rig.find(top)))
+    if selection.named and not named & known and not named & rig.aside:
+        raise UsageError("the selection holds no joint; see the joints with: rigtri inspect FILE")
+    return named & known
+
+
+def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
+    if name is None:
+        return set(joints)
+    for number, skin in enumerate(rig.skins):
+        if name in (skin.name, f"#{number}"):
+            return set(skin.joints.tolist())
+    raise NameNotFoundError("skin", name, [skin.name for skin in rig.skins])
+
+
+class _Stays:
+    """Why joints that nobody named keep their axes."""
+
+    def __init__(self, tree: Skeleton, ref: Reference) -> None:
+        self._tree, self._ref = tree, ref
+        self._eyes = {tree.rig.humanoid[eye] for eye in _EYES if eye in tree.rig.humanoid}
+        self._driven = {c.node for c in tree.rig.constraints if c.kind == "roll"}
+        self._carrying: dict[int, int] = {}
+
+    def why(self, joint: int) -> str:
+        """The reason, or "" where the joint turns."""
+        tree, above = self._tree, self._tree.above[joint]
+        if above < 0:
+            return ROOT
+        if not tree.carries[joint]:
+            return WEIGHTLESS
+        if joint in self._eyes:
+            return EYE
+        if joint in self._driven:
+            return "a roll constraint drives it"
+        if not tree.below[joint] and self._siblings(above) and chain_child(tree, self._ref, above) != joint:
+            return LONE
+        return ""
+
+    def _siblings(self, above: int) -> bool:
+        """Whether a joint that carries something, below ``above``, has others beside it that do."""
+        if above not in self._carrying:
+            self._carrying[above] = sum(bool(self._tree.carries[k]) for k in self._tree.below[above])
+        return self._carrying[above] > 1

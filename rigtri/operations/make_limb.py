@@ -1,0 +1,392 @@
+"""make-limb: points become an oriented chain of joints and its pole vector.
+
+Source: "Using Vector Math to Rig an Arm" (makeIkPlaneSetup): one plane normal for all joints of
+the limb, each aims at the next, the end has the axes of the one before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.limits import refuse_points
+from rigtri.maths.matrices import determinant
+from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project
+from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
+from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.axis_presets import Style
+from rigtri.operations.options import operation
+from rigtri.operations.orient_joints.up_direction import crossing, vector
+from rigtri.operations.rigtri_nodes import free_name, group, noted, plain_name
+from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
+from rigtri.recognition.limbs import Limb
+from rigtri.report import Report
+
+# Points nearer to each other than this share of the limb are at one place.
+ONE_PLACE = 1e-6
+# A direction nearer to the chord than this sine says nothing about the side.
+ALONG = 0.1
+# Parts of unit vectors smaller than this are rounding.
+_NOISE = 1e-12
+_SIDES = {"": "", "left": "_L", "right": "_R"}
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `make_limb` can be told; the defaults are the command's.
+
+    locators: nodes that stand where the joints are to stand; or points: the places themselves, in
+    the world. end_aim: a node or point that the end joint aims at; None gives it the axes of the
+    joint before. bend: the side that points on a line bend to. names: of the joints; else
+    NAME_1, NAME_2 … with _L or _R of the side. skin: whether the joints are joints of a skin: the
+    parent's, else one of their own. poles: how the pole vector is placed. pose: in which locators are
+    read: nodes, bind or CLIP@TIME.
+    """
+
+    locators: tuple[str, ...] = ()
+    points: tuple[Point, ...] = ()
+    planar: bool = False
+    style: Style = field(default_factory=Style)
+    end_aim: str | Point | None = None
+    bend: Point | None = None
+    name: str = "limb"
+    side: str = ""
+    names: tuple[str, ...] = ()
+    parent: str | None = None
+    skin: bool = True
+    pole: bool = True
+    poles: PoleOptions = field(default_factory=PoleOptions)
+    pose: str = "nodes"
+
+    @property
+    def title(self) -> str:
+        """What the limb is called, by which a second run finds it."""
+        return plain_name(self.name) + _SIDES[self.side]
+
+    def checked(self) -> Options:
+        """UsageError for a count that makes no limb, or options that contradict each other."""
+        if self.side not in _SIDES:
+            raise UsageError(f"--side {self.side}: give left or right")
+        if bool(self.locators) == bool(self.points):
+            raise UsageError("say where the joints stand: --locators A B C, or --points x,y,z x,y,z x,y,z")
+        count = len(self.locators or self.points)
+        what = "locators" if self.locators else "points"
+        if count < 3 or (count > 3 and not self.planar):
+            more = "; a longer chain needs --planar, which lays it into one plane" if count > 3 else ""
+            raise UsageError(f"a limb has three {what}, root, middle and end, and here are {count}{more}")
+        if len(set(self.locators)) < len(self.locators):
+            raise UsageError(f"--locators {' '.join(self.locators)}: one of them is named twice")
+        refuse_points("--points", self.points)
+        refuse_points("--end-aim", [self.end_aim] if isinstance(self.end_aim, tuple) else [])
+        refuse_points("--bend", [self.bend] if self.bend is not None else [])
+        if self.pose != "nodes" and not (self.locators or isinstance(self.end_aim, str)):
+            raise UsageError("--pose says where locators stand; points stand where they are")
+        if self.names and len(self.names) != count:
+            raise UsageError(f"--names: {len(self.names)} names for {count} joints")
+        self.style.checked()
+        return self
+
+
+@operation(Options)
+def make_limb(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Stand joints at three points, orient them, and add the pole vector; a second run moves them.
+
+    The record of each joint goes to ``report.added``, that of the pole vector to ``report.limbs``.
+    Raises UsageError (another count than three, a name that is taken), NameNotFoundError, and
+    GeometryError where points coincide, or lie on a line and ``bend`` does not say the side.
+    """
+    options.checked()
+    for name in (options.name, *options.names):
+        if (plain := plain_name(name)) != name:
+            text = f"'{name}' becomes '{plain}': USD and three.js know only names of a to z, digits and"
+            report.warn("name-changed", f"{text} underscores that do not begin with a digit")
+    shape = _shape(rig, options, report)
+    known = _known(rig, options.title)
+    if known:
+        rig, joints = _update(rig, known, shape, options, report)
+    else:
+        rig, joints = _build(rig, shape, options, report)
+    for node, part in zip(joints, range(len(joints)), strict=True):
+        rig = noted(rig, node, _note(rig, joints, part, shape, options))
+    for part, node in enumerate(joints):
+        report.added.append(_record(rig, node, shape, part, new=not known))
+    if options.pole:
+        limb = Limb(joints[0], joints[shape.middle], joints[-1])
+        # Where the points themselves show no side, their joints, rounded, must not show one either.
+        bends = {rig.address(limb.middle): _triple(shape.side)} if shape.told == "given" else {}
+        wanted = replace(options.poles, limbs=(limb,), chains=(), auto=False, bends=bends)
+        rig = add_polevector(rig, options=wanted, report=report)
+    return rig
+
+
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """Where the joints stand and how.
+
+    points, axes: (n, 3) and (n, 3, 3), rows, in the world. moved: (n,), how far --planar moved each.
+    middle: the joint at which the limb bends. hinge, side: unit vectors, (3,): a positive turn about
+    the one bends it, towards the other. told: ``pose``, by the points, or ``given``.
+    """
+
+    points: Floats
+    axes: Floats
+    moved: Floats
+    middle: int
+    hinge: Floats
+    side: Floats
+    told: str
+
+
+def _shape(rig: Rig, options: Options, report: Report) -> _Shape:
+    points = _points(rig, options)
+    titles = options.locators or tuple(map(_written, options.points))
+    size = sum(distance(points[:-1], points[1:]).tolist())
+    _refuse_one_place(points, titles, size)
+    middle = _middle(points)
+    normal, side, told = _plane(points[[0, middle, -1]], options, report)
+    moved = np.zeros(len(points))
+    if options.planar:
+        off = dot(points - points[0], normal)
+        off[[0, -1]] = 0.0
+        off[middle] = 0.0 if told == "pose" else off[middle]  # it says where the plane is
+        points = points - off[:, np.newaxis] * normal
+        moved = np.abs(off)
+        _refuse_one_place(points, titles, size)
+    return _Shape(points, _axes(rig, points, normal, options, report), moved, middle, normal, side, told)
+
+
+def _points(rig: Rig, options: Options) -> Floats:
+    if options.points:
+        return np.array(options.points, dtype=np.float64)
+    return np.array([_read(rig, name, options.pose) for name in options.locators])
+
+
+def _read(rig: Rig, name: str, pose: str) -> Floats:
+    """Where a locator stands in a pose, (3,)."""
+    return np.asarray(posed(rig, pose).position(rig.find(name, "locator")))
+
+
+def _written(point: Point) -> str:
+    return ",".join(f"{number:g}" for number in point)
+
+
+def _refuse_one_place(points: Floats, titles: Sequence[str], size: float) -> None:
+    near = np.flatnonzero(~(distance(points[:-1], points[1:]) > ONE_PLACE * size))
+    if len(near):
+        one, other = titles[near[0]], titles[near[0] + 1]
+        raise GeometryError(f"{one} and {other} are at one place, so there is no bone between them")
+    if not distance(points[0], points[-1]) > ONE_PLACE * size:
+        raise GeometryError(
+            f"{titles[0]} and {titles[-1]}, root and end, are at one place: there is no chord"
+        )
+
+
+def _middle(points: Floats) -> int:
+    """The inner point farthest from the chord, where the limb bends."""
+    off = distance(points[1:-1], project(points[1:-1], points[0], points[-1]))
+    return 1 + int(np.argmax(off))
+
+
+def _plane(triple: Floats, options: Options, report: Report) -> tuple[Floats, Floats, str]:
+    """The hinge, the side the limb bends to, and what told them: the points, else --bend."""
+    chord = normalise(triple[2] - triple[0])
+    sine, degrees = float(bend_sine(*triple)), float(np.degrees(bend_angle(*triple)))
+    if sine >= NO_PLANE:
+        if sine < SHAKY:
+            text = f"{options.title} bends only {degrees:.4f}°: its plane is near the noise of the points."
+            report.warn("nearly-straight", text, joint=options.title, geometry=True)
+        if options.bend is not None:
+            text = f"--bend is for points on a line; those of {options.title} bend by {degrees:.4g}°."
+            report.warn("bend-not-needed", text, joint=options.title)
+        normal = hinge(*triple)
+        return normal, cross(chord, normal), "pose"
+    if options.bend is None:
+        raise GeometryError(
+            f"The points of {options.title} lie on a line (bent {degrees:.3g}°), so they do not say which "
+            "way it bends. Say it with --bend 0,0,1 or another direction across it"
+        )
+    side = perpendicular(normalise(np.array(options.bend, dtype=np.float64)), chord)
+    if not length(side) > ALONG:
+        raise GeometryError(
+            f"--bend {_written(options.bend)}: the direction runs along the limb; give one across it"
+        )
+    side = normalise(side)
+    return normalise(cross(side, chord)), side, "given"
+
+
+def _axes(rig: Rig, points: Floats, normal: Floats, options: Options, report: Report) -> Floats:
+    """The world axes of the joints as rows, (n, 3, 3): each aims at the next, all with one hinge."""
+    style = options.style
+    if style.world:
+        return np.tile(np.eye(3), (len(points), 1, 1))
+    aims = list(points[1:] - points[:-1])
+    if options.end_aim is not None:
+        aims.append(_end_point(rig, options.end_aim, options.pose) - points[-1])
+        if not length(aims[-1]) > ONE_PLACE * float(length(points[-1] - points[0])):
+            raise GeometryError("--end-aim: the end joint stands there itself, so it cannot aim at it")
+    found = []
+    for part, aim in enumerate(aims):
+        up = _up(aim, normal, style.up_from)
+        if not crossing(up, aim):
+            text = f"Joint {part + 1} of {options.title} points along {style.up_from}; its plane says up."
+            report.warn("up-along-bone", text, geometry=True)
+            up = normal
+        if not crossing(up, aim):
+            raise GeometryError("--end-aim: the end joint would aim along the limb's hinge; aim it elsewhere")
+        found.append(frame(aim, up, aim_axis=style.aim, up_axis=style.up))
+    return np.array([*found, *[found[-1]] * (len(points) - len(found))])
+
+
+def _end_point(rig: Rig, end_aim: str | Point, pose: str) -> Floats:
+    if isinstance(end_aim, str):
+        return _read(rig, end_aim, pose)
+    return np.array(end_aim, dtype=np.float64)
+
+
+def _up(aim: Floats, normal: Floats, source: str) -> Floats:
+    """The direction of the up axis: the hinge, the side the limb bends to, or one of the world."""
+    if source == "plane":
+        return normal
+    if source == "pole":
+        return cross(aim, normal)
+    kind, _, text = source.partition(":")
+    try:
+        if kind == "vector":
+            return vector(text)
+        if kind == "world":
+            letter, sign = axis_of(text)
+            return np.asarray(sign * np.eye(3)[letter])
+    except ValueError as error:
+        raise UsageError(f"--up-from {source}: {error}") from error
+    raise UsageError(f"--up-from {source} is none of plane, pole, world:AXIS and vector:X,Y,Z")
+
+
+def _known(rig: Rig, title: str) -> list[int]:
+    """The joints of a limb that an earlier run has made, root first."""
+    found = [
+        (int(note["part"]), node)
+        for node, note in rig.notes.items()
+        if note.get("type") == "limb" and note.get("limb") == title
+    ]
+    return [node for _, node in sorted(found)]
+
+
+def _build(rig: Rig, shape: _Shape, options: Options, report: Report) -> tuple[Rig, list[int]]:
+    names = _names(rig, options, len(shape.points))
+    if options.parent is None:
+        rig, parent = group(rig)
+    else:
+        parent = rig.find(options.parent, "parent")
+    if options.parent is not None and rig.is_joint[parent] and not options.skin:
+        raise UsageError(
+            f"--no-skin: what hangs below the joint '{rig.title(parent)}' is part of its skins; leave out "
+            "--parent or --no-skin"
+        )
+    own = options.skin and not rig.is_joint[parent]
+    axes = _handed(rig, parent, shape.axes, options, report)
+    joints: list[int] = []
+    for part, (name, place) in enumerate(zip(names, shape.points, strict=True)):
+        note = {"v": 1, "type": "limb", "limb": options.title, "part": part}
+        rig, parent = add_joint(rig, name, parent, note, place, axes[part])
+        joints.append(parent)
+    return (new_skin(rig, options.title, joints) if own else rig), joints
+
+
+def _names(rig: Rig, options: Options, count: int) -> list[str]:
+    suffix = _SIDES[options.side]
+    names = [plain_name(f"{options.name}_{k + 1}{suffix}") for k in range(count)]
+    if options.names:
+        names = [plain_name(name) for name in options.names]
+    taken = [name for name in names if names.count(name) > 1 or free_name(rig, name, None) != name]
+    if taken:
+        raise UsageError(f"another node is called '{taken[0]}'; give the joints --names of their own")
+    return names
+
+
+def _update(
+    rig: Rig, joints: list[int], shape: _Shape, options: Options, report: Report
+) -> tuple[Rig, list[int]]:
+    title = options.title
+    if len(joints) != len(shape.points):
+        raise UsageError(
+            f"the limb '{title}' has {len(joints)} joints, and here are {len(shape.points)} points; give "
+            "another --name, or take the old one out with rigtri strip"
+        )
+    parent = int(rig.parents[joints[0]])
+    # A skeleton of its own may stand between.
+    above = (parent, -1 if rig.is_joint[parent] else int(rig.parents[parent]))
+    if options.parent is not None and rig.find(options.parent, "parent") not in above:
+        raise UsageError(
+            f"the limb '{title}' hangs below '{rig.title(parent)}' already; strip the file first"
+        )
+    for node, name in zip(joints, options.names, strict=False):
+        if plain_name(name) != rig.names[node]:
+            raise UsageError(f"joint {rig.title(node)} of the limb '{title}' keeps its name, not '{name}'")
+    axes = _handed(rig, parent, shape.axes, options, report)
+    for part, node in enumerate(joints):
+        rig = move_joint(rig, node, shape.points[part], axes[part])
+    return rig, joints
+
+
+def _handed(rig: Rig, parent: int, axes: Floats, options: Options, report: Report) -> Floats:
+    """The axes as they can be below ``parent``: where that is mirrored, the third points the other way."""
+    if determinant(rig.world[parent]) >= 0:
+        return axes
+    text = (
+        f"'{rig.title(parent)}' is mirrored, and so are the joints of {options.title}: aim and up are kept."
+    )
+    report.warn("mirrored-parent", text, joint=options.title)
+    style = Style() if options.style.world else options.style
+    third = 3 - axis_of(style.aim)[0] - axis_of(style.up)[0]
+    return axes * np.where(np.arange(3) == third, -1.0, 1.0)[:, np.newaxis]
+
+
+def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: Options) -> dict[str, Any]:
+    """What a joint is of which limb; the first one says all that is known of the limb."""
+    note: dict[str, Any] = {"v": 1, "type": "limb", "limb": options.title, "part": part}
+    if part > 0:
+        return note
+    style = options.style
+    along = shape.points[1:] - shape.points[:-1]
+    note |= {"chain": [rig.address(node) for node in joints], "middle": rig.address(joints[shape.middle])}
+    note |= {"aim": style.aim, "up": style.up, "upFrom": "world" if style.world else style.up_from}
+    # Seen from the root joint, so that it holds wherever the limb goes.
+    seen = np.array([dot(shape.hinge, axis) for axis in shape.axes[0]])
+    note["hinge"] = np.where(np.abs(seen) < _NOISE, 0.0, seen).tolist()
+    note |= {"lengths": [float(x) for x in length(along)], "planar": options.planar, "source": shape.told}
+    if options.locators:
+        note["locators"] = [rig.address(rig.find(name)) for name in options.locators]
+    if options.end_aim is not None:
+        named = isinstance(options.end_aim, str)
+        note["endAim"] = (
+            rig.address(rig.find(str(options.end_aim))) if named else [*map(float, options.end_aim)]
+        )
+    return note
+
+
+def _record(rig: Rig, node: int, shape: _Shape, part: int, *, new: bool) -> dict[str, Any]:
+    parent, world = int(rig.parents[node]), rig.world[node]
+    return {
+        "node": rig.names[node],
+        "type": "limb",
+        "parent": rig.title(parent) if parent >= 0 else "",
+        "skins": [skin.name for skin in rig.skins if node in skin.joints],
+        "new": new,
+        "position": [float(x) for x in world[3, :3]],
+        "axes": [[float(x) for x in axis] for axis in normalise(world[:3, :3])],
+        "moved": float(shape.moved[part]),
+    }
+
+
+def _triple(direction: Floats) -> Point:
+    x, y, z = direction.tolist()
+    return x, y, z

@@ -1,0 +1,133 @@
+"""mirror: give one side of a character what the other side has: axes, and all that rigtri has built.
+
+Joints stay where they are: only their axes turn, and all that is bound to them follows.
+What rigtri has built on one side is built or brought up to date on the other.
+
+Source: `rigtri.frames.mirror_modes` (what each way of mirroring means).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.frames.mirror_modes import MIRRORS, side_of, twin_of
+from rigtri.frames.mirror_plane import parting, tell
+from rigtri.frames.skeleton import reference, skeleton
+from rigtri.limits import refuse_unworkable
+from rigtri.maths.quaternions import meant_unit
+from rigtri.model.rig import Rig
+from rigtri.operations.constrain.constrain import UNTOLD
+from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
+from rigtri.operations.mirror.constraints import mirror_rules
+from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
+from rigtri.operations.mirror.limbs import mirror_limbs, mirror_twists
+from rigtri.operations.mirror.mirrored_metadata import WHAT, Options, What, side
+from rigtri.operations.mirror.pose_readers import mirror_readers
+from rigtri.operations.mirror.rivets import mirror_rivets
+from rigtri.operations.options import operation
+from rigtri.operations.orient_joints.orient import Options as OrientOptions
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.report import Report
+
+__all__ = ["WHAT", "Options", "What", "mirror"]
+
+
+@operation(Options)
+def mirror(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Mirror axes, and what rigtri has built, from one side onto the other; create what is missing.
+
+    What is there already is brought up to date; a second run changes nothing. Records go to
+    ``report.joints``, ``report.added`` and ``report.limbs``; what cannot be mirrored is a warning
+    (``not-mirrored``). Raises GeometryError where nothing here has a side, NameNotFoundError, UsageError.
+    """
+    if not options.what or not set(options.what) <= set(WHAT):
+        raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
+    refuse_unworkable("--plane-at", options.plane_at)
+    tree = skeleton(rig, options.root)
+    if not any(side_of(rig, joint) for joint in tree.joints) and not any(
+        side(rig, node) for node in rig.notes
+    ):
+        raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
+    parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)
+    tell(options.plane, options.plane_at, parted, report)
+    options = replace(options, across=parted.across)
+    before, known = rig, len(report.warnings)
+    rig = _mirrored(rig, options, report)
+    if any(notice.code == UNTOLD for notice in report.warnings[known:]):
+        _tell_modes(before, options, report)
+    return rig
+
+
+def _mirrored(rig: Rig, options: Options, report: Report) -> Rig:
+    steps = {
+        "limbs": mirror_limbs,
+        "joints": _joints,
+        "controls": mirror_controls,
+        "polevectors": mirror_poles,
+        "twists": mirror_twists,
+        "constraints": mirror_rules,
+        "rivets": mirror_rivets,
+        "posereaders": mirror_readers,
+    }
+    for what in WHAT:
+        if what in options.what:
+            rig = steps[what](rig, options, report)
+    return rig
+
+
+def _tell_modes(rig: Rig, options: Options, report: Report) -> None:
+    """Say which other modes lose no VRM node constraint, where some do not."""
+    found = []
+    for mode in MIRRORS:
+        heard = Report()
+        if mode != options.mode:
+            _mirrored(rig, replace(options, mode=mode), heard)
+            if all(notice.code != UNTOLD for notice in heard.warnings):
+                found.append(f"--mode {mode}")
+    if found:
+        text = f"{' or '.join(found)} keeps the VRM node constraints that --mode {options.mode} loses"
+        report.warn("mode-keeps-vrm", text)
+
+
+def _joints(rig: Rig, options: Options, report: Report) -> Rig:
+    """Turn the joints of the other side onto the mirrored axes of this side's."""
+    both = _both_sides(rig, options)
+    if not both.named:
+        return rig
+    oriented = OrientOptions(
+        keep=True,
+        mirror=options.mode,
+        from_side=options.from_side,
+        across=options.across,
+        selection=both,
+        on_nonuniform_scale=options.on_nonuniform_scale,
+        on_constraint=options.on_constraint,
+        pose=options.pose,
+        root=options.root,
+        tolerance=options.tolerance,
+    )
+    return _as_written(orient_joints(rig, options=oriented, report=report), rig)
+
+
+def _as_written(rig: Rig, before: Rig) -> Rig:
+    """Turned rotations made unit, as they are when they are written: what is derived next is from those.
+
+    A second run reads the written ones, and must find everything where it is.
+    """
+    turned = (rig.rotation != before.rotation).any(axis=1, keepdims=True)
+    return replace(rig, rotation=np.where(turned, meant_unit(rig.rotation), rig.rotation))
+
+
+def _both_sides(rig: Rig, options: Options) -> Selection:
+    """The joints on either side that may turn, of those that the user has named; all unless any are."""
+    tree = skeleton(rig, options.root)
+    turning, kept = select(tree, reference(tree, options.pose), Selection())
+    # A twin may be turned for its own sake, where orient-joints has no reason to.
+    may = {*turning, *(joint for joint, why in kept.items() if why in (ROOT, WEIGHTLESS, LONE))}
+    named = set(chosen(tree, options.selection))
+    named |= {other for joint in named if (other := twin_of(rig, joint)) is not None}
+    joints = [joint for joint in tree.joints if joint in named & may and side_of(rig, joint)]
+    return Selection(joints=tuple(rig.address(joint) for joint in joints))

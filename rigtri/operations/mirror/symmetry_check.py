@@ -1,0 +1,154 @@
+"""How far the two sides of a rig are from being mirror images: places, axes, and what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.evaluation.sampling import worlds
+from rigtri.frames.mirror_modes import PLANES, Plane, mirrored_axes
+from rigtri.frames.mirror_plane import TOLERANCE, parting
+from rigtri.frames.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import conjugate, from_axes, multiply, turn_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.joint_names import twin
+from rigtri.model.rig import Rig
+from rigtri.operations.joint_selection import chosen
+from rigtri.operations.mirror.mirrored_metadata import Options, other, side
+from rigtri.operations.mirror.pose_reader_names import reader_twin
+
+# Degrees that tools leave of symmetric axes.
+DEGREES = 0.1
+# Nodes of ours that stand somewhere, and those whose axes say something.
+_STANDING = ("control", "poleVector", "rivet")
+_WITH_AXES = ("control", "poleVector")
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A node and its twin: how far the twin is from the mirror image, as a share of the size, in degrees."""
+
+    node: str
+    twin: str
+    distance: float
+    degrees: float
+
+    def symmetric(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> bool:
+        """Whether both are within what is allowed."""
+        return self.distance <= tolerance and self.degrees <= degrees
+
+    def as_json(self) -> dict[str, Any]:
+        """For machines."""
+        return {"node": self.node, "twin": self.twin, "distance": self.distance, "degrees": self.degrees}
+
+
+@dataclass(frozen=True)
+class Asymmetry:
+    """All pairs of joints and of nodes that rigtri made, and those without a twin.
+
+    plane, at: the mirror, in the character's own space. better: another one that most pairs lie
+    about, where they do not about that.
+    """
+
+    pairs: tuple[Pair, ...]
+    alone: tuple[str, ...]
+    plane: Plane = "yz"
+    at: float = 0.0
+    better: tuple[Plane, float] | None = None
+
+    def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
+        """The pairs that are not symmetric, worst place first."""
+        found = [pair for pair in self.pairs if not pair.symmetric(tolerance, degrees)]
+        return sorted(found, key=lambda pair: (-pair.distance, -pair.degrees))
+
+
+def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
+    """Compare each joint and node of ours on one side with the mirror image of its twin.
+
+    In the pose of the options (the bind pose by default) for joints, at rest for other nodes.
+    Ends of others that carry nothing are left out: they have no axes to speak of, and glTF does not
+    call them joints.
+    """
+    options = options or Options()
+    tree = skeleton(rig, options.root)
+    ref = reference(tree, options.pose)
+    parted = parting(tree, ref, options.plane, options.from_side, options.plane_at)
+    options = replace(options, across=parted.across)
+    joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
+    found, alone = _pairs(rig, joints, options)
+    rest = worlds(rig)
+    kinds = {node: str(note.get("type")) for node, note in rig.notes.items() if node not in set(tree.joints)}
+    standing, unpaired = _pairs(rig, (n for n, kind in kinds.items() if kind in _STANDING), options)
+    rules = (n for n, kind in kinds.items() if kind in ("constraint", "poseReader"))
+    alone += unpaired + _pairs(rig, rules, options)[1]
+    turned = {node: there for node, there in standing.items() if kinds[node] in _WITH_AXES}
+    placed = {node: there for node, there in standing.items() if node not in turned}
+    compared = [
+        *_compared(rig, found, ref.world, ref.extent, options),
+        *_compared(rig, turned, rest, ref.extent, options),
+        *_compared(rig, placed, rest, ref.extent, options, axes=False),
+    ]
+    titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
+    better = None if parted.fits else _better(tree, ref, options)
+    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better)
+
+
+def _is_bone(tree: Skeleton, joint: int) -> bool:
+    return bool(tree.carries[joint] or tree.below[joint])
+
+
+def _pairs(rig: Rig, nodes: Iterable[int], options: Options) -> tuple[dict[int, int], list[int]]:
+    """Those on the side that is copied with their twins, and those of either that have none."""
+    found: dict[int, int] = {}
+    alone = []
+    for node in nodes:
+        mine = side(rig, node)
+        there = _twin(rig, node) if mine else None
+        if mine and there is None:
+            alone.append(node)
+        elif mine == options.from_side and there is not None:
+            found[node] = there
+    return found, alone
+
+
+def _twin(rig: Rig, node: int) -> int | None:
+    """The twin of a node; of rivets and readers, which have names of their own, the one called so."""
+    note = rig.notes.get(node, {})
+    if note.get("type") == "poseReader":
+        return reader_twin(rig, node)
+    if note.get("type") == "rivet":
+        names = {str(n.get("name")): k for k, n in rig.notes.items() if n.get("type") == note["type"]}
+        return names.get(twin(str(note["name"])))
+    return other(rig, node)
+
+
+def _compared(
+    rig: Rig, found: dict[int, int], world: Floats, size: float, options: Options, *, axes: bool = True
+) -> list[Pair]:
+    if not found:
+        return []
+    here, there = list(found), list(found.values())
+    apart = length(options.across.points(world[here, 3, :3]) - world[there, 3, :3]) / (size or 1.0)
+    angles = np.zeros(len(here))
+    if axes:
+        mine, now = nearest_rotation(world[here]), from_axes(nearest_rotation(world[there]))
+        wanted = from_axes(mirrored_axes(mine, options.mode, options.across))
+        angles = np.degrees(turn_angle(multiply(conjugate(wanted), now)))
+    return [
+        Pair(rig.title(a), rig.title(b), float(d), float(angle))
+        for a, b, d, angle in zip(here, there, apart, angles, strict=True)
+    ]
+
+
+def _better(tree: Skeleton, ref: Reference, options: Options) -> tuple[Plane, float] | None:
+    """A plane that most pairs lie about, where they do not about the asked."""
+    for plane in PLANES:
+        parted = parting(tree, ref, plane, options.from_side)
+        if parted.own and parted.fits:
+            return plane, parted.at
+    return None

@@ -1,0 +1,284 @@
+"""Joint frames from elsewhere: another file's axes, stored changes, the mirrored other side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from rigtri.errors import FileError, GeometryError
+from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
+from rigtri.frames.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.maths.matrices import nearest_rotation, transform_directions
+from rigtri.maths.quaternions import (
+    IDENTITY,
+    conjugate,
+    from_axes,
+    multiply,
+    norm,
+    rotate,
+    to_axes,
+    turn_angle,
+    unit,
+)
+from rigtri.maths.triangle import axis_of, frame
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+from rigtri.report import Report
+
+# A common rotation smaller than this (radians) is what float32 positions leave over.
+NO_ROTATION = 2e-6
+# Joint positions nearer to each other than this, as a share of the skeleton, are one pose.
+SAME_REST = 1e-5
+
+
+def turn_onto(
+    world_axes: Floats, ref: Reference, joints: Sequence[int], aim_axis: str = "x", up_axis: str = "y"
+) -> Floats:
+    """The turns, (j, 4), that give joints these world axes (rows, any handedness), (j, 3, 3).
+
+    Carried into the joint's own space and made orthonormal there, first the aim axis, then
+    the up axis; the third gives way where the handedness is not the joint's own.
+    """
+    rows = transform_directions(world_axes, ref.inverse[list(joints)][:, np.newaxis])
+    aim, up = aim_axis[-1], up_axis[-1]
+    axes = frame(rows[:, axis_of(aim)[0]], rows[:, axis_of(up)[0]], aim_axis=aim, up_axis=up)
+    return from_axes(axes)
+
+
+def like_turns(
+    tree: Skeleton, ref: Reference, joints: Sequence[int], like: Rig, report: Report
+) -> dict[int, Floats]:
+    """The turns that give joints the axes of their namesakes in another rig's bind pose.
+
+    One rotation common to the whole skeleton is taken out first. Joints without a
+    namesake are kept and listed. Raises GeometryError when nothing matches.
+    """
+    other = skeleton(like, plain=True)
+    pairs = _namesakes(tree.rig, tree.joints, like, other.joints)
+    if not pairs:
+        raise GeometryError("--like: no joint of the two files has the same name")
+    ours, theirs, common = _common_pose(tree, ref, other, pairs)
+    wanted = multiply(common, from_axes(nearest_rotation(theirs.world[list(pairs.values())])))
+    now = from_axes(nearest_rotation(ours.world[list(pairs)]))
+    turn = dict(zip(pairs, unit(multiply(conjugate(now), wanted)), strict=True))
+    missing = [tree.rig.title(joint) for joint in joints if joint not in pairs]
+    if missing:
+        shown = ", ".join(missing[:10]) + (" …" if len(missing) > 10 else "")
+        report.warn("like-unmatched", f"{len(missing)} joints have no namesake: kept: {shown}")
+    return {joint: turn[joint] for joint in joints if joint in pairs}
+
+
+def _common_pose(
+    tree: Skeleton, ref: Reference, other: Skeleton, pairs: Mapping[int, int]
+) -> tuple[Reference, Reference, Floats]:
+    """The poses in which the two skeletons are compared, and the rotation between them, (4,).
+
+    The rest poses where they are one: nodes are stored more exactly than inverse binds.
+    """
+    ours, theirs = reference(tree, "nodes"), reference(other, "nodes")
+    common, apart = _common_rotation(ours, theirs, pairs)
+    if apart <= SAME_REST:
+        return ours, theirs, common
+    theirs = reference(other, None)
+    return ref, theirs, _common_rotation(ref, theirs, pairs)[0]
+
+
+def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]) -> dict[int, int]:
+    """Joint → joint of the same VRM bone or the same address in the other rig."""
+    theirs = {like.address(k): k for k in others}
+    bones = {node: bone for bone, node in rig.humanoid.items()}
+    found = {}
+    for joint in joints:
+        if joint in bones and bones[joint] in like.humanoid:
+            found[joint] = like.humanoid[bones[joint]]
+        elif rig.address(joint) in theirs:
+            found[joint] = theirs[rig.address(joint)]
+    return found
+
+
+def _common_rotation(ref: Reference, theirs: Reference, pairs: Mapping[int, int]) -> tuple[Floats, float]:
+    """The rotation, (4,), that takes their joint positions nearest to ours, sizes apart.
+
+    And how far the positions are from each other then, as a share of the skeleton.
+    """
+    mine = list(pairs)
+    ours, other = ref.world[mine, 3, :3], theirs.world[list(pairs.values()), 3, :3]
+    ours, other = ours - ours.cumsum(0)[-1] / len(ours), other - other.cumsum(0)[-1] / len(other)
+    sizes = float(length(ours).max()), float(length(other).max())
+    if not min(sizes) > 0:
+        return IDENTITY, 0.0 if max(sizes) == 0 else 1.0
+    ours, other = ours / sizes[0], other / sizes[1]
+    q = _nearest_turn(other, ours)
+    return q, float(length(rotate(q, other) - ours).max())
+
+
+def _nearest_turn(start: Floats, end: Floats) -> Floats:
+    """The rotation, (4,), that takes points nearest to others, (k, 3), about the origin.
+
+    Source: B. K. P. Horn, "Closed-form solution of absolute orientation using unit
+    quaternions", 1987; its largest eigenvector by Jacobi rotations.
+    """
+    m = np.stack([(start[:, k : k + 1] * end).cumsum(axis=0)[-1] for k in range(3)])
+    xx, yy, zz = m[0, 0], m[1, 1], m[2, 2]
+    yz, zx, xy = m[1, 2] - m[2, 1], m[2, 0] - m[0, 2], m[0, 1] - m[1, 0]
+    yzs, zxs, xys = m[1, 2] + m[2, 1], m[2, 0] + m[0, 2], m[0, 1] + m[1, 0]
+    symmetric = np.array(
+        [
+            [xx - yy - zz, xys, zxs, yz],
+            [xys, yy - xx - zz, yzs, zx],
+            [zxs, yzs, zz - xx - yy, xy],
+            [yz, zx, xy, xx + yy + zz],
+        ]
+    )
+    values, vectors = _eigen(symmetric)
+    order = np.argsort(values)
+    # Collinear positions leave a turn about their line open: then no rotation is taken out.
+    if values[order[3]] - values[order[2]] < 1e-9 * max(abs(values[order[3]]), 1e-30):
+        return IDENTITY
+    q = unit(vectors[:, order[3]])
+    q = -q if q[3] < 0 else q
+    return IDENTITY if turn_angle(q) < NO_ROTATION else q
+
+
+def _eigen(symmetric: Floats) -> tuple[Floats, Floats]:
+    """Eigenvalues and eigenvectors (columns) of a small symmetric matrix by Jacobi rotations."""
+    a, v = symmetric.copy(), np.eye(len(symmetric))
+    size = float(np.abs(a).max())
+    for _ in range(30):
+        for p in range(len(a)):
+            for q in range(p + 1, len(a)):
+                if abs(a[p, q]) <= 1e-18 * size:
+                    continue
+                theta = (a[q, q] - a[p, p]) / (2.0 * a[p, q])
+                t = (1.0 if theta >= 0 else -1.0) / (abs(theta) + np.sqrt(theta * theta + 1.0))
+                c = 1.0 / np.sqrt(t * t + 1.0)
+                s = t * c
+                for m in (a, v):
+                    left, right = m[:, p].copy(), m[:, q].copy()
+                    m[:, p], m[:, q] = c * left - s * right, s * left + c * right
+                left, right = a[p].copy(), a[q].copy()
+                a[p], a[q] = c * left - s * right, s * left + c * right
+    return np.diag(a).copy(), v
+
+
+def mirrored_turns(
+    tree: Skeleton,
+    ref: Reference,
+    turns: Mapping[int, Floats],
+    onto: Callable[[int, Floats], Floats],
+    *,
+    mirror: Mirror,
+    from_side: Literal["left", "right"],
+    across: Across,
+    report: Report,
+) -> dict[int, Floats]:
+    """The turns of one side's joints from the new frames of the other side's.
+
+    `frames.mirror_modes` says what each way of mirroring means; with ``behavior`` the side aims backwards.
+    onto: the turn of a joint that gives it axes of the world, see `turn_onto`.
+    """
+    rig = tree.rig
+    result: dict[int, Floats] = {}
+    for joint in turns:
+        if side_of(rig, joint) in ("", from_side):
+            continue
+        source = twin_of(rig, joint)
+        if source is None or source not in turns:
+            why = f"has no twin on the {from_side} side" if source is None else "keeps its axes"
+            also = "" if source is None else f", as its twin '{rig.title(source)}' does not turn"
+            report.warn("no-twin", f"'{rig.title(joint)}' {why}{also}.")
+            continue
+        axes = transform_directions(to_axes(turns[source]), ref.world[source])
+        result[joint] = onto(joint, mirrored_axes(axes, mirror, across))
+    if not any(side_of(rig, joint) for joint in turns):
+        raise GeometryError("no joint that turns says left or right in its name")
+    return result
+
+
+def frames_json(report: Report) -> dict[str, Any]:
+    """What ``--save-frames`` writes: the change of frame C of each turned joint, by name or path."""
+    joints = {entry["address"]: entry["turn"] for entry in report.joints if "turn" in entry}
+    split = [entry["address"] for entry in report.joints if entry.get("split")]
+    return {"rigtri": "frames", "v": 1, "joints": joints} | ({"split": split} if split else {})
+
+
+def stored_splits(rig: Rig, turns: Mapping[int, Floats], frames: object) -> dict[int, Floats]:
+    """The turns that a ``--save-frames`` file gives to a node of its own above the joint.
+
+    Not where the joint has one already: then the turn is that node's. FileError for a list
+    that is none.
+    """
+    split = frames.get("split", []) if isinstance(frames, dict) else []
+    if not isinstance(split, list) or not all(isinstance(name, str) for name in split):
+        raise FileError("--frames: 'split' is no list of joints")
+    return {
+        joint: turn
+        for joint, turn in turns.items()
+        if _stored_name(rig, joint, split) and joint not in rig.frame_of
+    }
+
+
+def stored_turns(
+    rig: Rig, joints: Sequence[int], frames: object, *, inverted: bool, report: Report
+) -> dict[int, Floats]:
+    """The turns that a ``--save-frames`` file holds for joints. Raises FileError for another file."""
+    if not isinstance(frames, dict) or frames.get("rigtri") != "frames" or frames.get("v") != 1:
+        raise FileError("--frames: this is no file of --save-frames (version 1)")
+    stored = frames.get("joints")
+    if not isinstance(stored, dict):
+        raise FileError("--frames: 'joints' is missing")
+    turns: dict[int, Floats] = {}
+    known: dict[str, list[int]] = {}
+    for joint in joints:
+        name = _stored_name(rig, joint, stored)
+        if name:
+            known.setdefault(name, []).append(joint)
+            q = _checked(name, stored[name])
+            turns[joint] = conjugate(q) if inverted else q
+    _tell_shared(rig, known, report)
+    lost = [name for name in stored if name not in known]
+    if lost:
+        report.warn("frames-unmatched", f"{len(lost)} stored frames fit no joint: {', '.join(lost[:10])}")
+    return turns
+
+
+def _stored_name(rig: Rig, joint: int, stored: Container[str]) -> str:
+    """What stored frames call a joint: its address, or a name that no other joint of its skins has."""
+    address, name = rig.address(joint), rig.names[joint]
+    if address in stored:
+        return address
+    if not name or name not in stored:
+        return ""
+    skins = [skin for skin in rig.skins if joint in skin.joints]
+    alone = all([rig.names[k] for k in skin.joints.tolist()].count(name) == 1 for skin in skins)
+    return name if skins and alone else ""
+
+
+def _tell_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -> None:
+    """A notice where one stored frame is for joints of several skeletons or animations."""
+    shared = {name: joints for name, joints in known.items() if len(joints) > 1}
+    if not shared:
+        return
+    (name, joints), more = next(iter(shared.items())), len(shared) - 1
+    skins = [skin.name for skin in rig.skins if set(joints).intersection(skin.joints.tolist())]
+    shown = ", ".join(skins[:6]) + (" …" if len(skins) > 6 else "")
+    report.warn(
+        "frames-shared",
+        f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {shown}: all of them get the "
+        "stored frames. To turn those of one, name it with --skin, e.g. --skin "
+        f"{skins[0]}.",
+    )
+
+
+def _checked(name: str, value: object) -> Floats:
+    numbers = isinstance(value, list) and len(value) == 4
+    if not numbers or not all(type(x) in (int, float) for x in value):  # type: ignore[attr-defined]
+        raise FileError(f"--frames: '{name}' holds no quaternion of four numbers")
+    q = np.asarray(value, dtype=np.float64)
+    if not abs(float(norm(q)) - 1.0) < 1e-6:
+        raise FileError(f"--frames: the quaternion of '{name}' is not a rotation (length {norm(q):.6g})")
+    # As it was written, to the bit, where it is a rotation to the bit.
+    return q if abs(float(norm(q)) - 1.0) < 1e-14 else unit(q)

@@ -1,0 +1,172 @@
+"""pose: the pose of a moment, evaluated; to be read, or to become the rest pose of the nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, posed_at, size_of
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import Timeline, moment, single, times_within
+from rigtri.maths.matrices import compose
+from rigtri.maths.quaternions import conjugate, multiply, turn_angle, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.options import operation
+from rigtri.operations.solver_warnings import troubles
+from rigtri.report import Report
+
+# Notes of nodes that a written pose leaves where they are.
+_KEPT = ("control", "offset", "poleVector", "group")
+
+
+@dataclass(frozen=True)
+class Options:
+    """Which pose. at: ``CLIP@TIME``, the time in the file's unit, or ``rest``. evaluate: as controls and
+    constraints that are at work move the joints; else as the clip's own keys do.
+    """
+
+    at: str = "rest"
+    evaluate: bool = True
+
+
+def pose_of(rig: Rig, options: Options, report: Report | None = None) -> Posed:
+    """The pose, one row for each node that is asked for. What cannot be as asked is a warning of the report.
+
+    Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle).
+    """
+    timeline, time = moment(rig, options.at)
+    if report is not None and timeline is not None:
+        tell_outside(timeline, time, report)
+    if not options.evaluate:
+        return posed_at(rig, timeline, time, size=size_of(rig), evaluate=False)
+    at_work = keyed_in(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
+    solver = Solver(rig, at_work)
+    posed = solver.run({} if timeline is None else sampled(rig, timeline.clip, np.array([time])))
+    if report is not None:
+        report.hear(troubles(solver, posed, lambda _: options.at))
+    return posed
+
+
+def tell_outside(timeline: Timeline, time: float, report: Report) -> float:
+    """Tell of a moment that the clip does not have; the one whose pose it holds."""
+    keys = times_within(timeline, None)
+    if not keys[0] <= time <= keys[-1]:
+        span = f"from {keys[0]:g} to {keys[-1]:g}" if len(keys) > 1 else f"at {keys[0]:g} alone"
+        text = f"Clip '{timeline.name}' has keys {span}; at {time:g} it holds the nearest pose"
+        report.warn("pose-outside", text)
+    return float(np.clip(time, keys[0], keys[-1]))
+
+
+def table(rig: Rig, options: Options, report: Report | None = None) -> dict[str, Any]:
+    """The pose of the joints, all nodes where there are none, as schemas/pose.schema.json describes it."""
+    timeline, time = moment(rig, options.at)
+    posed = pose_of(rig, options, report)
+    nodes = np.flatnonzero(rig.is_joint).tolist() or list(range(len(rig)))
+    joints = []
+    for node in nodes:
+        translation, rotation, scale = (row[0] for row in posed.part(node))
+        joints.append(
+            {
+                "joint": rig.address(node),
+                "translation": _numbers(translation),
+                "rotation": _numbers(rotation),
+                "scale": _numbers(scale),
+                "position": _numbers(posed.world(node)[0, 3, :3]),
+            }
+        )
+    return {
+        "clip": None if timeline is None else timeline.name,
+        "time": None if timeline is None else time,
+        "evaluated": options.evaluate,
+        "joints": joints,
+        "weights": _weights(rig, timeline, time),
+    }
+
+
+def _weights(rig: Rig, timeline: Timeline | None, time: float) -> list[dict[str, Any]]:
+    """The morph weights of the nodes that a clip gives some; at rest they are the file's own."""
+    tracks = [] if timeline is None else [t for t in timeline.clip.tracks if t.path == "weights"]
+    return [
+        {"node": rig.address(track.node), "weights": _numbers(sample(track, [time])[0])}
+        for track in sorted(tracks, key=lambda track: track.node)
+    ]
+
+
+@operation(Options)
+def take_pose(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """The rig with a pose for its rest pose: of joints and all else that moves but the controls. Clips stay.
+
+    Controls, poles and offsets stay: from where they are at rest it is told what their keys mean.
+    Bind poses do not change, so meshes show the pose. Raises as `pose_of`, and GeometryError for a
+    pose that is no numbers.
+    """
+    posed = pose_of(rig, options, report)
+    kept = {node for node, note in rig.notes.items() if note.get("type") in _KEPT}
+    parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
+    for node, now in parts.items():
+        if not all(np.isfinite(each).all() for each in now):
+            raise GeometryError(f"'{rig.title(node)}' has no place that is a number in {options.at}")
+    timeline, time = moment(rig, options.at)
+    taken, moved = at_rest(rig, parts, np.full(len(rig), 0.1 * NOTHING * size_of(rig)))
+    weights = _morphed(rig, timeline, time)
+    report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
+    report.reposed |= bool(moved or weights)
+    return replace(taken, morphed={**rig.morphed, **weights}) if weights else taken
+
+
+def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floats]:
+    """The morph weights of a moment, (t,) by node, where they are others than at rest; as float32."""
+    tracks = [] if timeline is None else [t for t in timeline.clip.tracks if t.path == "weights"]
+    found = {track.node: single(sample(track, [time])[0]) for track in tracks}
+    still = (
+        {mesh.node: rig.morphed.get(mesh.node, mesh.morph_weights) for mesh in rig.drawn()} if found else {}
+    )
+    return {
+        node: weights
+        for node, weights in found.items()
+        if node in still and len(still[node]) == len(weights) and (still[node] != weights).any()
+    }
+
+
+def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, list[int]]:
+    """The rig with nodes at rest elsewhere, and which those are.
+
+    parts: by node, one row each. least: (n,), what moves by no more stays as it is.
+    """
+    still, moved = Posed(rig), []
+    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+    scale, matrix = rig.scale.copy(), rig.matrix.copy()
+    for node, now in parts.items():
+        was = still.part(node)
+        far = float(np.abs(now.translation - was.translation).max()) > least[node]
+        turned = float(turn_angle(multiply(conjugate(was.rotation), now.rotation))[0]) > NOTHING
+        grown = float(np.abs(now.scale - was.scale).max()) > NOTHING
+        if not (far or turned or grown):
+            continue
+        moved.append(node)
+        plain = not rig.has_matrix[node]
+        if not plain:
+            own = compose(rig.translation[node], unit(rig.rotation[node]), rig.scale[node])
+            matrix[node] = compose(*now)[0]
+            # A joint of USD has its parts beside its matrix, for clips that drive only some of them.
+            plain = np.abs(own - rig.matrix[node]).max() <= 1e-3 * np.abs(own).max()
+            far = turned = grown = True
+        if plain:
+            translation[node] = now.translation[0] if far else translation[node]
+            rotation[node] = now.rotation[0] if turned else rotation[node]
+            scale[node] = now.scale[0] if grown else scale[node]
+    if not moved:
+        return rig, moved
+    return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix), moved
+
+
+def _numbers(values: Any) -> list[float]:
+    return [float(value) for value in values]

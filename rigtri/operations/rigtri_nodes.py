@@ -1,0 +1,124 @@
+"""What rigtri adds to a rig: nodes of its own, under one group, found again by their notes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import IDENTITY, from_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+
+GROUP = "rigtri_controls"
+# float32 readers see no difference below this share; a second run must change no byte.
+_SAME_PLACE = 1e-7
+
+
+def group(rig: Rig) -> tuple[Rig, int]:
+    """The node that holds everything rigtri adds; new where there is none: a root, or on the `Rig.shelf`."""
+    for node, note in rig.notes.items():
+        if note.get("type") == "group":
+            return rig, node
+    return add(rig, GROUP, rig.shelf, {"v": 1, "type": "group"})
+
+
+def home(rig: Rig) -> tuple[Rig, int]:
+    """The node that new locators and IK controls go under: the root control, else the group."""
+    root = find(rig, type="control", kind="root")
+    return (rig, root) if root is not None else group(rig)
+
+
+def add(rig: Rig, name: str, parent: int, note: Mapping[str, Any]) -> tuple[Rig, int]:
+    """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a note; and its index."""
+    node = len(rig)
+    rig = rig.with_nodes([free_name(rig, name, None)], [parent], np.zeros((1, 3)), IDENTITY[np.newaxis])
+    return noted(rig, node, note), node
+
+
+def noted(rig: Rig, node: int, note: Mapping[str, Any]) -> Rig:
+    """The rig with another note on a node."""
+    return rig if rig.notes.get(node) == note else replace(rig, notes={**rig.notes, node: note})
+
+
+def find(rig: Rig, **said: Any) -> int | None:
+    """The first node whose note says all of ``said``; None where there is none."""
+    for node, note in rig.notes.items():
+        if all(note.get(key) == value for key, value in said.items()):
+            return node
+    return None
+
+
+def renamed(rig: Rig, node: int, name: str) -> Rig:
+    """The rig with another name for a node of ours, made free of others'."""
+    names = list(rig.names)
+    names[node] = free_name(rig, name, node)
+    return replace(rig, names=tuple(names))
+
+
+def free_name(rig: Rig, wanted: str, own: int | None) -> str:
+    """A name of letters, digits and underscores that no other node has.
+
+    USD prims allow nothing else, and three.js alters other names.
+    """
+    name = plain_name(wanted)
+    taken = {known for node, known in enumerate(rig.names) if node != own}
+    free, count = name, 2
+    while free in taken:
+        free, count = f"{name}_{count}", count + 1
+    return free
+
+
+def plain_name(wanted: str) -> str:
+    """A name with every run of other signs than letters, digits and underscores made one underscore."""
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", wanted).strip("_") or "locator"
+    return f"_{name}" if name[0].isdigit() else name
+
+
+def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
+    """Put a node at a place in the world, position (3,) and axes as rows (3, 3), seen from its parent.
+
+    What an animator has set on controls above it carries it along: it stands there while they are zero.
+    """
+    above = unposed(rig, int(rig.parents[node]))
+    place = multiply(from_frame(axes, position), inverse(above))
+    # A place near its parent's keeps the rounding of both in the world.
+    largest = max(float(length(position)), float(length(above[3, :3])))
+    return stand_local(rig, node, place, noise=_SAME_PLACE * largest)
+
+
+def unposed(rig: Rig, node: int) -> Floats:
+    """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
+    world = np.eye(4)
+    while node >= 0:
+        if rig.notes.get(node, {}).get("type") != "control":
+            world = multiply(world, rig.local[node])
+        node = int(rig.parents[node])
+    return world
+
+
+def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:
+    """Give a node a local matrix without shear, (4, 4); bits that only ``noise`` would change stay."""
+    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+    turn = from_axes(orthonormal_axes(place))
+    least = max(_SAME_PLACE * float(length(place[3, :3])), noise, 1e-30)
+    if length(place[3, :3] - translation[node]) > least:
+        translation[node] = place[3, :3]
+    # q and −q are one rotation; of a half turn, rounding picks either.
+    if min(np.abs(turn - rotation[node]).max(), np.abs(turn + rotation[node]).max()) > _SAME_PLACE:
+        rotation[node] = turn
+    if rig.has_matrix[node]:
+        matrix = rig.matrix.copy()
+        # A matrix keeps its own scale, as translation and rotation beside a scale do.
+        size = length(matrix[node, :3, :3])
+        moved = from_frame(orthonormal_axes(place) * size[:, np.newaxis], place[3, :3])
+        # An element of a matrix moves by up to four times as much as those of a quaternion.
+        if np.abs(moved - matrix[node]).max() > 4.0 * _SAME_PLACE * max(1.0, float(np.abs(moved).max())):
+            matrix[node] = moved
+        return replace(rig, matrix=matrix)
+    return replace(rig, translation=translation, rotation=rotation)

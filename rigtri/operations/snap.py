@@ -1,0 +1,338 @@
+"""snap: FK controls take over from IK at a frame, or IK from FK, and the joints stay where they are.
+
+A limb is solved by IK in a clip where its IK end or pole has keys (docs/evaluation.md). So IK's keys go
+where FK takes over, and the keys of the limb's FK controls where IK does. What takes over gets keys at all
+of the clip's keys, so that the rest of the motion stays; what is at work already, at the moments alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, size_of
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.inverse_solver import Matched, match_limb
+from rigtri.evaluation.key_insertion import with_keys
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import (
+    Timeline,
+    jumps,
+    just_before,
+    looked_at,
+    moment,
+    single,
+    steps_only,
+    times_within,
+)
+from rigtri.evaluation.zero_pose import Reference
+from rigtri.maths.quaternions import conjugate, multiply, turn_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.options import operation
+from rigtri.operations.pose import at_rest, tell_outside
+from rigtri.report import Report
+
+_PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+# Joints that move by more, as a share of the size, are told.
+NEAR = 1e-5
+# Values that differ by less, in radians or as a share of the size, were found from the same pose.
+SAME = 1e-5
+
+
+@dataclass(frozen=True)
+class Options:
+    """to: what takes over. at: moments, ``CLIP@TIME`` or ``rest``. limbs: root, middle and end joint of
+    each, by name; all with an IK end where there is none.
+    """
+
+    to: Literal["ik", "fk"]
+    at: tuple[str, ...]
+    limbs: tuple[tuple[str, str, str], ...] = ()
+
+    def checked(self) -> Options:
+        """These options. UsageError for what cannot be."""
+        if self.to not in ("ik", "fk"):
+            raise UsageError(f"--to {self.to}: choose of ik, fk")
+        if not self.at:
+            raise UsageError("say when: --at CLIP@TIME, or --at rest")
+        return self
+
+
+@operation(Options)
+def snap(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """Give IK ends and poles, or FK controls, the values with which joints stand as they do at some moments.
+
+    What was done to each limb goes to ``report.added``, with how far its joints have moved. Raises
+    UsageError, NameNotFoundError, GeometryError (no such limb, no FK controls,
+    an IK end that follows a constraint).
+    """
+    options = options.checked()
+    chains = _chains(rig, options)
+    moments: dict[tuple[int, ...], list[tuple[str, float]]] = {}
+    for text in options.at:
+        timeline, time = moment(rig, text)
+        if timeline is not None:
+            time = tell_outside(timeline, time, report)
+        moments.setdefault(timeline.members if timeline else (), []).append((text, time))
+    for together in moments.values():
+        at = single(np.unique([time for _, time in together]))
+        for chain in chains:
+            timeline, _ = moment(rig, together[0][0])
+            rig = _Limb(rig, chain, timeline, at, options.to, report).snapped()
+    return rig
+
+
+def _chains(rig: Rig, options: Options) -> list[tuple[int, int, int]]:
+    """The limbs, as nodes. GeometryError for one without an IK end."""
+    known = [limb.chain for limb in Reference(rig).limbs]
+    chains = [(rig.find(a), rig.find(b), rig.find(c)) for a, b, c in options.limbs] or known
+    for chain in chains:
+        if chain not in known:
+            told = ", ".join(f"'{rig.title(node)}'" for node in chain)
+            raise GeometryError(f"The limb {told} has no IK end; make one with: rigtri add-controls --ik")
+    if not chains:
+        raise GeometryError(
+            "No limb here has an IK end; make some with: rigtri add-controls --whole-character"
+        )
+    return chains
+
+
+@dataclass(frozen=True, eq=False)
+class _Limb:
+    """One limb at some times of a timeline, or at rest where there is none."""
+
+    rig: Rig
+    chain: tuple[int, int, int]
+    timeline: Timeline | None
+    times: Floats
+    to: Literal["ik", "fk"]
+    report: Report
+
+    def snapped(self) -> Rig:
+        ik = self._ik()
+        ends = [node for node in (ik.limb.control, ik.limb.pole) if node >= 0]
+        fks = self._fks(ik)
+        controls = [fk.own.control for fk in fks.values()]
+        at_work = self._at_work(self.rig)
+        was_ik = bool(at_work.intersection(ends))
+        already = was_ik if self.to == "ik" else not was_ik and at_work.issuperset(controls)
+        # What takes over is to show all of the motion that it had without.
+        times = self.times if already or self.timeline is None else self._all_times(self.timeline)
+        before = self._posed(self.rig, times)
+        channels = self._to_ik(ik, before) if self.to == "ik" else self._to_fk(ik, fks, before)
+        if not all(np.isfinite(each).all() for parts in channels.values() for each in parts):
+            raise GeometryError(
+                f"The limb that ends in '{self.rig.title(self.chain[2])}' has a scale of zero at one of the "
+                "moments, or above it; no control can tell what has no axes"
+            )
+        if self.timeline is None:
+            if self.to == "fk" and was_ik:
+                zero = Parts(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
+                channels[ik.limb.control] = zero
+            rig, _ = at_rest(self.rig, channels, np.full(len(self.rig), 0.1 * NOTHING * size_of(self.rig)))
+        elif already:
+            rig = self._set(channels)
+        else:
+            offsets = [fk.own.offset for fk in ik.fk.values()]
+            working = ends if self.to == "ik" else controls
+            rig = self._replaced(channels, times, {*ends, *controls, *offsets}, working)
+        # What controls show, and tracks that go, are so on purpose.
+        self.report.reposed |= rig is not self.rig
+        self._record(rig, times)
+        return rig
+
+    def _all_times(self, timeline: Timeline) -> Floats:
+        """The moments, and where the clip has keys; splines are sampled as `bake` does."""
+        splines = any(t.interpolation == "CUBICSPLINE" and len(t.times) > 1 for t in timeline.clip.tracks)
+        times = np.union1d(self.times, times_within(timeline, 60.0 if splines else None, self.rig.per_second))
+        if steps_only(timeline):
+            return times
+        before = just_before(jumps(timeline))
+        return np.union1d(times, before[before > times[0]])
+
+    def _at_work(self, rig: Rig) -> frozenset[int]:
+        timeline = self._now(rig)
+        return keyed_in(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
+
+    def _now(self, rig: Rig) -> Timeline | None:
+        """The timeline, with the tracks that a later state of the rig has in it."""
+        if self.timeline is None:
+            return None
+        tracks = {(t.node, t.path): t for k in self.timeline.members for t in rig.clips[k].played.tracks}
+        return replace(self.timeline, clip=Clip(self.timeline.clip.name, tuple(tracks.values())))
+
+    def _posed(self, rig: Rig, times: Floats) -> Posed:
+        timeline = self._now(rig)
+        parts = sampled(rig, timeline.clip, times) if timeline else {}
+        return Solver(rig, self._at_work(rig)).run(parts)
+
+    def _ik(self) -> Ik:
+        reference = Reference(self.rig)
+        limb = next(limb for limb in reference.limbs if limb.chain == self.chain)
+        solver = Solver(self.rig, {limb.control})
+        return next(ik for ik in solver.limbs if ik.limb.chain == self.chain)
+
+    def _fks(self, ik: Ik) -> dict[int, Fk]:
+        """The FK controls of what IK moves, by joint, parents first."""
+        nodes = (self.chain[0], *ik.paths[0], *ik.paths[1])
+        moved = [node for node in nodes if node in ik.sets and node in ik.reference.fk]
+        return {node: Fk(ik.reference, ik.reference.fk[node]) for node in moved}
+
+    def _to_ik(self, ik: Ik, before: Posed) -> dict[int, Parts]:
+        found = Matched(Posed(self.rig, before.parts))
+        match_limb(found, ik, before, Solver(self.rig, ()).rules, lambda node, parts: _single(parts))
+        channels = dict(found.controls)
+        if self.timeline is not None:  # at rest offsets say what the controls' channels start from
+            for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries)):
+                stand = _single(fk.beneath(found.posed))
+                if all(np.isfinite(each).all() for each in stand):
+                    found.posed.set(fk.own.offset, stand)
+                    channels[fk.own.offset] = stand
+            channels |= found.offsets
+        return channels
+
+    def _to_fk(self, ik: Ik, fks: Mapping[int, Fk], before: Posed) -> dict[int, Parts]:
+        missing = [node for node in self.chain if node not in fks]
+        if missing:
+            raise GeometryError(
+                f"'{self.rig.title(missing[0])}' has no FK control; make one with: rigtri add-controls"
+            )
+        rules = Solver(self.rig, ()).rules
+        for node in (ik.limb.control, ik.limb.pole):
+            if node in rules:
+                raise GeometryError(
+                    f"'{self.rig.title(node)}' follows a constraint, so IK always moves the limb that ends "
+                    f"in '{self.rig.title(self.chain[2])}'; take the constraint out first"
+                )
+        built = Posed(self.rig, before.parts)
+        return {fk.own.control: _single(fk.channels(built, before.part(node))) for node, fk in fks.items()}
+
+    def _set(self, channels: Mapping[int, Parts]) -> Rig:
+        """The rig with other values at the moments, where one of them is another."""
+        timeline = self._now(self.rig)
+        assert timeline is not None
+        now = Posed(self.rig, sampled(self.rig, timeline.clip, self.times))
+        size = size_of(self.rig)
+        if all(_alike(now.part(node), parts, size) for node, parts in channels.items()):
+            return self.rig
+        clips, wanted = list(self.rig.clips), _wanted(channels)
+        for k in self.timeline.members if self.timeline else ():
+            tracks = []
+            for track in clips[k].tracks:
+                values = wanted.pop((track.node, track.path), None)
+                rows = None if values is None else _rows(values, len(self.times))
+                tracks.append(track if rows is None else with_keys(track, self.times, rows))
+            clips[k] = replace(clips[k], tracks=tuple(tracks))
+        fresh = [self._nearby(timeline, *which, values) for which, values in wanted.items()]
+        home = timeline.members[0]
+        clips[home] = replace(clips[home], tracks=(*clips[home].tracks, *(t for t in fresh if t is not None)))
+        return replace(self.rig, clips=tuple(clips))
+
+    def _nearby(self, timeline: Timeline, node: int, path: Path, values: Floats) -> Track | None:
+        """A track for what had none: between the keys around the moments it is what it is at rest."""
+        rest = _part(self.rig, node, path)
+        if np.abs(values - rest).max() <= NOTHING or self.rig.notes[node].get("type") == "offset":
+            return None
+        keys = times_within(timeline, None)
+        outer = [keys[keys < self.times[0]][-1:], keys[keys > self.times[-1]][:1]]
+        inner = keys[(keys > self.times[0]) & (keys < self.times[-1])]
+        times = np.union1d(self.times, np.concatenate([*outer, inner]))
+        rows = _rows(rest, len(times))
+        rows[np.searchsorted(times, self.times)] = values
+        return Track(node, path, "LINEAR" if len(times) > 1 else "STEP", times, rows)
+
+    def _replaced(
+        self, channels: Mapping[int, Parts], times: Floats, gone: Collection[int], working: Collection[int]
+    ) -> Rig:
+        """The rig with new tracks. gone: nodes that lose theirs. working: nodes that get some in any case."""
+        timeline = self.timeline
+        assert timeline is not None
+        clips, held, made = list(self.rig.clips), steps_only(timeline), dict[tuple[int, Path], Track]()
+        for (node, path), values in _wanted(channels).items():
+            needs = node in working and path == ("rotation" if self.to == "fk" else "translation")
+            if needs or np.abs(values - _part(self.rig, node, path)).max() > NOTHING:
+                still = len(values) == 1 or bool((values == values[0]).all())
+                way: Interpolation = "STEP" if still or held else "LINEAR"
+                made[node, path] = Track(
+                    node, path, way, times[:1] if still else times, values[:1] if still else values
+                )
+        # New tracks stand where those that go were.
+        left = [k for k in timeline.members if any(t.node in gone for t in clips[k].tracks)]
+        for k in left:
+            kept = []
+            for track in clips[k].tracks:
+                now = made.pop((track.node, track.path), None)
+                if now is not None:
+                    kept.append(replace(now, key=track.key))
+                elif track.node not in gone:
+                    kept.append(track)
+            clips[k] = replace(clips[k], tracks=tuple(kept))
+        home = left[0] if left else timeline.members[0]
+        clips[home] = replace(clips[home], tracks=(*clips[home].tracks, *made.values()))
+        return replace(self.rig, clips=tuple(clips))
+
+    def _record(self, rig: Rig, times: Floats) -> None:
+        far, elsewhere = self._apart(rig, self.times), self._apart(rig, looked_at(times))
+        name = self.rig.title(self.chain[2])
+        if not far <= NEAR:
+            self.report.warn(
+                "snap-off", f"The limb that ends in '{name}' moves by {far:.2g} of the size", geometry=True
+            )
+        self.report.added.append(
+            {
+                "type": "snap",
+                "limb": [rig.title(node) for node in self.chain],
+                "to": self.to,
+                "clip": self.timeline.name if self.timeline else None,
+                "times": self.times.tolist() if self.timeline else [],
+                "deviation": far,
+                "elsewhere": elsewhere,
+            }
+        )
+
+    def _apart(self, rig: Rig, times: Floats) -> float:
+        """How far joints of the rig are from where they were, at most, as a share of the size."""
+        before, after, far = self._posed(self.rig, times), self._posed(rig, times), 0.0
+        for joint in np.flatnonzero(rig.is_joint).tolist():
+            apart = length(after.world(joint)[:, 3, :3] - before.world(joint)[:, 3, :3])
+            far = max(far, float(np.nan_to_num(apart).max()))
+        return far / size_of(rig)
+
+
+def _wanted(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:
+    return {
+        (node, path): values
+        for node, parts in channels.items()
+        for path, values in zip(_PATHS, parts, strict=True)
+    }
+
+
+def _part(rig: Rig, node: int, path: Path) -> Floats:
+    """What a node has at rest, (1, c)."""
+    return Posed(rig).part(node)[_PATHS.index(path)]
+
+
+def _alike(now: Parts, wanted: Parts, size: float) -> bool:
+    """Whether the two differ by no more than rounding."""
+    moved = float(np.abs(wanted.translation - now.translation).max())
+    turned = float(turn_angle(multiply(conjugate(now.rotation), wanted.rotation)).max())
+    grown = float(np.abs(wanted.scale - now.scale).max())
+    return moved <= SAME * size and turned <= SAME and grown <= SAME
+
+
+def _single(parts: Parts) -> Parts:
+    return Parts(*(single(each) for each in parts))
+
+
+def _rows(values: Floats, count: int) -> Floats:
+    return np.broadcast_to(values, (count, values.shape[-1])).copy()

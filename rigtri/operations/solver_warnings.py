@@ -1,0 +1,142 @@
+"""What a rig was asked that it cannot do: limbs that cannot reach, poles that tell nothing, uneven scale."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.frame_batches import blocks, cut
+from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.solver_steps import Follow, Root, Step
+from rigtri.evaluation.timelines import Timeline
+from rigtri.evaluation.two_bone_ik import BEYOND
+from rigtri.maths.matrices import transform_points
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Track
+from rigtri.report import Notice
+
+# As a share of the limb: nearer than this to what it can reach, rounding or a bake has put the IK end.
+REACHED = 1e-3
+# Scales that differ by less are one.
+EVEN = 1e-4
+
+
+# Names the moment of a row.
+Moment = Callable[[int], str]
+
+
+def troubles(solver: Solver, posed: Posed, at: Moment) -> Iterator[Notice]:
+    """Notices of a rig that ``solver`` has run: of each kind of trouble, the moment where it is worst."""
+    for ik in solver.limbs:
+        yield from _limb(ik, posed, at)
+    scaled = {node for step in solver.steps for node in _scaled(step)}
+    scaled |= {fk.own.control for ik in solver.limbs for fk in ik.fk.values()}
+    for node in sorted(scaled):
+        yield from _scale(solver.rig.title(node), posed.part(node).scale, at)
+
+
+def clip_troubles(
+    solver: Solver, timeline: Timeline, times: Floats, solved: Mapping[int, Parts]
+) -> list[Notice]:
+    """The notices of a timeline, of each node's troubles the first. solved: what ``solver`` makes of it at
+    ``times``, node → (1 or f, ·) each."""
+    rig, looked_at = solver.rig, set[int]()
+    for node in (n for step in solver.steps for n in (*step.sets, *step.reads, *step.needs)):
+        while node >= 0 and node not in looked_at:
+            looked_at.add(node)
+            node = int(rig.parents[node])
+    tracks = tuple(t for t in timeline.clip.tracks if t.node in looked_at and t.node not in solved)
+    parts = {**sampled(rig, replace(timeline.clip, tracks=tracks), times), **solved}
+    as_shown = {
+        rig.title(control)
+        for control, joint in solver.reference.control_of.items()
+        if joint in solved and _shown(timeline.track(joint, "scale"), times, solved[joint].scale)
+    }
+    found: dict[tuple[str, str | None], Notice] = {}
+    for rows in blocks(len(times)):
+        moment = _moment(timeline.name, times[rows])
+        for notice in troubles(solver, Posed(rig, cut(parts, rows)), moment):
+            if notice.code != "control-scale" or notice.joint not in as_shown:
+                found.setdefault((notice.code, notice.joint), notice)
+    return list(found.values())
+
+
+def _shown(track: Track | None, times: Floats, scale: Floats) -> bool:
+    """Whether a joint's own keys scale it as its control does, so that the file shows nothing new."""
+    if track is None:
+        return False
+    return bool(np.abs(sample(track, times) - scale).max() <= EVEN * np.abs(scale).max())
+
+
+def _moment(clip: str, times: Floats) -> Moment:
+    return lambda row: f"{clip}@{times[row]:g}"
+
+
+def _scaled(step: Step) -> Iterator[int]:
+    """The controls whose scale a step uses: its own, and the root's that its own hangs below."""
+    base = step.base if isinstance(step, Follow) else step
+    if isinstance(base, Fk | Root):
+        yield base.own.control
+        yield from (root.control for root in base.reference.roots if root.control == base.own.above)
+
+
+def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
+    sizes = np.abs(scale)
+    most = sizes.max(axis=1)
+    uneven = most - sizes.min(axis=1) - EVEN * most
+    mirrored = np.count_nonzero(scale < 0, axis=1) % 2 == 1  # two are half a turn
+    if most.min() == 0:
+        text = f"'{name}' is scaled to zero in {at(int(most.argmin()))}: so is its joint, with all below it"
+        yield Notice("control-scale", text, name)
+    elif uneven.max() > 0:
+        text = (
+            f"'{name}' is scaled unevenly in {at(int(uneven.argmax()))}: "
+            "so is its joint, and what turns below it is sheared"
+        )
+        yield Notice("control-scale", text, name)
+    elif mirrored.any():
+        text = f"'{name}' is mirrored in {at(int(mirrored.argmax()))}: so is its joint, with all below it"
+        yield Notice("control-scale", text, name)
+
+
+def _limb(ik: Ik, posed: Posed, at: Moment) -> Iterator[Notice]:
+    rig, limb = ik.rig, ik.limb
+    target, place = ik.target(posed), ik.place(posed)
+    solved, lengths = ik.solve(posed, target, place), ik.lengths(posed)
+    longest, shortest = lengths[0] + lengths[1], np.abs(lengths[0] - lengths[1])
+    distance = length(target - transform_points(ik.start, posed.world(ik.above)))
+    # The targets that matching gives a soft limb are beyond it, and meant.
+    far = distance - longest * (1.0 + (BEYOND - 1.0) * limb.soft + REACHED)
+    near = shortest - REACHED * longest - distance
+    # The FK controls below the solver may have brought the end there all the same, as matching lets them
+    # where bones change their length.
+    away = length(target - posed.world(limb.chain[2])[:, 3, :3]) > REACHED * longest
+    far = np.where(away & (not limb.stretch), far, -np.inf)
+    near = np.where(away, near, -np.inf)
+    end = rig.title(limb.chain[2])
+    for off, how in ((far, "too far away"), (near, "too near")):
+        if off.max() > 0:
+            yield Notice(
+                "ik-unreachable",
+                f"'{rig.title(limb.control)}' is {how} in {at(int(off.argmax()))} for the limb that ends in "
+                f"'{end}' to reach it; the limb points there",
+                end,
+                geometry=True,
+            )
+            break
+    if solved.lost.any():
+        yield Notice(
+            "ik-no-side",
+            f"The limb that ends in '{end}' has its IK end at its root, or its pole on the line to it, in "
+            f"{at(int(solved.lost.argmax()))}; it keeps the side it has at rest",
+            end,
+            geometry=True,
+        )

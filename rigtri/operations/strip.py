@@ -1,0 +1,179 @@
+"""strip: take out again what rigtri has put into a rig.
+
+Nodes of ours go, notes on the nodes of others go. What others have put below a node of
+ours is not ours to move: it is named, and nothing is done.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.frames.node_constraints import told_by_rules
+from rigtri.model.records import Booleans, Constraint, Fold, Skin
+from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.replaced_keys import restored
+from rigtri.operations.add_twist.twist import INFLUENCES
+from rigtri.operations.options import operation
+from rigtri.report import Report
+
+
+@dataclass(frozen=True)
+class Options:
+    """What `strip` takes out. splits: also the notes by which the nodes of split joints are known."""
+
+    splits: bool = False
+
+
+@operation(Options)
+def strip(rig: Rig, *, options: Options, report: Report) -> Rig:
+    """The rig without the nodes and notes of rigtri; the axes of joints stay as they are.
+
+    ``report.added`` is left empty; ``report.removed`` names every node and note that goes.
+    Raises GeometryError where a node of someone else hangs below one of ours.
+    """
+    gone = _gone(rig)
+    readers = [node for node in gone if rig.notes.get(node, {}).get("type") == "poseReader"]
+    rig, driven = restored(rig, readers, report)
+    for node, columns in driven.items():
+        report.driven.setdefault(rig.keys[node], set()).update(columns)
+    notes = {}
+    for node, note in rig.notes.items():
+        if node in gone:
+            continue
+        if note.get("type") == "frame" and "joint" in note and not options.splits:
+            notes[node] = note
+            continue
+        report.removed.append({"node": rig.address(node), "type": str(note.get("type", "")), "kept": True})
+    for node in sorted(gone):
+        kind = str(rig.notes.get(node, {}).get("type", "shape"))
+        report.removed.append({"node": rig.address(node), "type": kind, "kept": False})
+    if not report.removed:
+        return rig
+    folds = _folds(rig, gone)
+    names = tuple("" if node in gone else name for node, name in enumerate(rig.names))
+    stripped = replace(
+        rig,
+        names=names,
+        notes=notes,
+        removed=rig.removed | gone,
+        constraints=_others(rig),
+        shapes={node: shape for node, shape in rig.shapes.items() if node not in gone},
+        clips=tuple(
+            replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in gone))
+            if any(track.node in gone for track in clip.tracks)
+            else clip
+            for clip in rig.clips
+        ),
+        spreads=(),  # each is among joints of ours
+        folds=folds,
+        skins=tuple(
+            _without(skin, gone, next((fold for fold in folds if fold.skin == number), None))
+            for number, skin in enumerate(rig.skins)
+            if skin.key is not None or not gone.issuperset(skin.joints.tolist())  # new, and all of it goes
+        ),
+    )
+    # What no file has yet need not be taken out of one.
+    stay = [node for node in range(len(rig)) if node not in gone or rig.keys[node] is not None]
+    return stripped.reordered(stay) if len(stay) < len(rig) else stripped
+
+
+def _without(skin: Skin, gone: frozenset[int], fold: Fold | None) -> Skin:
+    stays = _stays(skin, gone)
+    if stays.all():
+        return skin
+
+    def weigh() -> Booleans:
+        if fold is None:
+            return skin.weighted[stays]
+        weighted = np.zeros(np.count_nonzero(stays), dtype=bool)
+        weighted[fold.rows[skin.weighted[: len(fold.rows)]]] = True
+        return weighted
+
+    lost = replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
+    return lost if skin.weigh is None else replace(lost, weigh=weigh)
+
+
+def _stays(skin: Skin, gone: frozenset[int]) -> Booleans:
+    return np.array([joint not in gone for joint in skin.joints.tolist()], dtype=bool)
+
+
+def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
+    """What the points of each skin that loses joints have of them goes to the bones of those."""
+    found = []
+    for number, skin in enumerate(rig.skins):
+        if skin.key is None:
+            continue
+        # Joints that no file has yet come last, and have no points there.
+        filed = sum(rig.keys[joint] is not None for joint in skin.joints.tolist())
+        stays = _stays(skin, gone)[:filed]
+        if stays.all() or not (stays.any() or skin.drawn):
+            continue
+        rows, at = np.cumsum(stays) - 1, np.zeros(len(stays))
+        lost, weighted = np.flatnonzero(~stays), _weighted(rig, number)
+        for row in lost.tolist():
+            heir = _heir(rig, int(skin.joints[row]), gone, skin) if weighted[row] else -1
+            if heir < 0 and weighted[row]:
+                raise GeometryError(
+                    f"Points of a mesh move with '{rig.title(int(skin.joints[row]))}', which is to go. "
+                    "Give their weight to a joint that stays first"
+                )
+            rows[row] = rows[heir] if heir >= 0 else 0
+            if heir >= 0:
+                note = rig.notes[int(skin.joints[row])]
+                at[row] = float(note["at"])
+                at[heir] = 1.0 if rig.known(note["driver"]) == int(skin.joints[heir]) else 0.0
+        idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
+        found.append(Fold(number, rows, at, _widths(rig, gone), idle))
+    return tuple(found)
+
+
+def _widths(rig: Rig, gone: frozenset[int]) -> dict[int, int]:
+    """How many joints each point of a mesh had before its weights were split, by the mesh's node."""
+    found: dict[int, int] = {}
+    for entry in (entry for node in sorted(gone) for entry in rig.notes.get(node, {}).get(INFLUENCES, ())):
+        mesh = rig.known(entry["mesh"])
+        if mesh is not None:
+            found[mesh] = min(int(entry["count"]), found.get(mesh, int(entry["count"])))
+    return found
+
+
+def _weighted(rig: Rig, number: int) -> Booleans:
+    """Which joints of a skin move points that can be read, (m,)."""
+    found = np.zeros(len(rig.skins[number].joints), dtype=bool)
+    for mesh in rig.meshes:
+        if mesh.skin == number:
+            found[mesh.joints[mesh.weights != 0]] = True
+    return found
+
+
+def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
+    """The row of the bone that a twist joint stands along, which its weight was split from; -1 for none."""
+    note = rig.notes.get(node, {})
+    bone = rig.known(note.get("joint")) if note.get("type") == "twist" else None
+    places = np.flatnonzero(skin.joints == (-1 if bone is None or bone in gone else bone))
+    return int(places[0]) if len(places) else -1
+
+
+def _others(rig: Rig) -> tuple[Constraint, ...]:
+    """The node constraints that no rule of ours is told by."""
+    ours = told_by_rules(rig)
+    return tuple(c for c in rig.constraints if ours.get(c.node) != c.kind)
+
+
+def _gone(rig: Rig) -> frozenset[int]:
+    """The nodes that go. GeometryError where one that stays would lose its parent."""
+    gone = rig.own
+    for node in sorted(gone):
+        for child in rig.children[node]:
+            if child not in gone:
+                joint = rig.notes.get(node, {}).get("joint")
+                where = f"'{joint}' or another node that stays" if joint else "a node that stays"
+                raise GeometryError(
+                    f"'{rig.title(child)}' hangs below '{rig.title(node)}', which is to go, and is not "
+                    f"rigtri's. In the program that put it there, hang it below {where}, or remove it; then "
+                    "strip again"
+                )
+    return gone

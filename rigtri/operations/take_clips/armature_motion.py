@@ -1,0 +1,96 @@
+"""Armatures that somebody has moved in Blender while controls drove: there the bones stayed with these.
+
+An armature object is a node above the first joints. Its constraints, which the script of ``export-blender``
+makes, hold the bones where controls are in the world; in a file, joints go wherever the node above goes.
+
+Source: docs/blender.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.maths.matrices import decompose, inverse, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.messages import some
+from rigtri.report import Report
+
+# Of the largest number of a bind pose; less went through another program's float32.
+_SAME = 1e-4
+
+
+def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report, *, binds: bool = False) -> Rig:
+    """The rig with its armatures where controls had the bones, as in ``described``, with a notice.
+
+    of: the nodes of ``rig`` by those of ``described``. binds: bind poses go along with their armature.
+    What a clip moves, and what hangs on nothing, stays.
+    """
+    theirs, ours = bind_poses(described), bind_poses(rig)
+    keyed = {track.node for clip in rig.clips for track in clip.tracks}
+    controls = _controls_moved(rig, described, of)
+    moves: dict[int, Floats] = {}
+    for joint, place in theirs.items():
+        node = of.get(joint, -1)
+        above = int(rig.parents[node]) if node in ours else -1
+        if above < 0 or above in keyed or rig.is_joint[above] or tuple(rig.up) != tuple(described.up):
+            continue
+        back = multiply(multiply(inverse(ours[node]), place), controls)
+        if np.abs(multiply(ours[node], back) - ours[node]).max() > _SAME * max(1.0, np.abs(place).max()):
+            moves.setdefault(above, back)
+    if not moves:
+        return rig
+    names = some(rig.title(node) for node in moves)
+    text = f"{names} was moved in Blender while controls drove, where its bones stayed with them: put back"
+    report.warn("armature-moved", text)
+    for node, back in moves.items():
+        rig = _placed(rig, node, multiply(rig.world[node], back))
+    return _bound(rig, moves) if binds else rig
+
+
+def bind_poses(rig: Rig) -> dict[int, Floats]:
+    """Where joints stand in their skins' bind poses, (4, 4) each."""
+    found: dict[int, Floats] = {}
+    for skin in rig.skins:
+        if skin.stored:
+            for joint, matrix in zip(skin.joints.tolist(), skin.bind, strict=True):
+                if np.isfinite(matrix).all():
+                    found.setdefault(joint, matrix)
+    return found
+
+
+def _controls_moved(rig: Rig, described: Rig, of: Mapping[int, int]) -> Floats:
+    """How what holds all controls was moved, (4, 4)."""
+    for node, note in described.notes.items():
+        if note.get("type") == "group" and node in of:
+            return multiply(inverse(described.world[node]), rig.world[of[node]])
+    return np.eye(4)
+
+
+def _placed(rig: Rig, node: int, world: Floats) -> Rig:
+    """The rig with a node at a place in the world."""
+    above = int(rig.parents[node])
+    place = world if above < 0 else multiply(world, inverse(rig.world[above]))
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    matrix = rig.matrix.copy()
+    matrix[node] = place
+    translation[node], rotation[node], scale[node] = decompose(place)
+    return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+
+
+def _bound(rig: Rig, moves: Mapping[int, Floats]) -> Rig:
+    """The rig with the bind poses of all joints below moved nodes moved along."""
+    skins = []
+    for skin in rig.skins:
+        binds = skin.inverse_bind.copy()
+        for row, joint in enumerate(skin.joints.tolist()):
+            node = joint
+            while node >= 0 and node not in moves:
+                node = int(rig.parents[node])
+            if node >= 0:
+                binds[row] = multiply(inverse(moves[node]), binds[row])
+        skins.append(replace(skin, inverse_bind=binds))
+    return replace(rig, skins=tuple(skins))

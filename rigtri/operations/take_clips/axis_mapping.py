@@ -1,0 +1,221 @@
+"""Nodes of two files that are one node, and how the axes of the one turn into those of the other.
+
+C of a node and G of the two worlds are such that, at all times of the same motion,
+``world = C · other world · G`` (row matrices). Of a joint, C comes from the inverse bind matrices of
+both files: what is stored as rest is a pose in one file and the bind pose in the other.
+
+Source: docs/take-clips.md.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.maths.matrices import determinant, inverse, multiply, nearest_rotation
+from rigtri.maths.matrices import skew as skewed
+from rigtri.maths.similarity_fit import AXIS_TURNS, OTHER_SHAPE, SAME_PLACE, SAME_SIZE, SAME_TURN, fitted
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Skin, key_values
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.node_matching import pairs
+
+
+def _moved(told: Floats, rounded: Floats) -> float:
+    """How far the axes of a matrix have moved, as a share of their size."""
+    size = float(length(rounded[:3, :3]).max())
+    far = float(np.abs(told[:3, :3] - rounded[:3, :3]).max())
+    return far / size if np.isfinite(far) and size > 0 else 0.0
+
+
+class Counterparts:
+    """The pairs of two rigs with their C and G. moving: nodes of the other that any of its clips moves.
+
+    The rest of a node that moves and is no joint may be the frame that the DCC has shown while it
+    wrote: such a node has the axes that its parent's turn tells.
+    """
+
+    def __init__(self, rig: Rig, other: Rig) -> None:
+        self.rig, self.other = rig, other
+        found = pairs(rig, other)
+        self.of, self.unclear, self.placed = found.of, found.unclear, found.placed
+        self.back = {theirs: ours for ours, theirs in self.of.items()}
+        self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
+        self.proportions = 0.0  # how far bind poses are apart beside turn, size and place
+        self._bound = self._from_binds()
+        self._lines: dict[int, tuple[list[int], list[int], int]] = {}
+        self._between: dict[int, Floats] = {}
+        self.turns: dict[int, Floats] = {}
+        self._rounded: dict[tuple[int, str], float] = {}
+        for node in sorted(self.of):
+            told = self._turn(node)
+            self.turns[node] = self.snapped(told)
+            self._rounded[node, "C"] = _moved(told, self.turns[node])
+
+    def slack(self, node: int) -> float:
+        """How much C and D of a node, and C of the node above, were rounded: radians, or shares of a size."""
+        self.between(node)
+        above = self.line(node)[2]
+        own = self._rounded[node, "C"] + self._rounded[node, "D"]
+        return own + (self._rounded[above, "C"] if above >= 0 else 0.0)
+
+    @property
+    def other_proportions(self) -> bool:
+        """Whether the two skeletons are not one."""
+        return self.proportions > OTHER_SHAPE
+
+    @cached_property
+    def space(self) -> Floats:
+        """G, (4, 4): the world of the other file as this one sees it."""
+        still = [n for n, k in self.of.items() if self.rig.is_joint[n] or k not in self.moving]
+        ours = self.rig.world[still, 3, :3]
+        theirs = self.other.world[[self.of[n] for n in still], 3, :3]
+        fit = np.isfinite(ours).all(axis=1) & np.isfinite(theirs).all(axis=1)
+        return fitted(theirs[fit], ours[fit], about_origin=True, ratio=self._bone_ratio).matrix
+
+    @cached_property
+    def _bone_ratio(self) -> float | None:
+        """How long a bone is here for one there, at rest; None without bones. A pose keeps lengths."""
+        rig, other = self.rig, self.other
+        above = {n: int(rig.parents[n]) for n in self.of if rig.is_joint[n]}
+        bones = [n for n, k in above.items() if k in self.of and self.of[k] == other.parents[self.of[n]]]
+        theirs = [self.of[n] for n in bones]
+        ours = length(rig.world[bones, 3, :3] - rig.world[rig.parents[bones], 3, :3])
+        its = length(other.world[theirs, 3, :3] - other.world[other.parents[theirs], 3, :3])
+        long = np.isfinite(ours) & np.isfinite(its) & (ours > SAME_PLACE * self.size) & (its > 0)
+        return float(np.median(ours[long] / its[long])) if long.any() else None
+
+    @cached_property
+    def size(self) -> float:
+        """The diagonal of the box of the joints at rest, or of all nodes, in units of the rig."""
+        rig = self.rig
+        points = rig.world[rig.is_joint if rig.is_joint.any() else slice(None), 3, :3]
+        points = points[np.isfinite(points).all(axis=1)]
+        size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
+        return size or 1.0
+
+    def _from_binds(self) -> dict[int, Floats]:
+        """C of joints that a skin of each file holds."""
+        found: dict[int, Floats] = {}
+        for skin in self.rig.skins:
+            for theirs in self.other.skins:
+                rows = {int(j): row for row, j in enumerate(theirs.joints)}
+                both = [
+                    (row, int(j), rows[self.of[int(j)]])
+                    for row, j in enumerate(skin.joints)
+                    if self.of.get(int(j)) in rows and int(j) not in found
+                ]
+                if both and skin.stored and theirs.stored:
+                    found |= self._of_skins(skin, theirs, both)
+        return found
+
+    def _of_skins(self, skin: Skin, theirs: Skin, both: list[tuple[int, int, int]]) -> dict[int, Floats]:
+        mine, its = [row for row, _, _ in both], [row for _, _, row in both]
+        ours, bind = inverse(skin.inverse_bind[mine]), inverse(theirs.inverse_bind[its])
+        usable = np.isfinite(ours).all(axis=(1, 2)) & np.isfinite(bind).all(axis=(1, 2))
+        if not usable.any():
+            return {}
+        points = bind[usable, 3, :3], ours[usable, 3, :3]
+        fit = fitted(*points, about_origin=False)
+        if fit.residual > OTHER_SHAPE:
+            # No size fits, and with another than the worlds' the rig would grow while it moves.
+            fit = fitted(*points, about_origin=False, ratio=float(length(self.space[0, :3])))
+        self.proportions = max(self.proportions, fit.residual)
+        turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
+        return {both[k][1]: turns[k] for k in np.flatnonzero(usable).tolist()}
+
+    def _turn(self, node: int) -> Floats:
+        if node in self._bound:
+            return self._bound[node]
+        theirs, between = self.of[node], self.between(node)
+        told = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
+        posed = theirs in self.moving and not self.other.is_joint[theirs]
+        if posed or not np.isfinite(told).all():
+            return self._inherited(node, between)
+        return told
+
+    def _inherited(self, node: int, between: Floats) -> Floats:
+        """C of the nearest node above that both files have, of a size that makes scales at rest alike."""
+        above = self.line(node)[2]
+        turn = (self.turns[above] if above >= 0 else inverse(self.space)).copy()
+        turn[3, :3] = 0.0
+        if self._looks(node):
+            turn[:3, :3] = np.eye(3) * float(length(turn[0, :3]))
+        seen = multiply(multiply(turn, self.other.local[self.of[node]]), between)
+        sizes = float(length(self.rig.local[node, 0, :3])), float(length(seen[0, :3]))
+        if self.of[node] not in self._grown and min(sizes) > 0 and np.isfinite(sizes).all():
+            turn[:3, :3] *= sizes[0] / sizes[1]
+        return turn
+
+    def _looks(self, node: int) -> bool:
+        """Whether a node shows a camera or a light: they look along −z in glTF and USD, whatever is up."""
+        return int(self.rig.payload[node]) >= 0 and not {node, int(self.rig.payload[node])} & self._drawn
+
+    @cached_property
+    def _drawn(self) -> set[int]:
+        return {mesh.node for mesh in self.rig.meshes}
+
+    @cached_property
+    def _grown(self) -> set[int]:
+        """The nodes of the other file that a clip scales."""
+        tracks = [t for clip in self.other.clips for t in clip.tracks if t.path == "scale"]
+        return {t.node for t in tracks if np.ptp(key_values(t), axis=0).max(initial=0.0) > SAME_SIZE}
+
+    def line(self, node: int) -> tuple[list[int], list[int], int]:
+        """What is between a node and the nearest above it in both files: theirs, ours, and that one or −1."""
+        if node not in self._lines:
+            self._lines[node] = self._line(node)
+        return self._lines[node]
+
+    def _line(self, node: int) -> tuple[list[int], list[int], int]:
+        above = []
+        theirs = int(self.other.parents[self.of[node]])
+        while theirs >= 0:
+            above.append(theirs)
+            theirs = int(self.other.parents[theirs])
+        ours, own = int(self.rig.parents[node]), []
+        while ours >= 0 and self.of.get(ours) not in above:
+            own.append(ours)
+            ours = int(self.rig.parents[ours])
+        cut = above.index(self.of[ours]) if ours >= 0 else len(above)
+        return above[:cut], own, ours
+
+    def between(self, node: int) -> Floats:
+        """D, (4, 4): ``local = C · other local · D``, as what lies between stands at rest."""
+        if node not in self._between:
+            seen = self._seen_between(node)
+            self._between[node] = self.snapped(seen)
+            self._rounded[node, "D"] = _moved(seen, self._between[node])
+        return self._between[node]
+
+    def _seen_between(self, node: int) -> Floats:
+        theirs, ours, above = self.line(node)
+        matrix = inverse(self.turns[above]) if above >= 0 else self.space
+        for k in reversed(theirs):
+            matrix = multiply(self.other.local[k], matrix)
+        own = np.eye(4)
+        for k in ours:
+            own = multiply(own, self.rig.local[k])
+        return multiply(matrix, inverse(own))
+
+    def snapped(self, matrix: Floats) -> Floats:
+        """A matrix whose turn, size and place are as near to round ones as rounding leaves them, as these."""
+        sizes = length(matrix[:3, :3])
+        size = float(sizes.max())
+        if not np.isfinite(matrix).all() or size == 0:
+            return matrix
+        alike = sizes.max() - sizes.min() <= SAME_SIZE * size and float(skewed(matrix)) <= SAME_TURN
+        result = matrix.copy()
+        if alike and float(determinant(matrix)) > 0:
+            size = 1.0 if abs(size - 1.0) <= SAME_SIZE else float((sizes[0] + sizes[1] + sizes[2]) / 3.0)
+            axes = nearest_rotation(matrix)
+            apart = np.abs(AXIS_TURNS - axes).max(axis=(1, 2))
+            nearest = int(apart.argmin())
+            axes = AXIS_TURNS[nearest] if apart[nearest] <= SAME_TURN else axes
+            result[:3, :3] = axes * size
+        # A place of the other file's space, before it is scaled, or of ours.
+        if np.abs(result[3, :3]).max() <= SAME_PLACE * self.size * min(1.0, size):
+            result[3, :3] = 0.0
+        return result

@@ -1,0 +1,95 @@
+"""Limbs that IK holds in Blender without keys, as the script of ``export-blender`` tells it.
+
+Below each IK end the script puts an empty node, whose scale is that of a switch: half where IK is off, one
+and a half where it is on, one where nothing drives. A scale comes through every exporter, as custom
+properties do not.
+
+Source: docs/blender.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rigtri.evaluation.timelines import Timeline, placed, single
+from rigtri.evaluation.zero_pose import IkLimb, Reference
+from rigtri.maths.matrices import decompose
+from rigtri.model.records import Path, Track
+from rigtri.model.rig import SWITCH, Rig
+from rigtri.operations.take_clips.messages import some
+from rigtri.report import Report
+
+_PATH: Path = "translation"
+# Scales that tell off from nothing, and nothing from on.
+_OFF, _ON = 0.75, 1.25
+
+
+@dataclass(frozen=True)
+class Switches:
+    """The IK ends whose IK was on while somebody animated, and those whose IK was off."""
+
+    on: frozenset[int]
+    off: frozenset[int]
+
+
+def switches(told: Rig, ends: Mapping[int, int]) -> Switches:
+    """What a file says of its IK ends: ``ends`` has their nodes there, and what they are in the rig."""
+    sizes: dict[int, float] = {}
+    for node, above in enumerate(told.parents.tolist()):
+        if above in ends and SWITCH.fullmatch(told.names[node]):
+            x, y, z = decompose(told.local[node])[2]
+            sizes[ends[above]] = float(x + y + z) / 3
+    return Switches(
+        frozenset(end for end, size in sizes.items() if size > _ON),
+        frozenset(end for end, size in sizes.items() if size < _OFF),
+    )
+
+
+def ik_ends(rig: Rig) -> list[int]:
+    """The controls that IK reaches for."""
+    return [node for node, note in rig.notes.items() if note.get("kind") == "ik"]
+
+
+def holding(rig: Rig, told: Switches, every: Sequence[Timeline]) -> Rig:
+    """The rig with a key of each IK end that is on, where it stands at rest, in each timeline without keys
+    of it and of its pole."""
+    limbs = _limbs(rig, told.on)
+    done = rig
+    for timeline in every:
+        tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
+        keyed = {track.node for track in tracks}
+        times = [track.times[:1] for track in tracks if len(track.times)]
+        if times:
+            start = np.min(times, axis=0)
+            fresh = [
+                Track(limb.control, _PATH, "STEP", start, single(rig.translation[[limb.control]]))
+                for limb in limbs
+                if keyed.isdisjoint((limb.control, limb.pole))
+            ]
+            done = placed(done, timeline, fresh)
+    return done
+
+
+def let_go(rig: Rig, told: Switches, every: Sequence[Timeline], report: Report) -> Rig:
+    """The rig without keys of IK ends that are off, and of their poles, in the timelines, with a notice."""
+    gone = {node for limb in _limbs(rig, told.off) for node in (limb.control, limb.pole)}
+    members = {k for timeline in every for k in timeline.members}
+    lost = {track.node for k in members for track in rig.clips[k].tracks} & gone
+    if not lost:
+        return rig
+    names = some(rig.title(node) for node in sorted(lost))
+    report.warn("ik-off", f"IK was switched off in Blender (rigtri_ik): the keys of {names} are left out")
+    clips = (
+        replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in lost))
+        if k in members
+        else clip
+        for k, clip in enumerate(rig.clips)
+    )
+    return replace(rig, clips=tuple(clips))
+
+
+def _limbs(rig: Rig, ends: frozenset[int]) -> list[IkLimb]:
+    return [limb for limb in Reference(rig).limbs if limb.control in ends] if ends else []

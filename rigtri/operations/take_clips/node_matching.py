@@ -1,0 +1,127 @@
+"""Nodes of two files that are one node: by name, and by their place where they have none."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigtri.maths.similarity_fit import OTHER_SHAPE, fitted
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """What is one node. of: by node of the rig the node of the other. unclear: names of several.
+
+    placed: nodes of the rig that were told by their place, as they have no name in one of the files.
+    """
+
+    of: dict[int, int]
+    unclear: tuple[str, ...]
+    placed: tuple[int, ...] = ()
+
+
+def pairs(rig: Rig, other: Rig) -> Pairs:
+    """Nodes of two rigs that have one name: exactly, else as USD spells it; joints go before other nodes."""
+    found: dict[int, int] = {}
+    unclear: dict[str, None] = {}
+    for spell in (str, as_usd):
+        ours, theirs = _spelled(rig, spell), _spelled(other, spell)
+        taken = set(found.values())
+        for name, nodes in ours.items():
+            left = [node for node in nodes if node not in found]
+            free = [node for node in theirs.get(name, ()) if node not in taken]
+            if not left or not free:
+                continue
+            made = _paired(rig, other, left, free)
+            found |= made
+            if len(made) < min(len(left), len(free)):
+                unclear[rig.names[left[0]]] = None
+    placed = _by_place(rig, other, found)
+    return Pairs(found | placed, tuple(unclear), tuple(placed))
+
+
+def why_apart(rig: Rig, other: Rig) -> str:
+    """Why nodes without names cannot be told by their place; empty where they can."""
+    if len(rig) != len(other):
+        return f"RIG has {len(rig)} nodes and EDITED {len(other)}"
+    if not np.array_equal(rig.parents, other.parents):
+        return "the nodes have other parents, or another order"
+    if not np.array_equal(rig.is_joint, other.is_joint):
+        return "other nodes are joints"
+    ours, theirs = _bones(rig), _bones(other)
+    if len(ours) != len(theirs):
+        return "the skins have other joints"
+    alone = not len(ours)  # without skins, what is stored as rest
+    if alone:
+        ours, theirs = rig.world[:, 3, :3], other.world[:, 3, :3]
+    if not (np.isfinite(ours).all() and np.isfinite(theirs).all()):
+        return "not all of their places are numbers"
+    if fitted(theirs, ours, about_origin=False).residual > OTHER_SHAPE:
+        return "the nodes lie elsewhere" if alone else "the bind poses differ"
+    return ""
+
+
+def _bones(rig: Rig) -> Floats:
+    """The places of all joints in the bind poses of their skins, (j, 3)."""
+    stored = [skin for skin in rig.skins if skin.stored]
+    rows = [skin.bind[:, 3, :3] for skin in stored]
+    return np.concatenate([*rows, np.zeros((0, 3))])
+
+
+def _by_place(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
+    """The nodes without a name in one of two files that are built alike, node by node."""
+    left = [node for node in range(len(rig)) if node not in found and node < len(other)]
+    left = [node for node in left if not (rig.names[node] and other.names[node])]
+    if not left or any(node != theirs for node, theirs in found.items()) or why_apart(rig, other):
+        return {}
+    return {node: node for node in left}
+
+
+def as_usd(name: str) -> str:
+    """A name as exporters to USD change it: other signs than letters and digits are underscores.
+
+    So is what comes before a digit at the start.
+    """
+    spelled = re.sub(r"[^A-Za-z0-9]+", "_", name)
+    return f"_{spelled}" if spelled[:1].isdigit() else spelled
+
+
+def _spelled(rig: Rig, spell: Callable[[str], str]) -> dict[str, list[int]]:
+    named: dict[str, list[int]] = {}
+    for node, name in enumerate(rig.names):
+        if name:
+            named.setdefault(spell(name), []).append(node)
+    return named
+
+
+def _paired(rig: Rig, other: Rig, ours: Sequence[int], theirs: Sequence[int]) -> dict[int, int]:
+    """One of each; of several those that are joints, or what stands at the same path.
+
+    A mesh in USD stands below a prim of its name, which has the motion.
+    """
+    ours, theirs = _topmost(rig, ours), _topmost(other, theirs)
+    if len(ours) == len(theirs) == 1:
+        return {ours[0]: theirs[0]}
+    found = {}
+    for joints in (True, False):
+        a = [node for node in ours if bool(rig.is_joint[node]) == joints]
+        b = [node for node in theirs if bool(other.is_joint[node]) == joints]
+        if len(a) == len(b) == 1:
+            found[a[0]] = b[0]
+            continue
+        for node in a:
+            same = [k for k in b if other.path(k) == rig.path(node)]
+            if len(same) == 1:
+                found[node] = same[0]
+    return found
+
+
+def _topmost(rig: Rig, nodes: Sequence[int]) -> list[int]:
+    """Nodes of one name without those that stand below another of them, where that leaves one."""
+    top = [node for node in nodes if int(rig.parents[node]) not in nodes]
+    return top if len(top) == 1 else list(nodes)

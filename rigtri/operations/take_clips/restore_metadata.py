@@ -1,0 +1,201 @@
+"""What is a control of what, read from another file: exporters drop what rigtri stores.
+
+They also store as rest what the current frame shows. So where controls, offsets and poles stand while
+nobody has moved them is read from the other file, too; only the motion is this file's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.timelines import timelines
+from rigtri.maths.matrices import decompose, inverse, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import ADDED, Rig
+from rigtri.operations.options import operation
+from rigtri.operations.take_clips.armature_motion import bind_poses, put_back
+from rigtri.operations.take_clips.ik_switches import holding, ik_ends, let_go, switches
+from rigtri.operations.take_clips.messages import some
+from rigtri.operations.take_clips.node_matching import pairs
+from rigtri.operations.take_clips.unkeyed_poses import held
+from rigtri.report import Report
+
+# Matrices that differ by less, moves as a share of the largest, went through another program's float32.
+_SAME = 1e-4
+# Where nothing stands otherwise than there but for rounding, there is nothing to tell.
+_SAME_PLACE = 1e-5
+
+
+@operation(None)
+def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
+    """The rig with the notes of ``described`` on its nodes of the same names, at rest where they are there.
+
+    A node that is not there is told of, and so are joints that are bound otherwise, whose controls keep
+    their own rest. GeometryError where no node is there, or no control finds its joint.
+    """
+    notes = {node: note for node, note in described.notes.items() if note.get("type") in ADDED}
+    if not notes:
+        raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
+    both = pairs(described, rig)
+    found = {both.of[node]: note for node, note in notes.items() if node in both.of}
+    # A group says nothing but where the others are; as a Scope without notes it is no node.
+    missing = [node for node in notes if node not in both.of and notes[node].get("type") != "group"]
+    if not any(note.get("type") != "group" for note in found.values()):
+        many = [described.names[node] for node in missing if described.names[node] in both.unclear]
+        raise GeometryError(
+            f"Several nodes of one name could be meant by {some(many)} of the file of --rig; "
+            "a name must be one node's"
+            if many
+            else "No node of the file of --rig is in this file; were they made of one another?"
+        )
+    if missing:
+        names = some(described.names[node] for node in missing)
+        report.warn("not-in-this-file", f"{names} of the file of --rig are not in this file")
+    _tell_of_others(rig, found, report)
+    whole = replace(rig, notes={**rig.notes, **found})
+    _refuse_strange_joints(whole, found, described, report)
+    others = _bound_otherwise(rig, described, both.of)
+    if others:
+        report.warn(
+            "other-bind-poses",
+            f"Joints are bound otherwise than in the file of --rig ({some(others)}): another character, "
+            "or axes that a DCC has turned. Controls keep the rest of this file, which may be what a frame "
+            "of a clip shows. For a file that a DCC has exported: rigtri take-clips RIG --from IN",
+            geometry=True,
+        )
+        return whole
+    told = switches(whole, {node: node for node in ik_ends(whole)})
+    if told.on | told.off:
+        whole = put_back(whole, described, both.of, report)
+    rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
+    whole = held(whole, rested, described, both.of, report)
+    whole = let_go(whole, told, timelines(whole), report)
+    return holding(whole, told, timelines(whole))
+
+
+def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
+    """A notice where the file has a description of its own that says something else."""
+    names = [rig.title(node) for node, note in found.items() if rig.notes.get(node, note) != note]
+    if names:
+        text = f"What this file says of {some(names)} is replaced by what the file of --rig says"
+        report.warn("described-anew", text)
+
+
+def _refuse_strange_joints(
+    rig: Rig, found: Mapping[int, Mapping[str, Any]], described: Rig, report: Report
+) -> None:
+    """Tell of controls whose joint is none of this file; GeometryError where all are such."""
+    controls = [note for note in found.values() if note.get("type") == "control"]
+    lost = {str(note.get("joint")): None for note in controls if rig.known(note.get("joint")) is None}
+    if not lost:
+        return
+    name = next(iter(lost))
+    joint = described.known(name)
+    called = name if joint is None else described.names[joint]
+    there, here = described.names.count(called), rig.names.count(called)
+    reason = "this file has no such joint"
+    if there > 1:
+        reason = f"{there} nodes of that file are called '{called}', so it means each by its path"
+    elif here > 1:
+        reason = f"{here} nodes of this file are called '{called}', so the name does not say which"
+    more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
+    text = f"'{name}'{more}, which controls of the file of --rig move, is not found in this file: {reason}"
+    if all(str(note.get("joint")) in lost for note in controls):
+        raise GeometryError(f"{text}. Name a file that has this character alone, or at the same paths")
+    report.warn("not-in-this-file", text)
+
+
+def _bound_otherwise(rig: Rig, described: Rig, of: Mapping[int, int]) -> list[str]:
+    """The names of joints of both that are bound otherwise, seen from the joint above them."""
+    ours, theirs = bind_poses(rig), bind_poses(described)
+    both = {node for node in theirs if of.get(node) in ours}
+    seen = [node for node in both if int(described.parents[node]) in both]
+    size = max((float(length(theirs[node][3, :3])) for node in both), default=1.0) or 1.0
+    names = []
+    for node in sorted(seen):
+        above = int(described.parents[node])
+        own = of[node]
+        there = multiply(theirs[node], inverse(theirs[above]))
+        here = multiply(ours[own], inverse(ours[of[above]]))
+        turned = np.abs(here[:3, :3] - there[:3, :3]).max() > _SAME * max(1.0, np.abs(there[:3, :3]).max())
+        if turned or np.abs(here[3, :3] - there[3, :3]).max() > _SAME * size:
+            names.append(rig.title(own))
+    return names
+
+
+def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
+    """The rig with its nodes ``of`` (those of the other by theirs) at rest where they are there.
+
+    Joints keep their own rest, and so does what no clip moves but controls, so that keys below it mean what
+    they did; all where there are no clips; and, with a warning, what hangs on something else there.
+    """
+    moving = {track.node for clip in rig.clips for track in clip.tracks}
+    ours, theirs_at = dict[int, Floats](), {node: _zero(described, node) for node in of}
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    matrix, names, elsewhere = rig.matrix.copy(), [], []
+    size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
+    for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
+        is_control = rig.notes[node].get("type") == "control"
+        above = ours.get(int(rig.parents[node]), np.eye(4))
+        ours[node] = above if is_control else multiply(rig.local[node], above)
+        if not ((is_control and moving) or node in moving):  # of no clip, no frame is stored as rest
+            continue
+        if rig.is_joint[node] or rig.notes[node].get("type") == "group":
+            continue
+        place, parent = described.local[theirs], theirs_at.get(int(described.parents[theirs]), np.eye(4))
+        moved = not is_control and np.abs(above - parent).max() > _SAME_PLACE * size
+        if moved:
+            place = multiply(theirs_at[theirs], inverse(above))
+        apart = np.abs(rig.local[node] - place)
+        same = bool(apart[:3].max() <= _SAME_PLACE and apart[3].max() <= _SAME_PLACE * size)
+        if not _same_above(rig, described, node, theirs):
+            elsewhere += [] if same else [rig.title(node)]
+            continue
+        names += [] if same else [rig.title(node)]
+        if not is_control:
+            ours[node] = multiply(place, above)
+        if moved or rig.has_matrix[node] or described.has_matrix[theirs]:
+            matrix[node] = place
+            translation[node], rotation[node], scale[node] = decompose(matrix[node])
+        else:
+            translation[node] = described.translation[theirs]
+            rotation[node], scale[node] = described.rotation[theirs], described.scale[theirs]
+    if names:
+        report.reposed = True  # lines of controls go along
+        report.added.append({"type": "described", "nodes": names})
+    if elsewhere:
+        text = f"{some(elsewhere)} hang on other nodes than in the file of --rig, and keep the rest they have"
+        more = "For a file that a DCC has exported: rigtri take-clips RIG --from IN"
+        report.warn("rest-kept", f"{text}. {more}", geometry=True)
+    return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+
+
+def _zero(rig: Rig, node: int) -> Floats:
+    """Where a node stands while all controls are zero, seen from what is not rigtri's, (4, 4)."""
+    place = np.eye(4)
+    while node >= 0 and rig.notes.get(node, {}).get("type") in ADDED:
+        if rig.notes[node].get("type") != "control":
+            place = multiply(place, rig.local[node])
+        node = int(rig.parents[node])
+    return place
+
+
+def _same_above(rig: Rig, described: Rig, node: int, theirs: int) -> bool:
+    """Whether two nodes hang on nodes of one name; what changes no place is passed over."""
+    return _placing(rig, node) == _placing(described, theirs)
+
+
+def _placing(rig: Rig, node: int) -> str:
+    """The name of the nearest node above that places what is below it; "" for none."""
+    above = int(rig.parents[node])
+    while above >= 0 and rig.notes.get(above, {}).get("type", "group") == "group":
+        if np.abs(rig.local[above] - np.eye(4)).max() > 1e-6:
+            break
+        above = int(rig.parents[above])
+    return rig.names[above] if above >= 0 else ""

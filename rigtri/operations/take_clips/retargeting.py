@@ -1,0 +1,238 @@
+"""The tracks of a node of another file as tracks of ours.
+
+``local = C · other local · D``. Where C and D are turns of one size, keys are mapped one by one and
+stay what they were: times, interpolation, tangents (`rigtri.frames.reframe` has the same mathematics).
+Else the motion is worked out at the other file's keys.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.evaluation.constraint_solver import factored
+from rigtri.evaluation.sampling import each_once, sample
+from rigtri.maths.matrices import (
+    compose,
+    determinant,
+    inverse,
+    multiply,
+    skew,
+    transform_directions,
+    transform_points,
+)
+from rigtri.maths.quaternions import from_axes, unit
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.similarity_fit import SAME_SIZE, SAME_TURN
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+
+PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+
+
+@dataclass(frozen=True, eq=False)
+class Transferred:
+    """Tracks of one node, at its own times; sampled: they had to be worked out anew."""
+
+    tracks: tuple[Track, ...]
+    sampled: bool
+
+
+class Transfer:
+    """One clip of the other file, seen from the rig. Times are the other file's.
+
+    home: what the rig plays at the same time, which moves nodes that the other file lacks; ours: its times.
+    """
+
+    def __init__(
+        self, both: Counterparts, clip: Clip, home: Clip | None, ours: Callable[[Floats], Floats]
+    ) -> None:
+        self.both, self.clip, self.ours = both, clip, ours
+        self.driven = _by_node(clip)
+        self.own = {} if home is None else {n: t for n, t in _by_node(home).items() if n not in both.of}
+
+    @cached_property
+    def frames(self) -> Floats:
+        """The times at which anything of the clip has a key."""
+        distinct = {id(track.times): track.times for track in self.clip.tracks}
+        return each_once(np.concatenate([*distinct.values(), np.zeros(0)]))
+
+    def nodes(self) -> list[int]:
+        """The nodes of the rig that the clip moves: by keys of their own, or joints by what stands between.
+
+        A mesh that hangs elsewhere in the other file is drawn otherwise; it has no motion of its own.
+        """
+        both, rig = self.both, self.both.rig
+        carried = [n for n in both.of if (rig.is_joint[n] or n in rig.own) and self.is_carried(n)]
+        return sorted({n for n in both.of if both.of[n] in self.driven}.union(carried))
+
+    def is_carried(self, node: int) -> bool:
+        """Whether what stands between a node and the nearest above it in both files moves."""
+        theirs, ours, _ = self.both.line(node)
+        carriers = (*theirs, *(self.both.of.get(k, -1) for k in ours))
+        return any(k in self.driven for k in carriers) or any(k in self.own for k in ours)
+
+    def of(self, node: int) -> Transferred:
+        """What moves a node of the rig."""
+        own = self.driven.get(self.both.of[node], {})
+        left, right = self.both.turns[node], self.both.between(node)
+        if not self.is_carried(node) and _mappable(left, right, own):
+            return Transferred(tuple(_mapped(t, node, left, right) for t in own.values()), sampled=False)
+        return Transferred(self._sampled(node, left), sampled=True)
+
+    def _sampled(self, node: int, left: Floats) -> tuple[Track, ...]:
+        """Keys wherever anything that moves the node, or what it hangs on, has one."""
+        both = self.both
+        apart, parent = [], int(both.rig.parents[node])
+        while parent >= 0 and parent not in both.of:
+            apart.append(parent)
+            parent = int(both.rig.parents[parent])
+        own, above = self._lines(both.of[node], both.of[parent] if parent >= 0 else -1)
+        tracks = [t for k in (*own, *above) if k in self.driven for t in self.driven[k].values()]
+        # What the rig alone moves on the way is undone wherever the clip has a key.
+        tracks = tracks or list(self.clip.tracks)
+        times = each_once(np.concatenate([track.times for track in tracks]))
+        placed = multiply(left, self._along(own, times))
+        if parent >= 0:
+            carrier = multiply(both.turns[parent], self._along(above, times))
+        else:
+            placed, carrier = multiply(placed, both.space), np.eye(4)[np.newaxis]
+        for k in reversed(apart):
+            tracks_of = self.own.get(k, {})
+            carrier = multiply(local_of(both.rig, k, tracks_of, self.ours(times)), carrier)
+        parts = factored(multiply(placed, inverse(carrier)))
+        held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
+        way: Interpolation = "STEP" if held else "LINEAR"
+        return tuple(
+            Track(node, path, way, times, one_way_round(values) if path == "rotation" else values)
+            for path, values in zip(PATHS, parts, strict=True)
+            if np.isfinite(values).all()
+        )
+
+    def _lines(self, node: int, other: int) -> tuple[list[int], list[int]]:
+        """The nodes of the other file from two of its nodes up to the nearest above both; −1: to the top."""
+        lines: list[list[int]] = []
+        for k in (node, other):
+            line = []
+            while k >= 0:
+                line.append(k)
+                k = int(self.both.other.parents[k])
+            lines.append(line)
+        while lines[0] and lines[1] and lines[0][-1] == lines[1][-1]:
+            lines[0].pop()
+            lines[1].pop()
+        return lines[0], lines[1]
+
+    def _along(self, line: list[int], times: Floats) -> Floats:
+        """The product of the local matrices of a line of nodes, (f, 4, 4)."""
+        matrix = np.broadcast_to(np.eye(4), (len(times), 4, 4))
+        for k in line:
+            matrix = multiply(matrix, self.local(k, times))
+        return np.asarray(matrix)
+
+    def local(self, node: int, times: Floats) -> Floats:
+        """The local matrices of a node of the other file, (f, 4, 4) or one row."""
+        return local_of(self.both.other, node, self.driven.get(node, {}), times)
+
+    def still(self, node: int) -> Floats:
+        """The local matrix, (4, 4), that a node of the rig has where the other file rests."""
+        both = self.both
+        there = both.other.local[both.of[node]]
+        return multiply(multiply(both.turns[node], there), both.between(node))
+
+
+def _by_node(clip: Clip) -> dict[int, dict[Path, Track]]:
+    found: dict[int, dict[Path, Track]] = {}
+    for track in clip.tracks:
+        if track.path != "weights":
+            found.setdefault(track.node, {})[track.path] = track
+    return found
+
+
+def local_of(rig: Rig, node: int, own: Mapping[Path, Track], times: Floats) -> Floats:
+    """The local matrices of a node that tracks move, (f, 4, 4); one row where there are none."""
+    if not own:
+        still: Floats = rig.local[node][np.newaxis]
+        return still
+    rest = rest_parts(rig, node)
+    values = {path: sample(own[path], times) if path in own else rest[path] for path in PATHS}
+    return compose(values["translation"], unit(values["rotation"]), values["scale"])
+
+
+def rest_parts(rig: Rig, node: int) -> Mapping[Path, Floats]:
+    """Translation, rotation and scale of a node at rest, one row each."""
+    if rig.has_matrix[node]:
+        return dict(zip(PATHS, factored(rig.local[node][np.newaxis]), strict=True))
+    rows = slice(node, node + 1)
+    parts = (rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
+    return dict(zip(PATHS, parts, strict=True))
+
+
+def _mappable(left: Floats, right: Floats, own: Mapping[Path, Track]) -> bool:
+    """Whether keys can be mapped one by one: turns of one size, and no scale that the turn would shear."""
+    if np.abs(left[3, :3]).max() > 0 or not (_turns(left) and _turns(right)):
+        return False
+    axes = left[:3, :3] / length(left[:3, :3])[:, np.newaxis]
+    if (np.abs(axes - np.rint(axes)) <= 1e-9).all():
+        return True
+    scale = own.get("scale")
+    if scale is None:
+        return True
+    rows = scale.values.reshape(-1, 3)
+    return bool((rows.max(axis=1) - rows.min(axis=1) <= SAME_SIZE * np.abs(rows).max(axis=1)).all())
+
+
+def _turns(matrix: Floats) -> bool:
+    """Whether a matrix turns, sizes all alike, and moves."""
+    sizes = length(matrix[:3, :3])
+    return bool(
+        np.isfinite(matrix).all()
+        and determinant(matrix) > 0
+        and sizes.max() - sizes.min() <= SAME_SIZE * sizes.max()
+        and skew(matrix) <= SAME_TURN
+    )
+
+
+def _mapped(track: Track, node: int, left: Floats, right: Floats) -> Track:
+    """A track with each of its keys, and their tangents, mapped."""
+    left_axes, right_axes = _axes(left), _axes(right)
+    values = track.values
+    if track.path == "translation":
+        # Tangents are directions.
+        if not np.array_equal(right, np.eye(4)):
+            moved = transform_directions(values, right)
+            points = transform_points(values, right)
+            if track.interpolation == "CUBICSPLINE":
+                moved[:, 1] = points[:, 1]
+            else:
+                moved = points
+            values = moved
+    elif track.path == "rotation":
+        if not np.array_equal(left_axes, np.eye(3)) or not np.array_equal(right_axes, np.eye(3)):
+            values = product(product(from_axes(right_axes), values), from_axes(left_axes))
+    else:
+        size = float(length(left[0, :3])) * float(length(right[0, :3]))
+        squares = left_axes * left_axes
+        if not np.array_equal(squares, np.eye(3)) or size != 1.0:
+            x, y, z = (values[..., k, np.newaxis] * squares[:, k] for k in range(3))
+            values = size * (x + y + z)
+    return replace(track, node=node, values=values, key=None)
+
+
+def _axes(matrix: Floats) -> Floats:
+    """The turn of a matrix, as unit rows, (3, 3)."""
+    return np.asarray(matrix[:3, :3] / length(matrix[:3, :3])[:, np.newaxis])
+
+
+def one_way_round(turns: Floats) -> Floats:
+    """Quaternions, (k, 4), of the signs that keep each next to the one before."""
+    both = turns[1:] * turns[:-1]
+    ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
+    signs = np.cumprod(np.concatenate([[1.0], np.where(ahead < 0, -1.0, 1.0)]))
+    return np.asarray(turns * signs[:, np.newaxis])

@@ -1,0 +1,325 @@
+"""take-clips: the motion of an edited file, by names and through both bind poses, and nothing else of it.
+
+Source: docs/take-clips.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.constraint_solver import factored
+from rigtri.evaluation.key_reduction import shares
+from rigtri.evaluation.timelines import placed, timelines
+from rigtri.limits import refuse_single_name, refuse_unworkable
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Booleans, Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.options import operation
+from rigtri.operations.take_clips.armature_motion import put_back
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.clip_comparison import Comparison
+from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
+from rigtri.operations.take_clips.generated_names import span
+from rigtri.operations.take_clips.ik_switches import holding, ik_ends, let_go, switches
+from rigtri.operations.take_clips.key_merging import merged, thinned
+from rigtri.operations.take_clips.messages import moves, some, strangers, tell, tell_tracks
+from rigtri.operations.take_clips.morph_targets import MorphNames
+from rigtri.operations.take_clips.node_matching import pairs
+from rigtri.operations.take_clips.retargeting import PATHS, rest_parts
+from rigtri.operations.take_clips.time_ranges import Ranges
+from rigtri.operations.take_clips.track_comparison import MISSED, differing, lacking
+from rigtri.operations.take_clips.unkeyed_poses import told as told_of
+from rigtri.operations.take_clips.unkeyed_poses import unkeyed
+from rigtri.report import Report
+
+
+@dataclass(frozen=True)
+class Options:
+    """Everything that `take_clips` can be told; the defaults are the command's.
+
+    clips: globs of the clips, by their names in either file; all where there is none. names: the clip
+    of the rig that a clip of the edited file is, where the names do not say it. tolerance: how far what
+    counts as unchanged, and keys left out of what is taken, may be off, as a share of the rig's size.
+    """
+
+    clips: tuple[str, ...] = ()
+    names: Mapping[str, str] = field(default_factory=dict)
+    tolerance: float = 1e-5
+
+    def checked(self) -> Options:
+        """These options. UsageError for what cannot be."""
+        refuse_single_name("--clip", self.clips)
+        refuse_unworkable("--tolerance", self.tolerance)
+        if not self.tolerance >= 0:
+            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
+        return self
+
+
+@operation(Options)
+def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Rig:
+    """Put the motion of ``edited`` into the clips of ``rig``; a track that it has not changed stays as it is.
+
+    What was taken of each clip goes to ``report.added``.
+    Raises GeometryError (no common names, no clips), NameNotFoundError (a clip), AmbiguousNameError,
+    UsageError (several clips for a format that has one), TypeError (``edited`` is no rig).
+    """
+    if not isinstance(edited, Rig):
+        raise TypeError(
+            f"edited is to be a Rig, the one with the motion, not {type(edited).__name__}; "
+            "read(path).rig is that of a file"
+        )
+    options = options.checked()
+    # Where Blender's IK was on or off, as the script of export-blender lets a file tell.
+    of = pairs(rig, edited).of
+    told = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
+    if told.on | told.off:
+        edited = put_back(edited, rig, of, report, binds=True)
+        _tell_unkeyed(rig, edited, of, report)
+    both = Counterparts(rig, edited)
+    if not both.of:
+        raise GeometryError(strangers(rig, edited))
+    names = ClipNames(rig, edited, options.names, report)
+    if not names.theirs:
+        raise GeometryError(
+            "EDITED has no clips, so there is no motion to take. Export it with its animations"
+        )
+    every = names.taken(options.clips)
+    tell(both, report)
+    taken_all, changed = set[str](), set[str]()
+    for taken in every:
+        taking = _Taking(rig, both, taken, options.tolerance, report)
+        if taking.is_a_pose():
+            report.warn(
+                "no-length",
+                f"'{taken.name}' has no length in EDITED; RIG's clip of that name was left as it is",
+            )
+            continue
+        before, rig = rig, taking.done()
+        taken_all.add(taken.name)
+        if rig is not before:
+            changed.add(taken.name)
+    rig = let_go(rig, told, [each for each in timelines(rig) if each.name in taken_all], report)
+    return holding(rig, told, [each for each in timelines(rig) if each.name in changed])
+
+
+def _tell_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
+    """Warn of controls that were posed without keys, which the script of export-blender lets move joints."""
+    controls = {n: of[n] for n, note in rig.notes.items() if note.get("type") == "control" and n in of}
+    if left := unkeyed(edited, controls, rig, rig, of):
+        text = f"No clip of EDITED has keys of {told_of(rig, left)}, posed otherwise than in RIG"
+        report.warn("held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig")
+
+
+class _Taking:
+    """One clip that is taken."""
+
+    def __init__(self, rig: Rig, both: Counterparts, taken: Taken, tolerance: float, report: Report) -> None:
+        self.rig, self.both, self.taken, self.report = rig, both, taken, report
+        self.seen = Comparison(both, taken, tolerance)
+        self.clock, self.transfer, self.tolerances = (
+            self.seen.clock,
+            self.seen.transfer,
+            self.seen.tolerances,
+        )
+        self.thin = tolerance
+        self.changed: list[Track] = []
+        self.same = 0
+        self.sampled: list[str] = []
+        self.kept: list[str] = []
+        self.splines: list[tuple[str, float]] = []
+        self.ranges: Ranges | None = None
+        self.spans: dict[tuple[int, str], tuple[float, float]] = {}  # of EDITED's tracks, in the rig's time
+
+    def done(self) -> Rig:
+        """The rig with the clip."""
+        home = self.taken.home
+        moved = self.seen.nodes
+        if home is not None:
+            self.ranges = self.seen.settled()
+        for node in moved:
+            self._take(node)
+        left = set(self.both.of).difference(moved)
+        for node in sorted({node for node, path in self.seen.tracks if node in left and path in PATHS}):
+            self._keep(node, ())
+        self._take_morphs()
+        if home is None:
+            self._rest_of_joints()
+            rig = self._with_new_clip()
+        else:
+            self._one_range()
+            rig = placed(self.rig, home, self.changed) if self.changed else self.rig
+        self._tell()
+        if rig is not self.rig:
+            self.report.reposed = True
+        return rig
+
+    def is_a_pose(self) -> bool:
+        """Whether EDITED has but one moment of a clip that goes on here."""
+        home, (start, end) = self.taken.home, span(self.taken.clip)
+        ours = span(home.clip) if home is not None else (0.0, 0.0)
+        return start == end and ours[0] < ours[1]
+
+    # --- time
+
+    def _one_range(self) -> None:
+        """Give what stays of RIG's tracks the range of the clip, where EDITED's has another."""
+        if self.ranges is None:
+            return
+        if self.ranges.whole:
+            left = dict(self.seen.tracks)
+            for track in self.changed:
+                left.pop((track.node, track.path), None)
+            for place, track in left.items():
+                if (now := self.ranges.fitted(track, self.spans.get(place))) is not track:
+                    self.changed.append(now)
+        if self.changed and self.ranges.told:
+            self.report.warn("other-range", self.ranges.notice(self.taken.name))
+
+    # --- nodes
+
+    def _take(self, node: int) -> None:
+        moved = self.transfer.of(node)
+        fresh = [now for track in moved.tracks if (now := self._fresh(track)) is not None]
+        # No clip can move a glTF node with a matrix; a USD joint has its keys beside its rest.
+        if fresh and self.rig.has_matrix[node] and not self.rig.raw:
+            self.report.warn(
+                "matrix-node",
+                f"'{self.rig.title(node)}' has a matrix, which no clip can move; its motion was left out",
+                joint=self.rig.names[node],
+            )
+            return
+        if fresh and moved.sampled:
+            self.sampled.append(self.rig.names[node])
+        self.changed += fresh
+        self._keep(node, [track.path for track in moved.tracks])
+
+    def _keep(self, node: int, said: Sequence[str]) -> None:
+        """Note a node that moves by keys of ours alone."""
+        old = [self._old(node, path) for path in PATHS if path not in said]
+        if any(track is not None and moves(track) for track in old):
+            self.kept.append(self.rig.names[node])
+
+    def _old(self, node: int, path: str) -> Track | None:
+        return self.seen.tracks.get((node, path))
+
+    def _fresh(self, theirs: Track) -> Track | None:
+        """What a track at EDITED's times becomes here; None where the rig says it already."""
+        bound, now = self.tolerances.of(theirs), self.clock.told(theirs)
+        self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
+        old = self._old(now.node, now.path)
+        was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
+        if was.values.shape[-1] != now.values.shape[-1]:
+            return thinned(now, self._thin(now))
+        changed = differing(was, now, bound)
+        changed |= lacking(was, now, self._frames, bound, self.tolerances.unit_of(theirs))
+        if not changed.any():
+            self.same += 1
+            return None
+        far = self.seen.same_knots(was, now, bound)
+        if far is not None and not _beyond(was, now)[changed].any():
+            self.splines.append((self.rig.names[now.node], far))
+            self.same += 1
+            return None
+        if self.ranges is not None and self.ranges.whole:
+            return thinned(now, self._thin(now))
+        return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
+
+    @cached_property
+    def _frames(self) -> Floats:
+        return self.clock.times(self.transfer.frames)
+
+    def _thin(self, track: Track) -> float:
+        """How far keys of a track that are left out may be off."""
+        known = {"translation": self._shares[0], "rotation": self._shares[1]}.get(track.path)
+        return float(known[track.node]) if known is not None else self.thin / 2.0
+
+    @cached_property
+    def _shares(self) -> tuple[Floats, Floats]:
+        return shares(self.rig, self.thin * self.both.size, self.both.size)
+
+    def _rest(self, track: Track) -> Floats:
+        """What the rig says at rest, (1, c)."""
+        rig, node = self.rig, track.node
+        if track.path == "weights":
+            weights = MorphNames(rig).at_rest(node)
+            return np.zeros((1, track.values.shape[-1])) if weights is None else weights[np.newaxis]
+        return rest_parts(rig, node)[track.path]
+
+    def _rest_of_joints(self) -> None:
+        """In a new clip, joints that EDITED leaves at its bind pose, which is not RIG's rest."""
+        start = np.array([span(self.taken.clip)[0]])
+        for node in sorted(self.both.of):
+            theirs = self.both.of[node]
+            if theirs in self.transfer.driven or not (
+                self.rig.is_joint[node] and self.both.other.is_joint[theirs]
+            ):
+                continue
+            parts = factored(self.transfer.still(node)[np.newaxis])
+            for path, values in zip(PATHS, parts, strict=True):
+                if np.isfinite(values).all():
+                    self._add(self._fresh(Track(node, path, "STEP", start, values)))
+
+    # --- morphs
+
+    def _take_morphs(self) -> None:
+        tracks = [t for t in self.taken.clip.tracks if t.path == "weights" and t.node in self.both.back]
+        if not tracks:
+            return
+        ours, theirs = MorphNames(self.rig), MorphNames(self.both.other)
+        for track in tracks:
+            node = self.both.back[track.node]
+            told = ours.told(node, track, theirs, self._old(node, "weights"), self.clock.times)
+            if told is None:
+                self.report.warn(
+                    "other-morphs",
+                    f"'{self.rig.title(node)}' has other morph targets in EDITED; their motion was left out",
+                )
+            else:
+                self._add(self._fresh(told))
+
+    def _add(self, track: Track | None) -> None:
+        if track is not None:
+            self.changed.append(track)
+
+    # --- the whole
+
+    def _with_new_clip(self) -> Rig:
+        if not self.changed:
+            return self.rig
+        clip = Clip(self.taken.name, tuple(self.changed), self.taken.key)
+        return replace(self.rig, clips=(*self.rig.clips, clip))
+
+    def _tell(self) -> None:
+        name, report = self.taken.name, self.report
+        tell_tracks(report, name, self.sampled, self.kept, self.splines)
+        lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
+        if lost:
+            report.warn("no-such-node", f"RIG has no {some(lost)}; their motion in '{name}' was left out")
+        replaced = [self._old(track.node, track.path) for track in self.changed]
+        report.added.append(
+            {
+                "type": "clip",
+                "node": name,
+                "new": self.taken.home is None,
+                "clip": name,
+                "from": list(self.taken.parts),
+                "changed": sorted({self.rig.names[t.node] for t in self.changed}),
+                "tracks": len(self.changed),
+                "keys": sum(len(track.times) for track in self.changed),
+                "keys_before": sum(len(old.times) for old in replaced if old is not None),
+                "same": self.same,
+            }
+        )
+
+    def _movers(self) -> Sequence[int]:
+        return sorted({t.node for t in self.taken.clip.tracks if moves(t)})
+
+
+def _beyond(was: Track, now: Track) -> Booleans:
+    """The keys of a track, (k,), before the other's first one or after its last."""
+    return np.asarray((now.times < was.times[0] - MISSED) | (now.times > was.times[-1] + MISSED))

@@ -1,0 +1,193 @@
+"""Who works on the files of a batch. Here: processes of this machine; `batch.dask` has others."""
+
+from __future__ import annotations
+
+import os
+import queue
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Protocol
+
+from rigtri.errors import RigtriError
+from rigtri.files import temp_dirs as scratch
+from rigtri.files.staged_output import recover
+from rigtri.files.worker_process import Confined, CrashError
+from rigtri.formats import references
+from rigtri.pipeline.batch.remote_files import Fetched, is_elsewhere
+from rigtri.pipeline.batch.work import Assignment, Record, work
+
+# What work and most tasks need, so that a new process has it.
+_PRELOADED = (
+    "rigtri.pipeline.batch.work",
+    "rigtri.pipeline.batch.spec_task",
+    "rigtri.pipeline.rigspec.expand",
+    "rigtri.pipeline.rigspec.models.spec",
+)
+# Waiting for an answer in steps lets signals be heard everywhere.
+_STEP = 0.2
+
+Heard = Callable[[Assignment, Record], None]
+
+
+class Engine(Protocol):
+    """Takes assignments and gives records, in any order; one that dies on a file gives that as a record.
+
+    A record that says ``error`` or ``crashed`` is about its own file alone. What an engine hands to
+    several files at once, or to other machines, is its own matter.
+    """
+
+    def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
+        """Work through the assignments.
+
+        ``heard`` is called, from any thread, with what a file will have become just before its
+        output appears, where the engine can tell; it is on record when that returns.
+        """
+
+    def stop(self) -> None:
+        """Hand nothing more out; what is begun is done."""
+
+    def kill(self) -> None:
+        """Give up what is begun, too."""
+
+
+def processors() -> int:
+    """How many processes can work at once here."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class Local:
+    """Processes of this machine, each with a thread that hands it one file after another.
+
+    seconds, memory: what one file may take, as `rigtri.files.worker_process.Confined` understands them.
+    folder: where the manifest is. max_errors: once more files than that have failed, no other is begun.
+    at: the folder that relative paths are seen from, where it is not this process's own.
+    preload: further modules that processes need.
+    """
+
+    def __init__(
+        self,
+        jobs: int,
+        folder: str,
+        *,
+        seconds: float | None = None,
+        memory: int | None = None,
+        dry_run: bool = False,
+        max_errors: int | None = None,
+        at: str = "",
+        preload: Sequence[str] = (),
+    ) -> None:
+        self._folder, self._max_errors, self._failed = folder, max_errors, 0
+        self._dry_run, self._at = dry_run, at
+        self._scratch = ""
+        modules = (*_PRELOADED, *preload)
+        self._children = [Confined(seconds=seconds, memory=memory, preload=modules) for _ in range(jobs)]
+        self._stopped, self._killed = threading.Event(), threading.Event()
+        self._lock = threading.Lock()
+        self._results: queue.SimpleQueue[tuple[Assignment, Record] | BaseException | None] = (
+            queue.SimpleQueue()
+        )
+
+    def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
+        """As `Engine.run`."""
+        # A worker that is killed cannot remove what it has written for itself.
+        with scratch.folder() as self._scratch:
+            yield from self._run(iter(assignments), heard)
+
+    def _run(self, source: Iterator[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
+        threads = [
+            threading.Thread(target=self._serve, args=(child, source, heard), daemon=True)
+            for child in self._children
+        ]
+        for thread in threads:
+            thread.start()
+        left = len(threads)
+        try:
+            while left:
+                with suppress(queue.Empty):
+                    result = self._results.get(timeout=_STEP)
+                    if isinstance(result, BaseException):
+                        raise result
+                    if result is None:
+                        left -= 1
+                    else:
+                        yield result
+        finally:
+            if left:
+                self.kill()
+            for thread in threads:
+                thread.join()
+
+    def stop(self) -> None:
+        """As `Engine.stop`."""
+        self._stopped.set()
+
+    def kill(self) -> None:
+        """As `Engine.kill`."""
+        self._stopped.set()
+        self._killed.set()
+        for child in self._children:
+            child.kill()
+
+    def _serve(self, child: Confined, source: Iterator[Assignment], heard: Heard) -> None:
+        """The life of a thread: the next assignment for its child, until there are none."""
+        try:
+            with child:
+                while not self._stopped.is_set():
+                    with self._lock:
+                        assignment = next(source, None)
+                    if assignment is None:
+                        break
+                    record = self._done(child, assignment, heard)
+                    self._count(record)
+                    if not self._killed.is_set():
+                        self._results.put((assignment, record))
+        except BaseException as error:  # raised where the results are waited for
+            self._results.put(error)
+            raise SystemExit from error
+        finally:
+            self._results.put(None)
+
+    def _count(self, record: Record) -> None:
+        """Here and not where the results go, so that no file is begun meanwhile."""
+        with self._lock:
+            self._failed += record.failed
+            if self._max_errors is not None and self._failed > self._max_errors:
+                self._stopped.set()
+
+    def _done(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
+        """One file, wherever it is."""
+        if not is_elsewhere(assignment.entry):
+            return self._near(child, assignment, heard)
+        name = assignment.entry.source
+        try:
+            return Fetched(
+                assignment,
+                self._folder,
+                self._scratch,
+                references=lambda path: child(name, references, Path(path)),
+                near=lambda one, told: self._near(child, one, told),
+                dry_run=self._dry_run,
+            ).done(heard)
+        except CrashError as error:
+            return Record("crashed", error.kind, str(error), error.exit_code)
+
+    def _near(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
+        """One file of this machine, whatever becomes of the child."""
+        name = assignment.entry.source
+        try:
+            place = self._folder, self._scratch, self._dry_run, self._at
+            return child(name, work, assignment, *place, heard=lambda told: heard(assignment, told))
+        except CrashError as error:
+            record = Record("crashed", error.kind, str(error), error.exit_code)
+        except RigtriError:
+            raise
+        except RuntimeError as error:  # a mistake of ours, with its traceback
+            record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
+        if not self._dry_run:
+            with suppress(OSError):  # it is told that the file has failed, and the next run tries again
+                recover(Path(self._at, assignment.entry.target), alone=True)
+        return record

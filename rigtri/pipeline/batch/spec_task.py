@@ -1,0 +1,120 @@
+"""What a spec does to a file, as a task of a batch."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+from rigtri.errors import UsageError
+from rigtri.export.rig_json import SUFFIX, description
+from rigtri.files.staged_output import Written, write_text
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Options, read
+from rigtri.pipeline.batch.work import Ready
+from rigtri.pipeline.edit import Outcome
+from rigtri.pipeline.rigspec.build import build
+from rigtri.pipeline.rigspec.load import Spec
+from rigtri.report import Report
+
+
+@dataclass(frozen=True)
+class SpecTask:
+    """Build a file as a spec says.
+
+    verify: compare each output with its source before it appears.
+    """
+
+    spec: Spec
+    verify: bool = True
+
+    def __reduce__(self) -> tuple[Callable[[bytes], SpecTask], tuple[bytes]]:
+        """It travels with each file: packed once, and unpacked once by who gets it again and again."""
+        return _unpacked, (self._packed,)
+
+    @cached_property
+    def _packed(self) -> bytes:
+        return pickle.dumps((self.spec, self.verify))
+
+    def key(self) -> str:
+        """As `rigtri.pipeline.batch.work.Task.key`."""
+        return f"{self.spec.canonical()}\nverify {self.verify}"
+
+    @property
+    def layers(self) -> bool:
+        """As `rigtri.pipeline.batch.work.Task.layers`."""
+        return bool(self.spec.model.override)
+
+    @property
+    def beside(self) -> str:
+        """As `rigtri.pipeline.batch.work.Task.beside`."""
+        return SUFFIX if self.spec.model.sidecar else ""
+
+    @property
+    def relink(self) -> bool:
+        """As `rigtri.pipeline.batch.work.Task.relink`."""
+        return self.spec.reading.relink
+
+    def files(self) -> Sequence[Path]:
+        """As `Task.files`: what steps read; what the spec itself says is in the key."""
+        own = set(self.spec.sources)
+        named = [file for file in self.spec.files() if file not in own]
+        behind = [below for file in named for below in _behind(file, self.spec.reading)]
+        return tuple(dict.fromkeys([*named, *behind]))
+
+    @property
+    def sources(self) -> Sequence[Path]:
+        """As `rigtri.pipeline.batch.work.Task.sources`."""
+        return self.spec.sources
+
+    @property
+    def paths(self) -> frozenset[str]:
+        """As `rigtri.pipeline.batch.work.Task.paths`."""
+        return self.spec.paths
+
+    def run(
+        self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
+    ) -> Outcome:
+        """As `rigtri.pipeline.batch.work.Task.run`."""
+        side = target.with_suffix(SUFFIX) if self.spec.model.sidecar else None
+        if side is not None and side.exists() and not overwrite:
+            raise UsageError(f"{side} exists; it is replaced only with --overwrite")
+
+        def with_sidecar(outcome: Outcome, written: Written) -> None:
+            if side is not None:
+                _write_sidecar(side, written, self.spec.reading)
+            ready(outcome, written)
+
+        return build(
+            source,
+            target,
+            self.spec,
+            overwrite=overwrite,
+            verify=self.verify,
+            dry_run=dry_run,
+            side_files=() if side is None else (side,),
+            report=report,
+            ready=with_sidecar,
+        ).outcome
+
+
+@lru_cache(maxsize=8)
+def _unpacked(packed: bytes) -> SpecTask:
+    return SpecTask(*pickle.loads(packed))
+
+
+def _write_sidecar(side: Path, written: Written, reading: Options) -> None:
+    """What rigtri has stored in an output, beside it: before it, so that no output is without."""
+    rig = read(written.part, replace(reading, allow_external_paths=True)).rig
+    write_text(side, json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
+    written.beside.append(side)
+
+
+@lru_cache
+def _behind(file: Path, reading: Options) -> tuple[Path, ...]:
+    """The files that a character is made of besides its own; none of anything else."""
+    if file.suffix.lower() not in GLTF_SUFFIXES + USD_SUFFIXES:
+        return ()
+    return tuple(needed for needed, _ in read(file, reading).needed())

@@ -1,0 +1,116 @@
+"""Files by hand: read a rig, change it by operations, write it; `edit.edit` in three parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields, replace
+from pathlib import Path
+
+from rigtri import formats
+from rigtri.errors import UsageError
+from rigtri.files import temp_dirs as scratch
+from rigtri.files.input_stream import opened
+from rigtri.formats import Document, Options
+from rigtri.model.rig import Rig
+from rigtri.model.source import Origin
+from rigtri.pipeline.edit import Outcome, edit
+from rigtri.report import Report
+from rigtri.verification.compare import compare
+from rigtri.verification.compare.compare import TOLERANCE, Comparison, Source
+
+
+def read(path: Path | str, options: Options | None = None) -> Rig:
+    """The rig in a file; its suffix says the format. It knows its file, so that `write` can write it.
+
+    Its arrays are read-only: an edit is a new rig with arrays of its own (`dataclasses.replace`).
+    Raises FileError for anything unreadable, NameNotFoundError for a root that is not there.
+    """
+    options = options or Options()
+    with opened(path) as place:
+        return known(formats.read(place, options), place, options)
+
+
+def known(document: Document, path: Path, options: Options, content: bytes | None = None) -> Rig:
+    """The rig of a document that was read from ``path``, or from ``content``, able to be written."""
+    told = Report()
+    told.hear(document.warnings)
+    _protect(document.rig)
+    return replace(document.rig, origin=Origin(path, document, options, told, content))
+
+
+def _protect(rig: Rig) -> None:
+    """Let nobody write over numbers of a file: what is compared with them would not see it."""
+    numbers = [rig.parents, rig.translation, rig.rotation, rig.scale, rig.matrix, rig.has_matrix, rig.payload]
+    numbers += [bound.vector for bound in rig.bound]
+    numbers += [each for skin in rig.skins for each in (skin.joints, skin.inverse_bind)]
+    numbers += [each for clip in rig.clips for track in clip.tracks for each in (track.times, track.values)]
+    for each in numbers:
+        each.flags.writeable = False
+
+
+def write(
+    rig: Rig,
+    target: Path | str,
+    *,
+    overwrite: bool = False,
+    verify: bool = True,
+    tolerance: float = TOLERANCE,
+    strict: bool = False,
+    dry_run: bool = False,
+) -> Outcome:
+    """Write the file that ``rig`` was read from with the rig as it is now, compared with the file as it was.
+
+    ``target`` appears complete or not at all, with the bytes that a command for the same operation writes.
+    Everything is as in `edit.edit`, and so are the errors; UsageError for a rig that no `read`
+    has read. The report of the outcome has what all operations have told.
+    """
+    origin = rig.origin
+    if origin is None:
+        raise UsageError("this rig was not read by rigtri.read; there is no file to write it back into")
+
+    def step(first: Rig, report: Report) -> Rig:
+        report.take(origin.told)
+        same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "origin")
+        return first if same else replace(rig, origin=None)
+
+    with _file(origin) as path:
+        return edit(
+            path,
+            target,
+            step,
+            document=origin.document,
+            options=origin.reading,
+            overwrite=overwrite,
+            verify=verify,
+            tolerance=tolerance,
+            strict=strict,
+            dry_run=dry_run,
+        )
+
+
+@contextmanager
+def _file(origin: Origin) -> Iterator[Path]:
+    """The file of an origin; one for the meantime where what was read is in none."""
+    if origin.content is None:
+        yield origin.path
+        return
+    with scratch.folder() as folder:
+        path = Path(folder, origin.path.name)
+        path.write_bytes(origin.content)
+        yield path
+
+
+def verify(before: Path | str | Source, after: Path | str | Source) -> Comparison:
+    """How far two files, or two documents, look apart, in every pose; see `compare.verify`."""
+    with _source(before) as one, _source(after) as other:
+        return compare.verify(one, other)
+
+
+@contextmanager
+def _source(file: Path | str | Source) -> Iterator[Source]:
+    if isinstance(file, Path | str):
+        with opened(file) as place:
+            yield formats.read(place)
+    else:
+        yield file

@@ -1,0 +1,163 @@
+"""auto: look at a character, form the spec that belongs to it, and build it by that."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rigtri.errors import GeometryError
+from rigtri.files import temp_dirs as scratch
+from rigtri.files.input_stream import called, opened, title
+from rigtri.files.staged_output import write_text
+from rigtri.formats import Options, read
+from rigtri.model.rig import Rig
+from rigtri.pipeline.rigspec.build import Built, build
+from rigtri.pipeline.rigspec.errors import SpecError
+from rigtri.pipeline.rigspec.load import load, need_extra
+from rigtri.pipeline.rigspec.spec_init import starter, unsure
+from rigtri.recognition.layout import Chain, Layout
+from rigtri.recognition.naming_schemes import Scheme
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+from rigtri.text import a
+from rigtri.verification.compare.compare import TOLERANCE
+
+SUFFIX = ".rig.yaml"
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What was recognised in a file, and the spec that belongs to it, as YAML with open places."""
+
+    source: Path
+    rig: Rig
+    layout: Layout
+    text: str
+
+    @property
+    def is_character(self) -> bool:
+        """Whether there is something to build, or to ask for."""
+        return self.is_sure or bool(unsure(self.layout))
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether anything in it is sure."""
+        return any(chain.is_sure for chain in self.layout.chains)
+
+    @property
+    def questions(self) -> tuple[str, ...]:
+        """What is asked for, in words: each limb that is not sure, and which joints it may be."""
+        return tuple(self._question(chain) for chain in unsure(self.layout))
+
+    def _question(self, chain: Chain) -> str:
+        names = ", ".join(f"'{self.rig.title(node)}'" for node in chain.bend)
+        return f"the {chain.name} is not sure ({chain.confidence:.2f}): perhaps {names}"
+
+    def missing(self) -> str:
+        """What there is instead of a character."""
+        guesses = (f"perhaps {a(chain.name)} ({chain.confidence:.2f})" for chain in self.layout.chains)
+        found = "; ".join([*guesses, *self.layout.remarks]) or "none of its joints make a body"
+        return (
+            f"no character was recognised in {self.source}: {found}. For steps of your own begin with: "
+            f"rigtri spec-init {self.source} -o rig.yaml"
+        )
+
+
+def propose(
+    source: Path | str,
+    *,
+    preset: str = "",
+    own: Sequence[Scheme] = (),
+    options: Options | None = None,
+) -> Proposal:
+    """What `auto` would do with a file. preset: of the axes, "" for Maya's, or the world's for a VRM 0.
+
+    own: naming schemes to be asked before rigtri's own. Raises FileError for a file that cannot be read, or
+    is without joints.
+    """
+    with opened(source) as at:
+        return _proposal(at, Path(source), preset, own, options or Options())
+
+
+def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], options: Options) -> Proposal:
+    need_extra()
+    rig = read(at, options).rig
+    layout = recognise(rig, own=own)
+    found = Proposal(source, rig, layout, "")
+    if not found.is_character:
+        return found
+    text = starter(rig, title(source), layout, preset=preset, open_places=True, options=options)
+    return replace(found, text=text)
+
+
+def auto(
+    source: Path | str,
+    target: Path | str,
+    *,
+    preset: str = "",
+    own: Sequence[Scheme] = (),
+    spec_out: Path | str | None = None,
+    options: Options | None = None,
+    overwrite: bool = False,
+    verify: bool = True,
+    tolerance: float = TOLERANCE,
+    strict: bool = False,
+    dry_run: bool = False,
+    side_files: Sequence[Path] = (),
+    report: Report | None = None,
+    seen: Callable[[Proposal], None] = lambda proposal: None,
+) -> Built:
+    """Give a character the rig that was recognised to belong to it; ``target`` appears whole or not at all.
+
+    own: as `propose` takes it. spec_out: where the spec goes by which it was built, None for nowhere. seen:
+    is called with what is proposed, before anything is built.
+    Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
+    places in the spec then; else as `rigtri.build`. Where a step fails the spec is written all the same.
+    """
+    place = None if spec_out is None or dry_run else Path(spec_out)
+    with opened(source) as at, scratch.folder() as folder:
+        found = _proposal(at, Path(source), preset, own, options or Options())
+        seen(found)
+        if not found.is_character:
+            raise GeometryError(found.missing())
+        if found.questions:
+            _write(place, found.text)
+            raise GeometryError(_asked(found, place, target))
+        spec = Path(folder, "rig.yaml")
+        write_text(spec, found.text)
+        try:
+            with called({str(spec): str(spec_out or "the spec")}):
+                built = build(
+                    at,
+                    target,
+                    load(spec).limited(strict=strict, tolerance=tolerance),
+                    overwrite=overwrite,
+                    verify=verify,
+                    dry_run=dry_run,
+                    side_files=side_files,
+                    report=report,
+                    from_stream=str(source) == "-",
+                )
+        except SpecError:
+            _write(place, found.text)
+            raise
+    _write(place, found.text)
+    return built
+
+
+def _asked(found: Proposal, place: Path | None, target: Path | str) -> str:
+    words = "; ".join(found.questions)
+    if not found.is_sure:
+        words = f"nothing of {found.source} is sure to be a character's: {words}"
+    if place is None:
+        return words
+    return (
+        f"{words}. Name their joints in {place}, where it says null, then: "
+        f"rigtri build {found.source} --spec {place} -o {target}"
+    )
+
+
+def _write(place: Path | None, text: str) -> None:
+    if place is not None:
+        write_text(place, text)

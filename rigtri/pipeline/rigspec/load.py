@@ -1,0 +1,216 @@
+"""Read a rig spec: all that is wrong with it at once, each fault with file, line and column."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rigtri.errors import FileError, RigtriError, UsageError
+from rigtri.files.text_files import check_plain
+from rigtri.formats import Options
+from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
+from rigtri.pipeline.rigspec.missing_names import unnamed
+from rigtri.pipeline.rigspec.positions import Keys, Label, Tree
+from rigtri.pipeline.rigspec.validation import sound, step_models, where_of, wrong
+from rigtri.pipeline.steps import step
+from rigtri.pipeline.steps.request import Request
+
+if TYPE_CHECKING:
+    from rigtri.pipeline.rigspec.models.base import StepModel
+    from rigtri.pipeline.rigspec.models.spec import SpecModel
+
+# Options that name files, by operation; a spec is done again when one of them has changed.
+_FILES = ("like", "frames", "edited", "described")
+
+
+@dataclass(frozen=True)
+class PlannedStep:
+    """One step: its operation, what is asked of it, and where it stands. index: among all, from 0."""
+
+    index: int
+    label: Label
+    do: str
+    request: Request
+    optional: bool
+    place: Place
+    said: dict[str, Any]
+
+    @property
+    def number(self) -> int:
+        """Its number in the file, from 1; steps of the same braces have the same."""
+        return self.label.number
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A spec that is right in itself; whether a character has its joints shows when it is built.
+
+    sources: the spec and all that it extends. paths: variables that the user gave and paths begin with.
+    """
+
+    path: Path
+    model: SpecModel
+    steps: tuple[PlannedStep, ...]
+    tree: Tree
+    sources: tuple[Path, ...]
+    paths: frozenset[str] = frozenset()
+
+    @property
+    def reading(self) -> Options:
+        """How files are read and written."""
+        return self.model.reading()
+
+    def limited(
+        self, *, strict: bool = False, tolerance: float | None = None, resources: str | None = None
+    ) -> Spec:
+        """The spec as one that is strict, or with another tolerance or way with the files of a .gltf.
+
+        Its own where nothing is said.
+        """
+        changed: dict[str, Any] = {"strict": True} if strict else {}
+        changed |= {} if tolerance is None else {"tolerance": tolerance}
+        changed |= {} if resources is None else {"resources": resources}
+        if not changed:
+            return self
+        model = self.model.model_copy(update=changed)
+        steps, faults = _planned(model, self.tree, range(len(model.steps)))
+        if faults:
+            raise SpecError(faults)
+        return replace(self, model=model, steps=steps)
+
+    def canonical(self) -> str:
+        """What is done, as JSON that is equal for equal work: options by name, defaults filled in."""
+        said = self.model.model_dump(mode="json", by_alias=True, exclude={"schema_", "name", "extends"})
+        for word in ("variables", "defaults"):  # they have gone into the steps
+            said.pop(word)
+        return json.dumps(said, sort_keys=True, ensure_ascii=False)
+
+    def files(self) -> tuple[Path, ...]:
+        """All files that the spec is made of or that its steps read, besides the character."""
+        named = [step.request.values.get(name) for step in self.steps for name in _FILES]
+        return (*self.sources, *dict.fromkeys(Path(name) for name in named if name))
+
+    def needed(self) -> tuple[tuple[Path, str], ...]:
+        """`files`, each with what it is: nothing that is written may take their place."""
+        spec = self.sources[0]
+        said = {spec: "the spec", **dict.fromkeys(self.sources[1:], f"a spec that {spec} extends")}
+        return tuple((file, said.get(file, f"a file that {spec} names")) for file in self.files())
+
+
+def load(
+    path: Path | str,
+    *,
+    variables: Mapping[str, str] | None = None,
+    folders: Mapping[str, Path] | None = None,
+    source: Path | str | None = None,
+) -> Spec:
+    """The spec in a YAML, TOML or JSON file.
+
+    variables: values instead of those in the spec. folders: what paths that begin with these are seen from,
+    by their names; the working folder unless said. source: a character, whose names are looked for where
+    the spec is wrong. Raises FileError for a file that cannot be read, SpecError, a UsageError,
+    with all that is wrong in it.
+    """
+    need_extra()
+    from rigtri.pipeline.rigspec.expand import merged, plain
+
+    path, given = Path(path), dict.fromkeys(variables or (), Path()) | dict(folders or {})
+    spec = merged(path, variables or {})
+    tree, unsure = spec.tree, spec.unsure
+    paths, lost = _find_files(tree, given)
+    found = [*wrong(tree, whole=spec.whole), *lost]
+    # A value with a variable that there is not is wrong for no other reason.
+    faults = [
+        *spec.faults,
+        *(one for keys, one in found if one and not unsure & {place for _, place in tree.under(keys)}),
+    ]
+    told = {fault.place for fault in faults}
+    hidden = (one for base in spec.bases for _, one in wrong(plain(base), whole=False) if one)
+    faults += [one for one in hidden if one.place not in told]
+    parts = [keys for keys, _ in found] + [keys for keys, place in tree.spot.all() if place in unsure]
+    model, numbers = sound(tree, {keys[: 2 if keys[0] == "steps" else 1] for keys in parts})
+    steps, contradictions = _planned(model, tree, numbers)
+    faults += contradictions
+    if not faults and not tree.steps:
+        faults.append(Fault(tree.place(("steps",)), "", "the spec has no steps; say what is to be done"))
+    if faults and source is not None:
+        names = unnamed(tree, steps, source, model.reading())
+        faults += (fault for fault in names if fault.place not in unsure)
+    if faults:
+        raise SpecError(faults)
+    return Spec(path, model, steps, tree, spec.files, paths)
+
+
+def _contradiction(tree: Tree, number: int, do: str, asked: Request) -> Fault | None:
+    keys: Keys = ("steps", number)
+    try:
+        step(do, asked)
+    except RigtriError as error:
+        return Fault(tree.place(keys), where_of(tree, keys), str(error))
+    return None
+
+
+def _find_files(tree: Tree, given: Mapping[str, Path]) -> tuple[frozenset[str], list[tuple[Keys, Fault]]]:
+    """Let the files that steps name be seen from the file of the spec that says so, or its variable.
+
+    given: folders of variables that the user gives. The names of those that paths begin with; and by their
+    keys the files that are not there.
+    """
+    used, lost = set[str](), list[tuple[Keys, Fault]]()
+    models = step_models()
+    for number, one in enumerate(tree.steps):
+        model = models.get(str(one.get("do"))) if isinstance(one, dict) else None
+        for name, about in model.model_fields.items() if model else ():
+            option = about.alias or name
+            if name in _FILES and isinstance(one.get(option), str) and one[option]:
+                keys: Keys = ("steps", number, option)
+                spot = tree.at(keys)
+                says = tree.place(("variables", spot.variable)) if spot.variable else spot.place
+                used.update(given.keys() & {spot.variable})
+                one[option] = str(given.get(spot.variable, Path(says.file).parent) / one[option])
+                try:
+                    check_plain(one[option], option)
+                except FileError as error:
+                    lost.append((keys, Fault(spot.place, where_of(tree, keys), str(error))))
+    return frozenset(used), lost
+
+
+def need_extra() -> None:
+    """UsageError where what reads specs is not installed."""
+    missing = [name for name in ("pydantic", "ruamel.yaml") if not _has(name)]
+    if missing:
+        words = " and ".join(missing)
+        raise UsageError(f"specs need {words}; install them with: pip install 'rigtri[spec]'")
+
+
+def _has(name: str) -> bool:
+    try:
+        return find_spec(name) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def _planned(
+    model: SpecModel, tree: Tree, numbers: Sequence[int]
+) -> tuple[tuple[PlannedStep, ...], list[Fault]]:
+    """The steps of a model, by their numbers in the tree; faults of those that contradict themselves."""
+    reading, shared = model.reading(), model.shared()
+    found, faults = [], []
+    for number, one in zip(numbers, model.steps, strict=True):
+        asked = one.request(shared, reading)
+        if told := _contradiction(tree, number, one.do, asked):
+            faults.append(told)
+            continue
+        place, label = tree.place(("steps", number)), tree.labels[number]
+        found.append(PlannedStep(number, label, one.do, asked, one.optional, place, _said(one)))
+    return tuple(found), faults
+
+
+def _said(one: StepModel) -> dict[str, Any]:
+    """The options that the spec gives a step, by their names there."""
+    said = one.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    return {name: value for name, value in said.items() if name not in ("do", "optional")}

@@ -1,0 +1,102 @@
+"""A whole spec: what holds for the file, and the steps."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from rigtri.formats import Options
+from rigtri.pipeline.rigspec.models.controls import (
+    AddControls,
+    AddPolevector,
+    AddPosereader,
+    AddRivet,
+    Constrain,
+)
+from rigtri.pipeline.rigspec.models.joints import AddTwist, MakeLimb, Mirror, OrientJoints, Strip
+from rigtri.pipeline.rigspec.models.motion import Bake, Pose, Snap, TakeClips
+from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
+
+AnyStep = Annotated[
+    OrientJoints
+    | MakeLimb
+    | AddTwist
+    | AddControls
+    | AddPolevector
+    | Constrain
+    | AddRivet
+    | AddPosereader
+    | Mirror
+    | TakeClips
+    | Snap
+    | Bake
+    | Pose
+    | Strip,
+    Field(discriminator="do"),
+]
+
+
+class SpecModel(BaseModel):
+    """What a rig spec says; the steps are done in their order."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=False, title="rigtri rig spec")
+
+    schema_: str | None = Field(None, alias="$schema", description="The schema's address, for editors.")
+    version: Literal[1] = Field(1, description="The version of this format.")
+    name: str | None = Field(None, description="What the spec is called in reports.")
+    extends: Annotated[tuple[File, ...], OneOrMany(lambda value: isinstance(value, str))] = Field(
+        (),
+        description="Specs whose options, variables and defaults hold here too, and whose steps are done "
+        "where this spec has none. What stands here wins; of several, the later.",
+    )
+    variables: dict[VariableName, Scalar] = Field(
+        {}, description="Values that ${NAME} stands for in the steps; --set NAME=VALUE gives others."
+    )
+    defaults: dict[str, dict[str, Any]] = Field(
+        {}, description="By operation: options that its steps have where they do not say otherwise."
+    )
+    root: str | None = Field(None, description="Take this node and all below it as the rig.")
+    lenient: Flag = Field(False, description="Read nodes that glTF forbids where the meaning is clear.")
+    allow_external_paths: Flag = Field(
+        False,
+        alias="allow-external-paths",
+        description="Read buffers and USD layers outside the folder of the file.",
+    )
+    unknown_node_ext: Literal["freeze", "ignore", "error"] = Field(
+        "freeze",
+        alias="unknown-node-ext",
+        description="A glTF node with an extension that may hold directions in the node's axes.",
+    )
+    bake_xform: Flag = Field(False, alias="bake-xform", description="USD: rewrite plain hierarchies' ops.")
+    allow_rename: Flag = Field(False, alias="allow-rename", description="USD: a split may rename joints.")
+    override: Literal["", "layer", "stage"] = Field(
+        "", description="USD: write only opinions over the file, as a bare layer or with it as sublayer."
+    )
+    resources: Literal["copy", "relink"] = Field(
+        "copy", description="A .gltf in another folder takes its files along, or points back."
+    )
+    tolerance: Tolerance = Field(1e-5, description="Refuse a result farther off than this share of its size.")
+    strict: Flag = Field(False, description="Make any warning an error.")
+    sidecar: Flag = Field(False, description="Also write what rigtri has stored as OUT.rig.json.")
+    steps: tuple[AnyStep, ...] = Field(
+        (), description="What is done, in this order.", json_schema_extra={"minItems": 1}
+    )
+
+    def reading(self) -> Options:
+        """How files are read and written."""
+        return Options(
+            lenient=self.lenient,
+            allow_external_paths=self.allow_external_paths,
+            root=self.root,
+            relink=self.resources == "relink",
+            override=self.override,
+            unknown_node_ext=self.unknown_node_ext,
+            bake_xform=self.bake_xform,
+            allow_rename=self.allow_rename,
+            empty=any(step.do == "make-limb" for step in self.steps),
+        )
+
+    def shared(self) -> dict[str, Any]:
+        """Values of parameters that the whole file has, as steps ask for them."""
+        return {"root": self.root, "tolerance": self.tolerance}

@@ -1,0 +1,42 @@
+"""A spec file as a tree: YAML, TOML or JSON by its suffix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rigtri.errors import FileError
+from rigtri.files.text_files import text_of
+from rigtri.pipeline.rigspec import (
+    json_positions as json_text,
+)
+from rigtri.pipeline.rigspec import (
+    toml_positions as toml_text,
+)
+from rigtri.pipeline.rigspec import (
+    yaml_positions as yaml_text,
+)
+from rigtri.pipeline.rigspec.errors import Fault, SpecError
+from rigtri.pipeline.rigspec.positions import Tree
+
+# A spec is written by hand or by a script; whatever is larger is none.
+MOST_BYTES = 1 << 20
+_READERS = {
+    ".yaml": yaml_text.read,
+    ".yml": yaml_text.read,
+    ".json": json_text.read,
+    ".toml": toml_text.read,
+}
+
+
+def parse(path: Path) -> Tree:
+    """The values of a YAML, TOML or JSON file.
+
+    Raises FileError where it cannot be read, SpecError where its text is none of these.
+    """
+    read = _READERS.get(path.suffix.lower())
+    if read is None:
+        raise FileError(f"{path}: a spec is a .yaml, .yml, .toml or .json file")
+    values, spot = read(str(path), text_of(path, most=MOST_BYTES))
+    if not isinstance(values, dict):
+        raise SpecError([Fault(spot.place, "", "a spec is a mapping: version, steps and so on")])
+    return Tree(str(path), values, spot)

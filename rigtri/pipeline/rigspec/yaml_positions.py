@@ -1,0 +1,120 @@
+"""Text in YAML 1.2, in which ``no`` and ``on`` are words, as values and their places."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
+from rigtri.pipeline.rigspec.positions import Spot, Spots
+
+if TYPE_CHECKING:
+    from ruamel.yaml import YAML
+
+_OWN = "tag:yaml.org,2002:"
+_NUMBERS = tuple(_OWN + kind for kind in ("bool", "int", "float"))
+
+
+def read(file: str, text: str) -> tuple[Any, Spot]:
+    """The values in a text; SpecError where it is no YAML."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.reader import ReaderError
+
+    yaml = YAML(typ="safe", pure=True)
+    try:
+        root = yaml.compose(text)
+        if root is None:
+            return None, Spot(Place(file, 1, 1))
+        value, spot = _Reader(file, text, yaml).value(root, ())
+        return value, Spot(Place(file, 1, 1), spot.below)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
+        raise SpecError([Fault(place, "", f"no YAML: {error.problem or error.context}")]) from error
+    except ReaderError as error:
+        place = Spots(file, text).place(int(error.position))
+        words = f"no YAML: a character that cannot be seen (U+{error.character:04X})"
+        raise SpecError([Fault(place, "", words)]) from error
+    except (YAMLError, ValueError) as error:
+        raise SpecError([Fault(Place(file, 1, 1), "", f"no YAML: {_first_line(error)}")]) from error
+    except RecursionError:
+        _find_depth(file, text)
+        raise
+
+
+def _find_depth(file: str, text: str) -> None:
+    """SpecError where a text gets deeper than a spec can be."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.events import CollectionEndEvent, CollectionStartEvent
+
+    spots, depth = Spots(file, text), 0
+    for event in YAML(typ="safe", pure=True).parse(text):
+        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        mark = event.start_mark
+        spots.spot(Place(file, mark.line + 1, mark.column + 1), depth)
+
+
+class _Reader:
+    """Takes the nodes of a document apart."""
+
+    def __init__(self, file: str, text: str, yaml: YAML) -> None:
+        self._file, self._yaml, self._spots = file, yaml, Spots(file, text)
+
+    def value(self, node: Any, around: tuple[int, ...]) -> tuple[Any, Spot]:
+        """A node's value and spot. around: what it stands in, for an alias may lead back there."""
+        spot = self._spots.spot(self._place(node), len(around))
+        if node.tag and not node.tag.startswith(_OWN):
+            raise self._wrong(node, f"the tag {node.tag} means nothing in a spec")
+        if id(node) in around:
+            raise self._wrong(node, "an alias stands within what it stands for")
+        inner = (*around, id(node))
+        if node.id == "scalar":
+            return self._scalar(node), spot
+        found: dict[str | int, Any] = {}
+        if node.id == "sequence":
+            for number, item in enumerate(node.value):
+                found[number], spot.below[number] = self.value(item, inner)
+            return list(found.values()), spot
+        for key, at, item in self._members(node, {}):
+            found[key], below = self.value(item, inner)
+            # A mapping or list is told at the word before it.
+            spot.below[key] = below if item.id == "scalar" else Spot(at, below.below)
+        return found, spot
+
+    def _members(self, node: Any, merging: dict[int, Any]) -> list[tuple[str, Place, Any]]:
+        """Keys with their places and values; of mappings that are merged in (<<) those that it lacks."""
+        own: dict[str, tuple[str, Place, Any]] = {}
+        merged: list[Any] = []
+        for key, item in node.value:
+            if key.id != "scalar":
+                raise self._wrong(key, "a key is a word")
+            if key.tag == f"{_OWN}merge":
+                merged += item.value if item.id == "sequence" else [item]
+            elif key.value in own:
+                raise self._wrong(key, f"found duplicate key '{key.value}'")
+            else:
+                own[key.value] = (key.value, self._place(key), item)
+        for other in merged:
+            if other.id != "mapping" or id(other) in merging:
+                raise self._wrong(other, "<< takes other mappings in")
+            for name, at, item in self._members(other, {**merging, id(node): node}):
+                own.setdefault(name, (name, at, item))
+        return list(own.values())
+
+    def _scalar(self, node: Any) -> Any:
+        """A number or truth value as such, dates and all else as the text that they are."""
+        if node.tag in _NUMBERS:
+            self._spots.check_number(node.value, self._place(node))
+            return self._yaml.constructor.construct_object(node)
+        return None if node.tag == f"{_OWN}null" else str(node.value)
+
+    def _place(self, node: Any) -> Place:
+        mark = node.start_mark
+        return Place(self._file, mark.line + 1, mark.column + 1)
+
+    def _wrong(self, node: Any, text: str) -> SpecError:
+        return SpecError([Fault(self._place(node), "", f"no YAML: {text}")])
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]

@@ -1,0 +1,224 @@
+"""Which way a limb bends: from its pose, its motion, its twin, or what its kind says.
+
+Half of all real limbs are straight at rest, and noise then looks like a bend
+plane. So every answer says where it came from, and there may be none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.maths.matrices import inverse, transform_directions
+from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.triangle import DEGENERATE_SINE, bend_angle, bend_sine, hinge
+from rigtri.maths.trigonometry import Floats, sin_cos
+from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular, unit_of
+from rigtri.model.records import Clip
+from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import Limb
+
+# A key counts as evidence of the hinge from this bend on (radians): 5 degrees.
+BENT = 0.08726646259971647
+# The mean of the unit normals of all bent keys must be at least this long to be one hinge.
+AGREEMENT = 0.9
+# Keys looked at per clip; more are thinned out evenly.
+MOST_KEYS = 2000
+# A direction nearer to the chord than this sine says nothing about the side.
+ALONG = 0.1
+
+Source = Literal["pose", "clips", "other pose", "other side", "facing", "given"]
+
+
+@dataclass(frozen=True)
+class Bend:
+    """The side a limb bends to.
+
+    direction: unit vector, (3,), perpendicular to the chord AC. hinge: unit
+    normal n, (3,): a positive turn about it flexes. sine: of the bend that told
+    it, which bounds its noise. All in the world of the pose in use.
+    """
+
+    direction: Floats
+    hinge: Floats
+    source: Source
+    sine: float
+
+
+def bend(
+    rig: Rig,
+    limb: Limb,
+    world: Floats,
+    *,
+    least_sine: float,
+    others: Sequence[Limb] = (),
+    facing: Floats | None = None,
+    given: Floats | None = None,
+    other_pose: Floats | None = None,
+) -> Bend | None:
+    """Where a limb bends to, or None when nothing tells.
+
+    world: (n, 4, 4), the pose in use. least_sine: below it the pose itself is
+    taken as straight. others: limbs of the rig, whose twin of the other side may
+    tell. facing: where the character looks (knees bend forward, elbows back).
+    given: the user's word, which goes before everything else.
+    other_pose: world matrices of the file's other pose.
+
+    Source: design notes, ladder of the up direction, steps 2 to 5.
+    """
+    if given is not None:
+        return _towards(limb, world, given, "given", 1.0)
+    own = _own(rig, limb, world, least_sine, other_pose)
+    if own is not None:
+        return own
+    twins = [o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}]
+    # Of several characters in a file, the nearest twin is the limb's own.
+    twin = min(twins, key=lambda o: abs(o.start - limb.start), default=None)
+    if twin is not None:
+        theirs = _own(rig, twin, world, least_sine, other_pose)
+        if theirs is not None:
+            mirrored = _mirrored(theirs.direction, world[limb.start, 3, :3], world[twin.start, 3, :3])
+            found = _towards(limb, world, mirrored, "other side", theirs.sine)
+            if found is not None:
+                return found
+    if facing is not None and limb.kind:
+        forward = facing if limb.kind == "leg" else -facing
+        return _towards(limb, world, forward, "facing", 1.0)
+    return None
+
+
+def in_pose(limbs: Sequence[Limb], world: Floats) -> list[Bend]:
+    """What a pose, (n, 4, 4), says of each limb, however little: a `sine` near 0 says nothing."""
+    return [_posed(*(Vector(*world[node, 3, :3].tolist()) for node in limb.triple)) for limb in limbs]
+
+
+def _posed(a: Vector, b: Vector, c: Vector) -> Bend:
+    """To the bit as `bend_direction`, `hinge` and `bend_sine`: limbs are few, so plain numbers are faster."""
+    area, sine = area_and_sine(a, b, c)
+    if sine < DEGENERATE_SINE:
+        return Bend(direction_of(Vector()), direction_of(Vector()), "pose", sine)
+    chord = c - a
+    square = chord.dot(chord)
+    off = b - (a + chord * ((b - a).dot(chord) / square)) if square else Vector()
+    far = off.length > DEGENERATE_SINE * ((b - a).length + (c - b).length)
+    return Bend(direction_of(off if far else Vector()), direction_of(area), "pose", sine)
+
+
+def area_and_sine(a: Vector, b: Vector, c: Vector) -> tuple[Vector, float]:
+    """AB × BC of one limb, and the sine of its bend, 0 where it is straight or points coincide."""
+    upper, lower = b - a, c - b
+    return upper.cross(lower), upper.unit.cross(lower.unit).length
+
+
+def direction_of(v: Vector) -> Floats:
+    """As `normalise`, to the bit, of one vector: (3,), NaN where it has no length."""
+    return np.array(unit_of([*v]) or [np.nan] * 3)
+
+
+def _own(rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None) -> Bend | None:
+    (posed,) = in_pose([limb], world)
+    return posed if posed.sine >= least_sine else _from_motion(rig, limb, world, other_pose)
+
+
+def _towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine: float) -> Bend | None:
+    """The bend towards a direction; None where it runs along the limb."""
+    a, _, c = world[list(limb.triple), 3, :3]
+    chord = normalise(c - a)
+    side = perpendicular(normalise(direction), chord)
+    if not length(side) > ALONG:
+        return None
+    return Bend(normalise(side), normalise(cross(side, chord)), source, sine)
+
+
+def _from_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) -> Bend | None:
+    """The hinge that bent keys of clips agree on, seen in the root joint's own space."""
+    normals, found = [np.zeros((0, 3))], False
+    if other_pose is not None:
+        normals.append(_bent_hinges(limb, other_pose[np.newaxis]))
+        found = len(normals[-1]) > 0
+    small, triple = between(rig, limb.triple)
+    for clip in (clip for clip in small.clips if clip.tracks and not clip.idle):
+        posed = worlds(small, locals_at(small, clip, thinned(key_times(clip), MOST_KEYS)))
+        normals.append(_bent_hinges(replace(limb, start=triple[0], middle=triple[1], end=triple[2]), posed))
+    everything = np.concatenate(normals)
+    if not len(everything):
+        return None
+    mean = everything.cumsum(axis=0)[-1] / len(everything)
+    if not length(mean) >= AGREEMENT:
+        return None
+    normal = normalise(transform_directions(mean, world[limb.start]))
+    a, _, c = world[list(limb.triple), 3, :3]
+    towards = _towards(limb, world, cross(c - a, normal), "clips", float(sin_cos(BENT)[0]))
+    only_other = found and len(everything) == len(normals[1])
+    return replace(towards, source="other pose") if towards and only_other else towards
+
+
+def _bent_hinges(limb: Limb, world: Floats) -> Floats:
+    """Unit normals of the poses, (f, n, 4, 4), in which the limb is bent, in its root joint's space."""
+    points = world[:, list(limb.triple), 3, :3]
+    bent = bend_angle(points[:, 0], points[:, 1], points[:, 2]) > BENT
+    points, root = points[bent], world[bent, limb.start]
+    n = transform_directions(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root))
+    n = normalise(n)
+    return n[np.isfinite(n).all(axis=1)]
+
+
+def _mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:
+    """A direction of the other side seen in the mirror: across the world axis that parts the sides."""
+    axis = int(np.argmax(np.abs(here - there)))
+    return direction * np.where(np.arange(3) == axis, -1.0, 1.0)
+
+
+def thinned(times: Floats, most: int) -> Floats:
+    """At most ``most`` of the times, evenly over their order, the first and last among them."""
+    if len(times) <= most:
+        return times
+    return times[np.unique((np.arange(most) * (len(times) - 1)) // (most - 1))]
+
+
+def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
+    """The rig of some nodes and what lies between them alone, and their new indices.
+
+    What a limb needs to be posed, up to its common ancestor: a fraction of the whole.
+    """
+    top = nodes[0]
+    while top >= 0 and not all(rig.is_below(node, top) for node in nodes):
+        top = int(rig.parents[top])
+    lines = {top} if top >= 0 else set()
+    for node in nodes:
+        while node >= 0 and node not in lines:
+            lines.add(node)
+            node = int(rig.parents[node])
+    small, place = rig.part(list(lines))
+    return small, [place[node] for node in nodes]
+
+
+def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple[float, str]]:
+    """The key times of a clip at which a limb is straight or has flipped its side, with the word.
+
+    ``straight``: the sine of its bend is below ``least_sine``. ``flipped``: it
+    bends to the other side than at the bent key before, seen in the root joint's space.
+    """
+    small, (a, b, c) = between(rig, limb.triple)
+    times = key_times(clip)
+    if not len(times):
+        return []
+    world = worlds(small, locals_at(small, small.clips[rig.clips.index(clip)], times))
+    points = world[:, [a, b, c], 3, :3]
+    sine = bend_sine(points[:, 0], points[:, 1], points[:, 2])
+    normal = hinge(points[:, 0], points[:, 1], points[:, 2])
+    seen = transform_directions(np.nan_to_num(normal), inverse(world[:, a]))
+    found: list[tuple[float, str]] = []
+    last: Floats | None = None
+    for k, time in enumerate(times.tolist()):
+        if sine[k] < least_sine:
+            found.append((time, "straight"))
+            continue
+        if last is not None and dot(seen[k], last) < 0:
+            found.append((time, "flipped"))
+        last = seen[k]
+    return found

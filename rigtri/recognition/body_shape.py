@@ -1,0 +1,277 @@
+"""A body by its shape alone: which pairs of branches are legs and arms, of all ways to see it.
+
+Every way to take one pair of branches for legs and another for arms, or none, is weighed by what bodies
+have in common: legs carry and are longest, arms begin higher in the tree, a head stands beyond them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import fsum
+from typing import Literal
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.detached_ends import loose_ends
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_bends import Bend, bend_of, branches, sharpest_of
+from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.symmetry import Pair, Plane, between
+
+# So many of the longest pairs are tried as legs and as arms.
+_TRIED = 10
+# Another file's up than the one it says is believed so much less.
+_OTHER_UP = 0.8
+# The line between two limbs of a pair lies across the plane: the cosine, which allows for a turned chest.
+_SQUARE = 0.8
+# No pair without another scores so much.
+_ALONE = 0.76
+# What legs lose that begin deeper in the tree than arms.
+_DEEPER = 0.15
+# What legs lose that go the way of the spine.
+_UPWARDS = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Limbs:
+    """Two limbs that are alike. at: places of start, middle and end in ``pair.paths``; of two joints where
+    there is no end. starts, ends: where they are, in the middle between both. size: of both bones,
+    file units. fingers: how many chains there are at the end. quality: how limb-like, 0 to 1."""
+
+    pair: Pair
+    at: tuple[int, ...]
+    starts: Vector
+    ends: Vector
+    size: float
+    fingers: int
+    quality: float
+    lead: float
+
+    def joints(self, which: int) -> tuple[int, ...]:
+        """Start, middle and end of one of the two, or start and end."""
+        return tuple(self.pair.paths[which][k] for k in self.at)
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One way to see a body. legs, arms: either may be missing. score: 0 to 1. lead: over the same pairs
+    the other way round. up: unit."""
+
+    legs: Limbs | None
+    arms: Limbs | None
+    form: Literal["biped", "quadruped"]
+    up: Vector
+    score: float
+    lead: float = 0.0
+
+
+def limbs_of(tree: Tree, pairs: Sequence[Pair], poses: Poses) -> list[Limbs]:
+    """The pairs as limbs, with where each bends."""
+    tried, found = pairs[: 3 * _TRIED], []
+    sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
+    for pair in tried:
+        bend = bend_of(tree, pair.paths[0], sharpest)
+        if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
+            pair = loose_ends(tree, pair, poses)
+            bend = bend_of(tree, pair.paths[0], sharpest) if len(pair.paths[0]) > 2 else None
+        if bend is not None or len(pair.paths[0]) > 1:
+            found.append(_limbs(tree, pair, bend))
+    return found
+
+
+def _limbs(tree: Tree, pair: Pair, bend: Bend | None) -> Limbs:
+    at = bend.at if bend else (0, branches(tree, pair.paths[0])[0])
+    pair = _middlemost(tree, pair, at[-1]) if bend else pair
+    one, other = pair.paths
+    starts, ends = ((tree.at[one[k]] + tree.at[other[k]]) * 0.5 for k in (at[0], at[-1]))
+    count = min(branches(tree, path)[1] for path in pair.paths)
+    size = bend.size if bend else pair.reach
+    quality, lead = (bend.quality, bend.lead) if bend else (0.2, 0.0)
+    return Limbs(pair, at, starts, ends, size, count, quality, lead)
+
+
+def _middlemost(tree: Tree, pair: Pair, at: int) -> Pair:
+    """The pair with the middle one for its end, where several joints begin at that place: of a palm."""
+    ends = [_middle_of(tree, path[at]) for path in pair.paths]
+    if [path[at] for path in pair.paths] == ends:
+        return pair
+    one, other = ((*path[:at], end, *tree.paths[end][1:]) for path, end in zip(pair.paths, ends, strict=True))
+    return replace(pair, paths=(one, other))
+
+
+def _middle_of(tree: Tree, node: int) -> int:
+    """Of the joints that stand where ``node`` does, under one, the one whose branch ends midmost."""
+    near = 0.01 * (tree.bone[node] + tree.reach[node])
+    same = [
+        k
+        for k in tree.below[tree.above[node]]
+        if tree.below[k] and (tree.at[k] - tree.at[node]).length < near
+    ]
+    if len(same) < 3:
+        return node
+    tips = [tree.at[tree.paths[k][-1]] for k in same]
+    spread = [max((other - tip).length for other in tips) for tip in tips]
+    return same[spread.index(min(spread))]
+
+
+def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body]:
+    """The ways to take pairs for legs and arms, the likeliest first; one alone where it may be that."""
+    if plane is None:
+        return []
+    even = [pair for pair in limbs if _across(tree, pair, plane)][:_TRIED]
+    both = [_with_arms(tree, legs, even) for legs in even]
+    clear = any(way.score > _ALONE for ways in both for way in ways)
+    alone = [() if clear else _alone(tree, legs, even) for legs in even]
+    ways = [way for each in zip(alone, both, strict=True) for ways in each for way in ways]
+    ways.sort(key=lambda body: -body.score)
+    if not ways:
+        return []
+    best = ways[0]
+    turned = [k.score for k in ways if k.legs is best.arms and k.arms is best.legs]
+    return [replace(best, lead=best.score - max(turned, default=0.0)), *ways[1:]]
+
+
+def _across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
+    """Whether the plane lies between the two."""
+    middle, across = between(tree, limbs.pair)
+    if not abs(across.dot(plane.normal)) > _SQUARE:
+        return False
+    widest = max((tree.at[a] - tree.at[b]).length for a, b in zip(*limbs.pair.paths, strict=True))
+    return widest > 3.0 * abs(plane.side_of(middle))
+
+
+def _longest(limbs: Limbs, others: Sequence[Limbs]) -> float:
+    """The size of the largest of all that are like limbs, or of these."""
+    longest = max([k.size for k in others if k.quality > 0.3], default=limbs.size)
+    return max(longest, limbs.size, 1e-30)
+
+
+def _with_arms(tree: Tree, legs: Limbs, others: Sequence[Limbs]) -> list[Body]:
+    """A pair as legs, with each other that is apart from it as arms."""
+    longest = _longest(legs, others)
+    arms = [k for k in others if k is not legs and _apart(tree, legs, k)]
+    return [_both(tree, legs, k, others, longest) for k in arms]
+
+
+def _alone(tree: Tree, limbs: Limbs, others: Sequence[Limbs]) -> tuple[Body, Body]:
+    """A pair as legs without arms, and as arms without legs."""
+    longest = _longest(limbs, others)
+    return _legs_alone(tree, limbs, longest), _arms_alone(tree, limbs, longest)
+
+
+def _ups(tree: Tree, *others: Vector) -> list[tuple[Vector, float]]:
+    """Directions that may be up, unit, each with how far it is trusted: the file's, and ``others``."""
+    found = [(Vector(*tree.rig.up), 1.0)]
+    return found + [(up.unit, _OTHER_UP) for up in others if any(up.unit)]
+
+
+def _apart(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
+    """Whether neither pair is a part of the other."""
+    if legs.pair.nodes & arms.pair.nodes:
+        return False
+    firsts = [(path[0], limbs) for limbs in (legs, arms) for path in limbs.pair.paths]
+    return not any(tree.is_below(a, b) for a, one in firsts for b, other in firsts if one is not other)
+
+
+def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest: float) -> Body:
+    """A pair as legs and another as arms, up as suits them best: what speaks for it, as a weighted mean."""
+    spine = arms.starts - legs.starts
+    on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
+    common = tree.common(legs.pair.above, arms.pair.above)
+    tier = _tier(tree, arms.pair.above, common) - _tier(tree, legs.pair.above, common)
+    ratio = spine.length / max(legs.size, 1e-30)
+    points = [
+        (1.0, 1.0 if tier > 0 else 0.4 if tier == 0 else 0.0),
+        (0.6, within(ratio, 0.05, 0.4) * (1.0 - within(ratio, 2.5, 5.0))),
+        (0.6, within(min(arms.size / max(legs.size, 1e-30), legs.size / max(arms.size, 1e-30)), 0.2, 0.55)),
+        (0.5, within(legs.quality, 0.2, 0.6)),
+        (0.5, within(arms.quality, 0.2, 0.6)),
+        (0.6, 0.5 if arms.fingers == legs.fingers else 1.0 if arms.fingers > legs.fingers else 0.0),
+        (0.5, within(max(legs.size, arms.size) / longest, 0.2, 0.6)),
+        (0.8, within(legs.pair.reach / _most_beside(legs, others), 0.4, 1.0)),
+        (1.0, 0.0 if _passed_over(tree, arms, others, common) else 1.0),
+    ]
+    # Branches that grow upwards are no legs.
+    cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
+    beyond, seen = _beyond(tree, legs, arms), []
+    for up, trust in _ups(tree, spine, arms.starts - arms.ends + legs.starts - legs.ends):
+        tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
+        four = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75 and arms.fingers < 3
+        turned = [
+            (1.0, trust * within(stands, 0.0, 0.7)),
+            (0.8, trust * (0.9 if four else within(tall, 0.3, 0.8))),
+            (0.8, _head(beyond, arms, on + up)),
+        ]
+        score = _mean([*points, *turned]) - cost
+        seen.append(Body(legs, arms, "quadruped" if four else "biped", up, score))
+    return max(seen, key=lambda body: body.score)
+
+
+def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:
+    """The reach of the longest pair that hangs where these do: beside a skirt the legs are."""
+    return max([legs.pair.reach, *(k.pair.reach for k in others if k.pair.above == legs.pair.above)])
+
+
+def _passed_over(tree: Tree, arms: Limbs, others: Sequence[Limbs], common: int) -> bool:
+    """Whether a pair hangs at the spine below the arms that would be arms as well: they are hair, or ears."""
+    high = arms.pair.above
+    between = set(tree.way(common, high)[1:-1]) if high >= 0 else set()
+    return any(
+        k.pair.above in between and len(k.at) == 3 and k.quality > 0.45 and k.size > 0.3 * arms.size
+        for k in others
+    )
+
+
+def _legs_alone(tree: Tree, legs: Limbs, longest: float) -> Body:
+    """A pair as legs, and no arms: a bird, or the lower part of a body."""
+    down = legs.ends - legs.starts
+    stands = [(trust * within(down.unit.dot(-up), 0.2, 0.8), up) for up, trust in _ups(tree, -down)]
+    upright, up = max(stands, key=lambda each: each[0])
+    points = [(1.0, upright), (0.6, within(legs.quality, 0.3, 0.7)), (1.0, legs.size / longest), (1.0, 0.0)]
+    return Body(legs, None, "biped", up, _mean(points))
+
+
+def _arms_alone(tree: Tree, arms: Limbs, longest: float) -> Body:
+    """A pair as arms, and no legs: the upper part of a body."""
+    up = Vector(*tree.rig.up)
+    points = [
+        (1.0, within(_head(_beyond(tree, arms, arms), arms, up), 0.3, 1.0)),
+        (0.6, within(arms.quality, 0.3, 0.7)),
+        (0.6, 1.0 if arms.fingers > 1 else 0.5),
+        (0.4, 1.0 if tree.depth[arms.pair.above] > 0 and arms.pair.above >= 0 else 0.0),
+        (0.5, arms.size / longest),
+        (1.0, 0.0),
+    ]
+    return Body(None, arms, "biped", up, _mean(points))
+
+
+def _tier(tree: Tree, node: int, common: int) -> int:
+    return (tree.depth[node] if node >= 0 else -1) - (tree.depth[common] if common >= 0 else -1)
+
+
+def _beyond(tree: Tree, legs: Limbs, arms: Limbs) -> list[Vector]:
+    """From the arms to all joints of no limb that hang where the arms do, or up to two above."""
+    limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
+    above, found = arms.pair.above, []
+    for _ in range(3):
+        for child in tree.below.get(above, []):
+            if not any(tree.is_below(first, child) for first in limbs):
+                found += [tree.at[k] - arms.starts for k in tree.branch(child)]
+        if above < 0 or above == legs.pair.above:
+            break
+        above = tree.above[above]
+    return found
+
+
+def _head(beyond: Sequence[Vector], arms: Limbs, over: Vector) -> float:
+    """Whether something stands over the arms that is no limb: 1, 0.3 where nothing does."""
+    return 1.0 if any(place.dot(over) > 0.05 * arms.size for place in beyond) else 0.3
+
+
+def within(value: float, low: float, high: float) -> float:
+    """0 up to ``low``, 1 from ``high`` on, evenly between."""
+    return min(1.0, max(0.0, (value - low) / (high - low)))
+
+
+def _mean(points: Sequence[tuple[float, float]]) -> float:
+    return fsum(weight * value for weight, value in points) / fsum(weight for weight, _ in points)

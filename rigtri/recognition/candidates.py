@@ -1,0 +1,90 @@
+"""A character on the way to being known: chains as they are found, and who has which joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.model.joint_names import Side
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.layout import Chain, Kind
+from rigtri.recognition.name_readings import Reading
+from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.shape_analysis import Shape
+
+
+@dataclass
+class Draft:
+    """What is known of a character so far.
+
+    reading: what names say, None where nothing. certain: bones of a humanoid map, bones: those found so
+    far, both by their names. controls: joints that are known to be none of the body. limbs_alone: nobody
+    asks for more than sure arms and legs. up, facing, left: unit directions of the world, zero where
+    unknown. hips, chest: where legs and arms hang, −1 where unknown. four: whether it stands on four
+    legs. remarks: sentences for users.
+    """
+
+    shape: Shape
+    poses: Poses
+    reading: Reading | None
+    certain: dict[str, int]
+    controls: frozenset[int] = frozenset()
+    limbs_alone: bool = False
+    up: Vector = field(default_factory=Vector)
+    facing: Vector = field(default_factory=Vector)
+    left: Vector = field(default_factory=Vector)
+    hips: int = -1
+    chest: int = -1
+    four: bool = False
+    chains: list[Chain] = field(default_factory=list)
+    bones: dict[str, int] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+
+    @property
+    def tree(self) -> Tree:
+        return self.shape.tree
+
+    @property
+    def taken(self) -> frozenset[int]:
+        """The joints that a chain has."""
+        return frozenset(joint for chain in self.chains for joint in chain.joints)
+
+    @property
+    def said_bones(self) -> dict[str, int]:
+        """Nodes by bone as a humanoid map or names have them."""
+        return self.certain or (self.reading.bones if self.reading else {})
+
+    def say(
+        self,
+        kind: Kind,
+        words: str,
+        side: Side,
+        joints: Sequence[int],
+        confidence: float,
+        evidence: Sequence[str],
+        bend: Sequence[int] = (),
+    ) -> None:
+        """One more chain; words: its name without its side."""
+        name = f"{side} {words}" if side else words
+        sure = round(max(0.0, min(0.99, confidence)), 2)
+        self.chains.append(Chain(kind, name, side, tuple(joints), tuple(bend), sure, tuple(evidence)))
+
+    def call(self, bone: str, node: int) -> None:
+        """A joint gets a bone's name, unless either is taken."""
+        if bone not in self.bones and node not in self.bones.values():
+            self.bones[bone] = node
+
+    def side_of(self, nodes: Sequence[int]) -> Side:
+        """The side of the body that joints stand on, "" where left and right are not known."""
+        plane = self.shape.plane
+        if plane is None or not any(self.left):
+            return ""
+        at = max(((self.tree.at[k] - plane.point).dot(self.left) for k in nodes), key=abs)
+        return "left" if at > 0 else "right" if at < 0 else ""
+
+    def stand(self, up: Vector, ahead: Vector) -> None:
+        """Which way is up, which is ahead, and so which is left."""
+        self.up = up.unit
+        self.facing = (ahead - self.up * ahead.dot(self.up)).unit
+        self.left = self.up.cross(self.facing)

@@ -1,0 +1,214 @@
+"""What speaks against an arm or leg that was found: such a limb is shown, and never acted upon."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.arms_legs import AGREED, Found
+from rigtri.recognition.body_shape import Limbs
+from rigtri.recognition.candidates import Draft
+from rigtri.recognition.hands_feet import finger_said
+from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.naming_schemes import limb_said, said, said_roles
+
+# What a contradiction leaves of a confidence: less than `CONFIDENT`.
+_UNSURE = 0.6
+# Bones of twins are alike up to this part of their length.
+_TWINS = 0.15
+# Bones of one limb are at least so long a part of each other.
+_BALANCE = 0.4
+# Of a body without legs and without a second arm, so many bones beside the arm's own, or fingers, are named.
+_ENOUGH = 3
+# A further chain at the chest that is so long a part of the arms may be an arm as well.
+_RIVAL = 0.2
+# A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
+_NEXT = 0.6
+
+
+def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
+    """The limbs, those that evidence contradicts less than sure; a remark says each contradiction."""
+    if draft.certain:
+        return list(found)
+    weighed = []
+    for each in found:
+        why = _contradiction(draft, each, found) if len(each.joints) == 3 else ""
+        if why and each.confidence >= CONFIDENT:
+            words = f"the {each.side} {each.kind}".replace("  ", " ")
+            draft.remarks.append(f"{words} is not sure: {why}")
+            each = replace(each, confidence=_UNSURE, evidence=(*each.evidence, f"but {why}"))
+        weighed.append(each)
+    return weighed
+
+
+def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    by_name = _is_named(draft, each)
+    return (
+        _other_limb(draft, each)
+        or _other_side(draft, each)
+        or _against_the_tree(draft, each)
+        or (by_name and (_unnamed_between(draft, each) or _unlike_twin(draft, each, found)))
+        or _upside_down(draft, each, found)
+        or _no_body(draft, each, found)
+        or (not by_name and _rival(draft, each))
+        or ""
+    )
+
+
+def _title(draft: Draft, node: int) -> str:
+    return f"'{draft.tree.rig.title(node)}'"
+
+
+def _other_limb(draft: Draft, each: Found) -> str:
+    """A name of another kind of limb in the middle of this one; front legs are called arms, too."""
+    kinds = [(k, limb_said(draft.tree.rig.names[k])) for k in each.joints]
+    said_kinds = {kind for _, kind in kinds if kind}
+    if len(said_kinds) < 2:
+        return ""
+    other = next(k for k, kind in kinds if kind and kind != each.kind)
+    return f"the name of {_title(draft, other)} is of another limb"
+
+
+def _other_side(draft: Draft, each: Found) -> str:
+    """A name that says another side than the limb has."""
+    for node in each.joints:
+        which = said(draft.tree.rig.names[node]).side
+        if which and which != each.side:
+            return f"the name of {_title(draft, node)} says {which}"
+    return ""
+
+
+def _against_the_tree(draft: Draft, each: Found) -> str:
+    """Joints that do not hang below each other: so it may be in IK rigs, where they hang at the trunk."""
+    tree = draft.tree
+    start, middle, end = each.joints
+    for node, over in ((middle, start), (end, middle)):
+        if tree.is_below(node, over) or (tree.is_own and AGREED in each.evidence):
+            continue
+        words = f"{_title(draft, node)} does not hang below {_title(draft, over)}"
+        above = tree.above[node]
+        at_trunk = above < 0 or (above != start and tree.is_below(start, above))
+        if not at_trunk or tree.is_below(start, node) or _goes_on(draft, over, node):
+            return words
+        upper, lower = ((tree.at[b] - tree.at[a]).length for a, b in ((start, middle), (middle, end)))
+        if min(upper, lower) < _BALANCE * max(upper, lower):
+            return f"{words} and is not where it should be"
+    return ""
+
+
+def _goes_on(draft: Draft, over: int, node: int) -> bool:
+    """Whether another joint than ``node`` follows one, so that none is missing there."""
+    names = draft.tree.rig.names
+    return any(k != node and not said_roles(names[k]) for k in draft.tree.below[over])
+
+
+def _unnamed_between(draft: Draft, each: Found) -> str:
+    """A joint without a name between those that have one, where shape does not tell what it is."""
+    if AGREED in each.evidence:
+        return ""
+    start, middle, end = each.joints
+    names = draft.tree.rig.names
+    for low, high in ((middle, start), (end, middle)):
+        if draft.tree.is_below(low, high):
+            for node in draft.tree.way(high, low)[1:-1]:
+                if not said(names[node]).plain and not said_roles(names[node]):
+                    ends = f"{_title(draft, high)} and {_title(draft, low)}"
+                    return f"a joint without a name stands between {ends}"
+    return ""
+
+
+def _unlike_twin(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """The limb of the other side has other bones, and shape does not tell that this one is right."""
+    twin = _twin(each, found)
+    if AGREED in each.evidence or twin is None:
+        return ""
+    tree = draft.tree
+    for a, b in ((0, 1), (1, 2)):
+        mine, other = ((tree.at[k.joints[b]] - tree.at[k.joints[a]]).length for k in (each, twin))
+        steps = [len(tree.way(k.joints[a], k.joints[b])) for k in (each, twin)]
+        if abs(mine - other) > _TWINS * max(mine, other) or steps[0] != steps[1]:
+            return f"the {twin.side} {twin.kind} has other bones"
+    return ""
+
+
+def _twin(each: Found, found: Sequence[Found]) -> Found | None:
+    """The limb of the other side that bends, too."""
+    others = (k for k in found if k.kind == each.kind and {k.side, each.side} == {"left", "right"})
+    return next((k for k in others if len(k.joints) == 3), None)
+
+
+def _upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """Legs that begin above arms, as the file says what is up, are no legs."""
+    legs, arms = ([k for k in found if k.kind == kind and k.side] for kind in ("leg", "arm"))
+    if len(legs) != 2 or len(arms) != 2 or _is_named(draft, each):
+        return ""
+    up, at = Vector(*draft.tree.rig.up), draft.tree.at
+    low, high = (at[one.joints[0]].dot(up) + at[other.joints[0]].dot(up) for one, other in (legs, arms))
+    if low > high and draft.up.dot(up) < -0.5:
+        return "its legs begin above its arms"
+    return ""
+
+
+def _is_named(draft: Draft, each: Found) -> bool:
+    return draft.reading is not None and each.joints in draft.reading.limbs.values()
+
+
+def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """An arm by itself, or four legs that carry nothing: cranes and tables are like that, too."""
+    bones = draft.reading.bones if draft.reading is not None else {}
+    beside = [bone for bone, node in bones.items() if node not in each.joints]
+    alone = (
+        len(found) == 1
+        and each.kind == "arm"
+        and not each.side
+        and len(draft.tree.nodes) > len(each.joints) + 1
+    )
+    if alone and len(beside) < _ENOUGH and not _has_fingers(draft, each):
+        return "it stands alone: nothing else of a body is named"
+    body = draft.shape.body
+    four = len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips"} & set(bones)
+    if four and body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above:
+        return "no trunk stands between its front and its hind legs"
+    return ""
+
+
+def _has_fingers(draft: Draft, arm: Found) -> bool:
+    """Whether several joints below an arm's end are called as fingers are."""
+    below = draft.tree.branch(arm.joints[-1])
+    return len({finger for node in below if (finger := finger_said(draft.tree.rig.names[node]))}) >= _ENOUGH
+
+
+def _rival(draft: Draft, each: Found) -> str:
+    """What else the arms may be where shape alone tells: wings beside them, the next joints of the chain."""
+    mine, tree = each.pair, draft.tree
+    if mine is None or each.kind != "arm" or len(mine.at) < 3:
+        return ""
+    path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
+    if start == 0 and end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]:
+        return "its first bone may be a clavicle, as a long bone follows"
+    if mine.fingers >= 2 or draft.shape.plane is None:
+        return ""
+    for node in _beside(draft, mine):
+        aside = [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.paths[node][:2]]
+        long = len(tree.paths[node]) > 2 and tree.reach[node] > _RIVAL * mine.size
+        if long and aside[0] > 0.01 * mine.size and aside[1] > 0.05 * mine.size:
+            return f"the chain from {_title(draft, node)} may be an arm as well"
+    return ""
+
+
+def _beside(draft: Draft, mine: Limbs) -> list[int]:
+    """What hangs where the arms do, or a joint from there, and has no name that tells what it is."""
+    tree, chest = draft.tree, mine.pair.above
+    body = draft.shape.body
+    legs = body.legs.pair.above if body is not None and body.legs is not None else -1
+    over = tree.above[chest] if chest >= 0 else -1
+    near = [k for k in (chest, over, *tree.below[chest]) if k >= 0 and k not in mine.pair.nodes]
+    hanging = [k for at in near if at == chest or at != legs for k in tree.below[at]]
+    return [
+        k
+        for k in hanging
+        if k not in mine.pair.nodes
+        and chest not in tree.paths[k]
+        and not any(said_roles(tree.rig.names[n]) for n in tree.paths[k])
+    ]

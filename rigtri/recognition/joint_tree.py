@@ -1,0 +1,174 @@
+"""The joints of a rig as one tree: who follows whom, how long bones are, how far chains reach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+
+# A path longer than this is no limb: what comes after is of no interest, and paths stay short.
+_LONGEST = 15
+
+
+class Tree:
+    """Some joints of a rig, with what is above them, and where they stand in one pose.
+
+    nodes: node indices, parents first. above: for each node of the rig, (n,), the nearest of ``nodes``
+    above it, −1 for none and for nodes that are not of the tree; given where the rig's hierarchy is not
+    what is meant. places: (n, 3), where all nodes stand.
+    """
+
+    def __init__(
+        self, rig: Rig, nodes: Sequence[int], places: Floats, above: Sequence[int] | None = None
+    ) -> None:
+        self.rig = rig
+        self.nodes = list(nodes)
+        self.places = places
+        self.is_own = above is not None
+        self.above = _nearest(rig, frozenset(nodes)) if above is None else list(above)
+        self.below: dict[int, list[int]] = {node: [] for node in [-1, *self.nodes]}
+        for node in self.nodes:
+            self.below[self.above[node]].append(node)
+
+    @cached_property
+    def at(self) -> list[Vector]:
+        """Where each node stands, (n,)."""
+        return [Vector(*place) for place in self.places.tolist()]
+
+    @cached_property
+    def span(self) -> float:
+        """The diagonal of the box around all nodes, in file units."""
+        places = self.places[self.nodes]
+        return float(length(places.max(axis=0) - places.min(axis=0))) if len(places) else 0.0
+
+    @cached_property
+    def bone(self) -> list[float]:
+        """How far each node stands from the one above it; 0 where there is none, (n,)."""
+        above = np.array(self.above, dtype=np.int64)
+        apart = length(self.places - self.places[above])
+        return np.where(above >= 0, apart, 0.0).tolist()  # type: ignore[no-any-return]
+
+    @cached_property
+    def reach(self) -> list[float]:
+        """The length of the longest way down from each node, (n,)."""
+        reach = [0.0] * len(self.rig)
+        for node in reversed(self.nodes):
+            over = self.above[node]
+            if over >= 0:
+                reach[over] = max(reach[over], reach[node] + self.bone[node])
+        return reach
+
+    @cached_property
+    def size(self) -> list[int]:
+        """How many nodes of the tree there are from each node down, itself included, (n,)."""
+        size = [0] * len(self.rig)
+        for node in reversed(self.nodes):
+            size[node] += 1
+            if self.above[node] >= 0:
+                size[self.above[node]] += size[node]
+        return size
+
+    @cached_property
+    def depth(self) -> list[int]:
+        """How many nodes of the tree are above each node, (n,)."""
+        depth = [0] * len(self.rig)
+        for node in self.nodes:
+            if self.above[node] >= 0:
+                depth[node] = depth[self.above[node]] + 1
+        return depth
+
+    @cached_property
+    def paths(self) -> dict[int, tuple[int, ...]]:
+        """From each node down the longest way to a leaf, the node first."""
+        paths: dict[int, tuple[int, ...]] = {}
+        for node in reversed(self.nodes):
+            below = self.below[node]
+            longest = max(below, key=lambda k: (self.bone[k] + self.reach[k], self.size[k]), default=-1)
+            paths[node] = (node, *paths[longest][:_LONGEST]) if below else (node,)
+        return paths
+
+    def is_below(self, node: int, other: int) -> bool:
+        """Whether ``node`` is ``other`` or under it; everything is below −1."""
+        if other < 0 or not self.is_own:
+            return other < 0 or self.rig.is_below(node, other)
+        return other in self.way(-1, node)
+
+    def branch(self, node: int) -> list[int]:
+        """A node and all of the tree under it."""
+        found = [node]
+        for k in found:  # it grows as it is walked
+            found += self.below[k]
+        return found
+
+    def way(self, node: int, end: int) -> list[int]:
+        """The nodes from ``end`` up to ``node``, turned round: both included; ``end``'s whole line for −1."""
+        line = [end]
+        while line[-1] != node and self.above[line[-1]] >= 0:
+            line.append(self.above[line[-1]])
+        return line[::-1]
+
+    def common(self, a: int, b: int) -> int:
+        """The lowest node that both are below or are, −1 where there is none."""
+        line = set(self.way(-1, a))
+        while b >= 0 and b not in line:
+            b = self.above[b]
+        return b
+
+
+def _nearest(rig: Rig, nodes: frozenset[int]) -> list[int]:
+    above = [-1] * len(rig)
+    nearest = [-1] * len(rig)  # of the tree, the node itself included
+    for node, parent in enumerate(rig.parents.tolist()):
+        over = nearest[parent] if parent >= 0 else -1
+        nearest[node] = over
+        if node in nodes:
+            above[node], nearest[node] = over, node
+    return above
+
+
+def joints_of(rig: Rig) -> list[int]:
+    """The nodes that a body can be made of: joints, not ours, and what is above joints; else all nodes."""
+    joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
+    if not joints:
+        return [k for k in range(len(rig)) if k not in rig.own and k not in rig.aside]
+    over, inside = _branches(rig, joints), set(joints)
+    for node, count in over.items():
+        if count > 1 and node not in rig.holders:
+            inside.add(node)
+    lost = _nowhere(rig)
+    return sorted(inside - lost if len(lost) < len(inside) // 2 else inside)
+
+
+def _branches(rig: Rig, joints: Sequence[int]) -> dict[int, int]:
+    """Of nodes above joints that are none, in how many branches they have joints; 2 for one below a joint."""
+    count: dict[int, int] = {}
+    seen, parents = set(joints), rig.parents.tolist()
+    for node in joints:
+        over = parents[node]
+        while over >= 0 and over not in seen:
+            seen.add(over)
+            count[over] = 1
+            over = parents[over]
+        if over >= 0 and over in count:
+            count[over] += 1
+        elif over >= 0:  # a joint: all on the way to it are between joints
+            over = parents[node]
+            while over >= 0 and over in count and count[over] == 1:
+                count[over] = 2
+                over = parents[over]
+    return count
+
+
+def _nowhere(rig: Rig) -> frozenset[int]:
+    """Joints that nobody has placed: three or more without children, of different parents, at the origin."""
+    places = rig.world[:, 3, :3]
+    still = np.flatnonzero(np.abs(places).max(axis=1) < 1e-9).tolist()
+    still = [k for k in still if not rig.children[k] and rig.parents[k] >= 0]
+    far = [k for k in still if float(np.abs(places[rig.parents[k]]).max()) > 1e-6]
+    return frozenset(far) if len({int(rig.parents[k]) for k in far}) >= 3 else frozenset()

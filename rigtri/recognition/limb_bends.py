@@ -1,0 +1,144 @@
+"""Where a chain of joints bends: shoulder, elbow and wrist among clavicles, twist joints and toes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+from math import fsum, sqrt
+
+import numpy as np
+
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, normalise
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.pose_samples import Poses, finite
+
+# The cosine above which a joint does not bend: a twist joint within a bone, 6°.
+STRAIGHT = 0.9945
+# What a joint within a bone costs, and what it costs where it does not stand in the middle.
+_WITHIN, _UNEVEN = 0.08, 0.25
+# What a first bone costs that is too long for a clavicle: a joint is skipped.
+_LED = 0.25
+# What a middle costs that is bent as an ankle is at rest, and how far that is, as a cosine (70°).
+_FOLD, _FOLDED = 0.1, 0.34
+# What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
+_MOVES, _SHARP = 0.1, 0.966
+# Longer chains are looked at as far as this: no limb has so many joints.
+_MOST = 11
+
+
+@dataclass(frozen=True)
+class Bend:
+    """Three places within a path: start, middle, end. quality: how limb-like, 0 to 1; lead: over the
+    next best; size: the length of both bones, file units."""
+
+    at: tuple[int, int, int]
+    quality: float
+    lead: float
+    size: float
+
+
+def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
+    """Where a limb ends in fingers or toes: place in the path and how many; (last, 0) for none."""
+    gone = 0.0
+    for at, node in enumerate(path[1:], 1):
+        gone += tree.bone[node]
+        if not gone > 0.0 or len(tree.below[node]) < 2:
+            continue
+        below = [tree.bone[k] + tree.reach[k] for k in _ways_on(tree, node)]
+        longest = max(below, default=0.0)
+        alike = len([k for k in below if k > 0.35 * longest])
+        if alike >= 2 and longest < 0.75 * gone:
+            jointed = len([k for k in tree.below[node] if tree.below[k] and tree.bone[k] + tree.reach[k] > 0])
+            return at, max(alike, jointed)
+    return len(path) - 1, 0
+
+
+def _ways_on(tree: Tree, node: int) -> list[int]:
+    """The joints below one, without those that only stand along a bone to another: twist joints."""
+    below = tree.below[node]
+    along = {k: (tree.at[k] - tree.at[node]).unit for k in below}
+    return [
+        one
+        for one in below
+        if tree.below[one]
+        or not any(
+            tree.bone[one] < tree.bone[other] and along[one].dot(along[other]) > STRAIGHT for other in below
+        )
+    ]
+
+
+def sharpest_of(tree: Tree, poses: Poses) -> list[float]:
+    """The cosine of the bend at the joint above each node, (n,), where clips bend it most; [] without any.
+
+    1 where either bone has no length; of no meaning for what has less than two nodes above it.
+    """
+    if not len(poses.moving):
+        return []
+    above = np.array(tree.above, dtype=np.int64)
+    along = normalise(poses.moving - poses.moving[:, above])
+    sharpest: list[float] = finite(dot(along, along[:, above]), 1.0).min(axis=0).tolist()
+    return sharpest
+
+
+def bend_of(tree: Tree, path: Sequence[int], sharpest: Sequence[float]) -> Bend | None:
+    """Where a path bends like an arm or leg; None for one of fewer than three joints.
+
+    sharpest: as `sharpest_of`. It counts for paths of more than three joints, which follow the tree.
+    """
+    stop, _ = branches(tree, path)
+    path = list(path[: min(stop + 1, _MOST)])
+    if len(path) < 3:
+        return None
+    moves = len(path) > 3 and len(sharpest) > 0
+    now = _cosines(tree, path)
+    least = (min(now[k], sharpest[after]) for k, after in enumerate(path[2:], 1))
+    ever = [1.0, *least, 1.0] if moves else now
+    bones = [tree.bone[node] for node in path]
+    found = sorted(
+        ((_quality(bones, at, now, ever, moves), at) for at in combinations(range(len(path)), 3)),
+        reverse=True,
+    )
+    (quality, at), others = found[0], found[1:]
+    if quality <= 0:
+        return None
+    size = fsum(bones[at[0] + 1 : at[2] + 1])
+    return Bend(at, quality, quality - (others[0][0] if others else 0.0), size)
+
+
+def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
+    """The cosine of the bend at each joint of a path; 1 at both ends, and beside a bone without length."""
+    along = [(tree.at[b] - tree.at[a]).unit for a, b in pairwise(path)]
+    inner = [a.dot(b) if any(a) and any(b) else 1.0 for a, b in pairwise(along)]
+    return [1.0, *inner, 1.0]
+
+
+def _quality(
+    bones: list[float], at: tuple[int, int, int], now: list[float], ever: list[float], moves: bool
+) -> float:
+    """How limb-like three places of a path are: two long bones about as long as each other."""
+    start, middle, end = at
+    if any(ever[k] < STRAIGHT for k in range(start + 1, end) if k != middle):
+        return 0.0
+    upper, lower = bones[start + 1 : middle + 1], bones[middle + 1 : end + 1]
+    a, b = fsum(upper), fsum(lower)
+    if min(a, b) <= 0.0:
+        return 0.0
+    balance, cover = min(a, b) / max(a, b), (a + b) / fsum(bones[1:])
+    cost = 0.0
+    for bone in (upper, lower):
+        if len(bone) > 1:
+            cost += _WITHIN * (len(bone) - 1) + _UNEVEN * (1.0 - min(bone) / max(bone))
+    # What comes before an upper bone is a clavicle, and shorter.
+    before = fsum(bones[1 : start + 1]) / a
+    cost += _LED * min(1.0, max(0.0, (before - 0.7) / 0.7))
+    cost += _FOLD if now[middle] < _FOLDED else 0.0
+    gain = _MOVES if moves and ever[middle] < _SHARP else 0.0
+    return sqrt(balance) * cover - cost + gain
+
+
+def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
+    """From the line of start and end to the middle, (..., 3), in file units: where a limb bends to."""
+    line, arm = finite(normalise(end - start)), middle - start
+    return arm - dot(arm, line)[..., np.newaxis] * line

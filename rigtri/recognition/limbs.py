@@ -1,0 +1,98 @@
+"""Limbs: three joints, root, middle and end, that bend like an arm or a leg.
+
+A limb is given by name, or one of those that `rigtri.recognition` is sure of.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rigtri.errors import UsageError
+from rigtri.model.joint_names import Side, side
+from rigtri.model.rig import Rig
+from rigtri.recognition.layout import MAP, NAMES, Chain
+from rigtri.recognition.naming_schemes import limb_said
+from rigtri.recognition.recognise import sure_limbs
+
+Kind = Literal["arm", "leg", ""]
+
+
+@dataclass(frozen=True)
+class Limb:
+    """Node indices of root, middle and end; ``evidence`` says how the limb is known."""
+
+    start: int
+    middle: int
+    end: int
+    kind: Kind = ""
+    side: Side = ""
+    evidence: Literal["given", "vrm", "names", "shape"] = "given"
+
+    @property
+    def triple(self) -> tuple[int, int, int]:
+        return self.start, self.middle, self.end
+
+
+def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
+    """The limb of three named nodes; its kind and side are read from the names where they say.
+
+    Raises UsageError when two of the names are the same node.
+    """
+    triple = (rig.find(start), rig.find(middle), rig.find(end))
+    if len(set(triple)) < 3:
+        raise UsageError(f"a limb has three different joints, not '{start}', '{middle}', '{end}'")
+    if rig.is_below(triple[0], triple[1]) or rig.is_below(triple[1], triple[2]):
+        raise UsageError(f"the limb '{start}', '{middle}', '{end}' is upside down; name it from root to end")
+    known = {limb.triple: limb for limb in recognise(rig)}
+    if triple in known:
+        return Limb(*triple, kind=known[triple].kind, side=known[triple].side)
+    kinds = {limb_said(rig.names[node]) for node in triple} - {""}
+    sides = {side(rig.names[node]) for node in triple}
+    kind: Kind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
+    return Limb(*triple, kind=kind, side=sides.pop() if len(sides) == 1 else "")
+
+
+def along(rig: Rig, start: int, end: int) -> list[int]:
+    """The nodes from ``start`` down to ``end``, both included.
+
+    Raises UsageError when ``end`` does not lie below ``start``.
+    """
+    path = [end]
+    while path[-1] != start and rig.parents[path[-1]] >= 0:
+        path.append(int(rig.parents[path[-1]]))
+    if path[-1] != start:
+        raise UsageError(
+            f"'{rig.title(end)}' does not lie below '{rig.title(start)}', so there is no chain "
+            "between them. Name the limb's three joints with --limb instead."
+        )
+    return path[::-1]
+
+
+def recognise(rig: Rig) -> list[Limb]:
+    """The arms and legs of a rig that are sure enough to be acted upon, arms first, left before right."""
+    found = [
+        Limb(
+            *chain.bend,
+            kind="arm" if chain.kind == "arm" else "leg",
+            side=chain.side,
+            evidence=_source(chain),
+        )
+        for chain in sure_limbs(rig)
+        if len(chain.bend) == 3
+        # Where all joints hang at one, there is no chain to work on.
+        and rig.is_below(chain.bend[1], chain.bend[0])
+    ]
+    order = {"left": 0, "right": 1, "": 2}
+    return sorted(found, key=lambda limb: (limb.kind, order[limb.side]))
+
+
+def with_recognised(rig: Rig, mine: tuple[Limb, ...]) -> tuple[Limb, ...]:
+    """The user's limbs, then the recognised ones that share no joint with them."""
+    taken = {node for limb in mine for node in limb.triple}
+    return (*mine, *(limb for limb in recognise(rig) if not taken.intersection(limb.triple)))
+
+
+def _source(chain: Chain) -> Literal["vrm", "names", "shape"]:
+    first = chain.evidence[0]
+    return "vrm" if first == MAP else "names" if first.startswith(NAMES) else "shape"

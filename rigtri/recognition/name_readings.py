@@ -1,0 +1,148 @@
+"""What the names of one character's joints say, read by the one scheme that makes most of them whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from rigtri.model.joint_names import Side, number, without_prefix
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.layout import BENDS, MIDDLE, LimbKind
+from rigtri.recognition.naming_schemes import BESIDE, Said, Scheme, said, said_roles
+
+_SIDES: tuple[Side, ...] = ("left", "right", "")
+# What a whole limb, a bone beside it, and a word that one scheme alone has count for.
+_LIMB, _BONE, _MARK = 3.0, 0.25, 0.6
+# What each name that is known counts for, and that a scheme belongs to nobody.
+_NAME, _COMMON = 0.03, 0.3
+
+
+@dataclass
+class Reading:
+    """limbs: start, middle and end by kind and side. bones: node by bone, with its side. score: how much
+    of the names the scheme makes sense of."""
+
+    scheme: Scheme
+    limbs: dict[tuple[LimbKind, Side], tuple[int, int, int]] = field(default_factory=dict)
+    bones: dict[str, int] = field(default_factory=dict)
+    score: float = 0.0
+
+    @property
+    def sure(self) -> float:
+        """How far the names are trusted: the more of them fit together, the more."""
+        if len(self.bones) >= 8 and len(self.limbs) >= 2:
+            return 0.97
+        return 0.92 if len(self.limbs) >= 2 or len(self.bones) >= 5 else 0.85
+
+
+def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Reading | None:
+    """The reading of names that makes most sense; None where no scheme makes any."""
+    named = [node for node in nodes if tree.rig.names[node]]
+    names = without_prefix([tree.rig.names[node] for node in named])
+    words = {node: said(name) for node, name in zip(named, names, strict=True)}
+    if not words:
+        return None
+    # What stands before a colon is no word of the joint, but may be a scheme's mark.
+    whole = [said(tree.rig.names[node].replace(":", "_")) for node in named]
+    seen = frozenset(word for each in whole for word in (*each.words, each.key, each.plain))
+    best: Reading | None = None
+    for scheme in known:
+        reading = _reading(tree, words, scheme)
+        reading.score += _MARK if scheme.marks & seen else _COMMON if scheme.is_common else 0.0
+        if reading.bones and (best is None or reading.score > best.score + 1e-9):
+            best = reading
+    return best
+
+
+def _reading(tree: Tree, words: Mapping[int, Said], scheme: Scheme) -> Reading:
+    by_bone: dict[tuple[str, Side], list[tuple[bool, int]]] = {}
+    known = 0
+    for node, each in words.items():
+        bone, exact = scheme.bone(each)
+        known += exact and bool(bone)
+        if bone:
+            by_bone.setdefault((bone, each.side), []).append((exact, node))
+    reading = Reading(scheme)
+    for kind, parts in BENDS.items():
+        for which in _SIDES:
+            triple = _triple(tree, *(by_bone.get((part, which), []) for part in parts))
+            triple = triple or _numbered(tree, words, scheme, kind, which)
+            if triple is not None:
+                reading.limbs[kind, which] = triple
+                for part, node in zip(parts, triple, strict=True):
+                    reading.bones[which + part] = node
+    _fill(tree, reading, by_bone)
+    reading.score = _LIMB * len(reading.limbs) + _BONE * len(reading.bones) + _NAME * known
+    return reading
+
+
+def _fill(tree: Tree, reading: Reading, by_bone: Mapping[tuple[str, Side], list[tuple[bool, int]]]) -> None:
+    """The bones beside limbs: of joints of one name the highest, below the hips where these are known."""
+    taken = set(reading.bones.values())
+    joint = tree.rig.is_joint
+    for (bone, which), found in sorted(by_bone.items(), key=lambda each: each[0][0] != "hips"):
+        middle = bone in MIDDLE
+        if middle != (not which):
+            continue
+        hips = reading.bones.get("hips", -1)
+        free = sorted(
+            (not exact, not joint[node], not tree.is_below(node, hips), tree.depth[node], node)
+            for exact, node in found
+            if node not in taken
+        )
+        if free and which + bone not in reading.bones:
+            reading.bones[which + bone] = free[0][-1]
+
+
+def _triple(
+    tree: Tree,
+    starts: list[tuple[bool, int]],
+    middles: list[tuple[bool, int]],
+    ends: list[tuple[bool, int]],
+) -> tuple[int, int, int] | None:
+    """Start, middle and end; the end need not lie below the middle (flat IK rigs)."""
+    flat = tree.is_own
+    for _, middle in sorted(middles, key=lambda each: (not each[0], tree.depth[each[1]], each[1])):
+        above = [
+            (exact, tree.depth[k], k)
+            for exact, k in starts
+            if k != middle and (tree.is_below(middle, k) or flat)
+        ]
+        last = [(not exact, k) for exact, k in ends if k != middle]
+        under = [each for each in last if tree.is_below(each[1], middle)]
+        last = under or [each for each in last if not tree.is_below(middle, each[1])]
+        # A hand or foot of another name is still the one joint that follows.
+        last = last or [(True, only) for only in _only_below(tree, middle)]
+        if above and last:
+            # 'shoulder' above 'upperarm' is a clavicle: the start nearest to the middle is meant,
+            # and of wrist and hand the one nearest to it.
+            end = min(last, key=lambda each: (each[0], tree.depth[each[1]], each[1]))[1]
+            start = max(above)[2]
+            if start != end:
+                return start, middle, end
+    return None
+
+
+def _only_below(tree: Tree, node: int) -> list[int]:
+    found = [
+        child for child in tree.below[node] if not BESIDE.intersection(said_roles(tree.rig.names[child]))
+    ]
+    return found if len(found) == 1 else []
+
+
+def _numbered(
+    tree: Tree, words: Mapping[int, Said], scheme: Scheme, kind: str, which: Side
+) -> tuple[int, int, int] | None:
+    """A limb of joints that are only numbered (``leg_joint_L_1`` …): the first three of its chain."""
+    if not which or not scheme.chains:
+        return None
+    mine = [node for node, each in words.items() if scheme.chains.get(each.plain) == kind]
+    mine = [node for node in mine if words[node].side == which]
+    if len([k for k in mine if number(tree.rig.names[k]) is not None]) < 2:
+        return None
+    chain = mine[:1]
+    for node in mine[1:]:  # once one is not below the one before, none is below all of them
+        if not tree.is_below(node, chain[-1]):
+            break
+        chain.append(node)
+    return (chain[0], chain[1], chain[2]) if len(chain) >= 3 else None

@@ -1,0 +1,240 @@
+"""Naming schemes as data: which words of a name mean which bone, one small TOML file a scheme.
+
+A scheme has a ``title``; ``marks``, words that occur in its names alone; and two tables, ``middle`` and
+``sides``, from bones of the VRM 1.0 humanoid (without ``left`` and ``right``) to the words that mean them:
+lower case, without spaces and marks, several apart by spaces. ``like`` takes over the tables of another.
+``chains`` are words of joints that are only numbered. A user's own files (`own_schemes`) go before ours.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal
+
+from rigtri.errors import FileError
+from rigtri.model.joint_names import SIDES, Side, side, spread, words
+from rigtri.recognition.layout import BENDS, LimbKind
+from rigtri.recognition.scheme_validation import faults
+
+# The environment variable that names folders with schemes of one's own, apart by os.pathsep.
+FOLDERS = "RIGTRI_SCHEMES"
+# Names that are kept, read: those of a few characters, not of all files of a batch.
+_NAMES = 4096
+# Ours that fit anything are asked last.
+_LAST = ("bones", "joints")
+# Words that only say whose convention it is, or that a joint is one.
+_CONVENTION = """
+mixamorig bip biped valve valvebiped def org mch j jnt jt joint bone bn b c sk skel skeleton armature rig cc
+base character char root ctrl deform normal human bind
+"""
+_SILENT = frozenset(_CONVENTION.split())
+# Of those, the ones that have a number of their own: Bip01, Character1.
+_NUMBERED = frozenset(["mixamorig", "bip", "biped", "character", "char", "valvebiped", "rig"])
+# What roles.toml has for joints beside the bones of a body.
+BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
+# What it has for chains of joints instead of single ones.
+_CHAINS = frozenset(["tail", "wing", "ear"])
+# So many bones at least a character has that Rigify has made.
+_BONES = 8
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """title; marks; middle, sides: bone by words; chains: kind by words; source: where it was read."""
+
+    title: str
+    marks: frozenset[str]
+    middle: Mapping[str, str]
+    sides: Mapping[str, str]
+    chains: Mapping[str, str]
+    source: str
+
+    @property
+    def is_common(self) -> bool:
+        """Whether it is nobody's, but words that many use."""
+        return self.source in _LAST
+
+    def bone(self, said: Said) -> tuple[str, bool]:
+        """The bone of a name without its side, and whether its number counted; "" where it has none."""
+        for table in (self.sides, self.middle):
+            for key in (said.raw, said.key):
+                if key in table:
+                    return table[key], True
+        for table in (self.sides, self.middle):
+            if said.plain in table:
+                return table[said.plain], said.plain == said.key
+        return "", False
+
+
+@dataclass(frozen=True)
+class Said:
+    """A name's words: its side; raw, key: together, without sides, and numbers without leading zeros;
+    plain: without numbers; words: each."""
+
+    side: Side
+    raw: str
+    key: str
+    plain: str
+    words: frozenset[str]
+
+
+@lru_cache(_NAMES)
+def said(name: str) -> Said:
+    """What a name says.
+
+    >>> said("Bip01 L UpperArm").key, said("spine_01").key, said("DEF-shin.R.001").plain
+    ('upperarm', 'spine1', 'shin')
+    """
+    apart = _apart(spread(unicodedata.normalize("NFKC", name)))
+    found = words(apart)
+    kept = []
+    for before, word in zip(["", *found], found, strict=False):
+        if word in SIDES or word in _SILENT or (word.isdigit() and before in _NUMBERED):
+            continue
+        kept.append(word)
+    short = [str(int(word)) if word.isdigit() else word for word in kept]
+    letters = [word for word in kept if not word.isdigit()]
+    return Said(side(apart), "".join(kept), "".join(short), "".join(letters), frozenset(found))
+
+
+def _apart(name: str) -> str:
+    """``leftarm`` is two words, though nothing stands between them."""
+    for which in ("left", "right"):
+        at = name.lower().find(which)
+        if at == 0 and len(name) > len(which) and name[: len(which)].islower():
+            return f"{which} {name[len(which) :]}"
+    return name
+
+
+def schemes(own: Sequence[Scheme] = ()) -> tuple[Scheme, ...]:
+    """All schemes, in the order they are asked: given ones, those of `FOLDERS`, ours."""
+    return (*own, *_found(os.environ.get(FOLDERS, "")), *_ours())
+
+
+@cache
+def _ours() -> tuple[Scheme, ...]:
+    order = sorted(_tables(), key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
+    return tuple(_scheme(_tables()[name], name) for name in order)
+
+
+@cache
+def _tables() -> Mapping[str, Mapping[str, Any]]:
+    """Our schemes as their files have them, by name."""
+    found = (files("rigtri.recognition") / "schemes").iterdir()
+    return {file.name.removesuffix(".toml"): tomllib.loads(file.read_text("utf-8")) for file in found}
+
+
+@cache
+def _found(folders: str) -> tuple[Scheme, ...]:
+    named = [Path(folder) for folder in folders.split(os.pathsep) if folder]
+    for folder in named:
+        if not folder.is_dir():
+            raise FileError(f"{FOLDERS} names {folder}, which is no folder: make it, or name another")
+    return own_schemes([path for folder in named for path in sorted(folder.glob("*.toml"))])
+
+
+def own_schemes(paths: Sequence[Path]) -> tuple[Scheme, ...]:
+    """`own_scheme` of each file. Raises FileError with all that is wrong in any of them."""
+    found, wrong = [], []
+    for path in paths:
+        try:
+            found.append(own_scheme(path))
+        except FileError as error:
+            wrong.append(str(error))
+    if wrong:
+        raise FileError("; ".join(wrong))
+    return tuple(found)
+
+
+def own_scheme(path: Path) -> Scheme:
+    """A scheme of one's own from a file. Raises FileError, with all that is wrong, where it is none."""
+    if not path.is_file():
+        raise FileError(f"{path} is no naming scheme: it is not there, or no plain file")
+    try:
+        table = tomllib.loads(path.read_text("utf-8-sig"))
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path} is no naming scheme: it is not UTF-8 at offset {error.start}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise FileError(f"{path} is no naming scheme: this is no TOML: {error}") from error
+    if found := list(faults(table, _tables(), _read)):
+        raise FileError(f"{path} is no naming scheme: {'; '.join(found)}. docs/recognise.md has an example")
+    return _scheme(table, str(path))
+
+
+def _read(part: str, word: str) -> tuple[bool, str]:
+    """Whether a name can say a word of a table (or of ``marks``), and how the word would be written."""
+    read = said(word)
+    if part == "chains":
+        return word == read.plain, read.plain
+    if part == "marks":
+        return word in (read.key, read.plain, *read.words), read.key
+    return word in (read.raw, read.key), read.raw
+
+
+def _scheme(table: Mapping[str, Any], source: str) -> Scheme:
+    base = _tables()[table["like"]] if "like" in table else {}
+    parts = {part: {**base.get(part, {}), **table.get(part, {})} for part in ("middle", "sides", "chains")}
+    middle, sides, chains = (_turned(parts[part]) for part in ("middle", "sides", "chains"))
+    marks = frozenset(table.get("marks", "").split())
+    return Scheme(table["title"], marks, middle, sides, chains, source)
+
+
+def _turned(table: Mapping[str, str]) -> dict[str, str]:
+    """From words to what they mean; the first that has a word keeps it."""
+    found: dict[str, str] = {}
+    for bone, names in table.items():
+        for name in names.split():
+            found.setdefault(name, bone)
+    return found
+
+
+@lru_cache(_NAMES)
+def limb_said(name: str) -> LimbKind | Literal[""]:
+    """The limb that a name says to be a part of, by words in common use.
+
+    >>> limb_said("LeftForeArm"), limb_said("RKnee"), limb_said("handIK.L")
+    ('arm', 'leg', '')
+    """
+    found = (scheme.bone(said(name))[0] for scheme in _ours() if scheme.is_common)
+    bone = next((bone for bone in found if bone), "")
+    return next((kind for kind, bones in BENDS.items() if bone in bones), "")
+
+
+def deforming(names: Sequence[str]) -> list[bool]:
+    """Which names are of bones that deform, where a rig calls these ``DEF-`` and keeps controls beside.
+
+    All of them for any other rig; one without a name may be of both. Source: Blender manual, Rigify, "Bone
+    naming".
+    """
+    marked = ["def" in said(name).words for name in names]
+    if marked.count(True) < _BONES:
+        return [True] * len(names)
+    return [marks or not name for marks, name in zip(marked, names, strict=True)]
+
+
+@cache
+def role_words() -> Mapping[str, frozenset[str]]:
+    """The words of names that say what a joint is for, by role."""
+    table = tomllib.loads((files("rigtri.recognition") / "roles.toml").read_text("utf-8"))
+    return {role: frozenset(text.split()) for role, text in table.items()}
+
+
+@lru_cache(_NAMES)
+def said_roles(name: str) -> tuple[str, ...]:
+    """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
+    found = said(name)
+    ends = {word[k:] for word in found.words for k in range(1, len(word) - 3)}  # handslot, lhelper
+    return tuple(
+        role
+        for role, known in role_words().items()
+        if found.words & known or found.plain in known or (ends & known and role not in _CHAINS)
+    )

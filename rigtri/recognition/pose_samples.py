@@ -1,0 +1,80 @@
+"""Where joints stand: at rest, in the bind pose, and at some moments of the clips."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from rigtri.evaluation.sampling import bind_worlds, worlds
+from rigtri.maths.matrices import compose
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.records import Clip, key_values
+from rigtri.model.rig import Rig
+
+# Moments that are looked at: so many clips, the longest first, at these parts of their keys.
+CLIPS = 4
+PARTS = (0.0, 0.25, 0.5, 0.75)
+
+
+@dataclass(eq=False)
+class Poses:
+    """The poses of a rig, each where its nodes stand, (n, 3), made when asked for."""
+
+    rig: Rig
+
+    @cached_property
+    def rest(self) -> Floats:
+        return finite(self.rig.world[:, 3, :3])
+
+    @cached_property
+    def bind(self) -> Floats | None:
+        """The bind pose of the skin with most joints; None where there is none or it is no pose."""
+        skins = [skin for skin in self.rig.skins if skin.stored and len(skin.joints) > 1]
+        if not skins:
+            return None
+        places = bind_worlds(self.rig, max(skins, key=lambda skin: len(skin.joints)))[:, 3, :3]
+        return places if bool(np.isfinite(places).all()) else None
+
+    @cached_property
+    def moving(self) -> Floats:
+        """Moments of the longest clips, (f, n, 3); f is 0 without clips.
+
+        Rotations alone are taken, at keys: bones keep their lengths.
+        """
+        rig, counted = self.rig, [(_rotations(clip), clip) for clip in self.rig.shown_clips]
+        longest = sorted(counted, key=lambda each: -each[0])[:CLIPS]
+        clips = [clip for rotations, clip in longest if rotations]
+        if not clips:
+            return np.zeros((0, len(rig), 3))
+        rotation = np.tile(rig.rotation, (len(clips), len(PARTS), 1, 1))
+        for clip, moments in zip(clips, rotation, strict=True):
+            for track in clip.tracks:
+                if track.path == "rotation" and len(track.times):
+                    keys = [int(part * len(track.times)) for part in PARTS]
+                    moments[:, track.node] = key_values(track).take(keys, axis=0)
+        local = compose(rig.translation, rotation.reshape(-1, len(rig), 4), rig.scale)
+        local[:, rig.has_matrix] = rig.matrix[rig.has_matrix]
+        return finite(worlds(rig, local)[..., 3, :3])
+
+    @cached_property
+    def _movers(self) -> frozenset[int]:
+        return frozenset(k for skin in self.rig.skins for k in skin.joints[skin.weighted].tolist())
+
+    def moves_points(self, node: int) -> bool:
+        """Whether a joint has weight of any point. It reads the weights of all meshes when first asked."""
+        return node in self._movers
+
+    def named(self, pose: Literal["rest", "bind"]) -> Floats:
+        return self.bind if pose == "bind" and self.bind is not None else self.rest
+
+
+def _rotations(clip: Clip) -> int:
+    return len([track for track in clip.tracks if track.path == "rotation" and len(track.times) > 1])
+
+
+def finite(numbers: Floats, other: float = 0.0) -> Floats:
+    """The numbers, with another for those that are none or without end."""
+    return np.where(np.isfinite(numbers), numbers, other)

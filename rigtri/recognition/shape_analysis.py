@@ -1,0 +1,118 @@
+"""A character by its shape: the pose in which it is most even, its plane, and what its pairs may be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, length
+from rigtri.model.records import Integers
+from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.symmetry import Pair, Plane, pairs_of, plane_of
+
+# Larger groups are read by names alone: no body has so many joints.
+MOST = 3000
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """tree: in the pose ``pose``. bodies: the likeliest first, () where it is none."""
+
+    tree: Tree
+    pose: Literal["rest", "bind"]
+    pairs: tuple[Pair, ...]
+    plane: Plane | None
+    limbs: tuple[Limbs, ...]
+    bodies: tuple[Body, ...]
+
+    @property
+    def body(self) -> Body | None:
+        return self.bodies[0] if self.bodies else None
+
+
+def shape_of(nodes: Sequence[int], poses: Poses) -> Shape:
+    """The shape of joints in the pose, of rest and bind, that shows a body best."""
+    rest = _seen(nodes, poses, "rest")
+    if poses.bind is None or len(nodes) > MOST or bool(np.abs(poses.bind - poses.rest).max() < 1e-6):
+        return rest
+    bind = _seen(nodes, poses, "bind")
+    return bind if _worth(bind) > _worth(rest) + 1e-6 else rest
+
+
+def _worth(shape: Shape) -> float:
+    score = shape.body.score if shape.body else 0.0
+    return score + (0.2 * shape.plane.share if shape.plane else 0.0)
+
+
+def _seen(nodes: Sequence[int], poses: Poses, pose: Literal["rest", "bind"]) -> Shape:
+    tree = Tree(poses.rig, nodes, poses.named(pose))
+    if len(nodes) > MOST:
+        return Shape(tree, pose, (), None, (), ())
+    tree = _neighbours(tree) if is_flat(tree) else tree
+    pairs = pairs_of(tree)
+    plane = plane_of(tree, pairs)
+    limbs = limbs_of(tree, pairs, poses)
+    return Shape(tree, pose, tuple(pairs), plane, tuple(limbs), tuple(bodies(tree, limbs, plane)))
+
+
+def is_flat(tree: Tree) -> bool:
+    """Whether all joints hang at one node, so that none follows another."""
+    loose = [k for k in tree.nodes if not tree.below[k]]
+    return 8 <= len(loose) <= MOST // 4 and len(loose) >= len(tree.nodes) - 2
+
+
+def _neighbours(tree: Tree) -> Tree:
+    """The shortest tree that joins joints which all hang at one, from the one in their middle.
+
+    No joint follows one of the other side, and those in the middle follow one another, so that both sides
+    come out alike. Source: R. C. Prim, "Shortest connection networks and some generalizations", 1957.
+    """
+    nodes = [k for k in tree.nodes if tree.rig.is_joint[k] or not tree.below[k]]
+    places = tree.places[nodes]
+    apart = np.stack([dot(places - place, places - place) for place in places])
+    side = _sides(places)
+    # From row to column: what may not follow is far away.
+    apart = np.where((side[:, np.newaxis] != side) & (side[:, np.newaxis] != 0), np.inf, apart)
+    middle = np.flatnonzero(side == 0)
+    choice = middle if len(middle) else np.arange(len(nodes))
+    centre = 0.5 * (places.max(axis=0) + places.min(axis=0))
+    first = int(choice[int(np.argmin(length(places[choice] - centre)))])
+    order, over = [first], np.full(len(nodes), first)
+    near, left = apart[first].copy(), np.ones(len(nodes), dtype=bool)
+    left[first] = False
+    above = [-1] * len(tree.rig)
+    while left.any():
+        reached = np.where(left, near, np.inf)
+        nearest = int(np.argmin(reached))
+        if not np.isfinite(reached[nearest]):
+            break  # what is left has nothing to follow
+        left[nearest] = False
+        order.append(nearest)
+        above[nodes[nearest]] = nodes[int(over[nearest])]
+        closer = left & (apart[nearest] < near)
+        near[closer], over[closer] = apart[nearest][closer], nearest
+    return Tree(tree.rig, [nodes[k] for k in order], tree.places, above)
+
+
+def _sides(places: Floats) -> Integers:
+    """Which side of the plane of an axis, the one with most mirror images, places are on: −1, 0 or 1."""
+    centre = 0.5 * (places.max(axis=0) + places.min(axis=0))
+    size = float(length(places.max(axis=0) - places.min(axis=0)))
+    best, found = -1, np.zeros(len(places), dtype=np.int64)
+    for axis in range(3):
+        image = places.copy()
+        image[:, axis] = 2.0 * centre[axis] - image[:, axis]
+        offsets = image[:, np.newaxis] - places
+        count = int(np.count_nonzero(dot(offsets, offsets).min(axis=1) < 4e-4 * size * size))
+        far = places[:, axis] - centre[axis]
+        side = np.where(np.abs(far) < 0.01 * size, 0, np.where(far > 0, 1, -1))
+        # A flat body is its own image in its plane, too: that one parts nothing.
+        if count > best and np.count_nonzero(side) > len(places) // 2:
+            best, found = count, side
+    return found

@@ -1,0 +1,62 @@
+"""The check of skinned rigs: everything that is wrong with a file, not only the first thing.
+
+The readers refuse a file at its first error; here the same rules go on. Low-level
+parts (containers, accessors, stages, tolerances) are the readers' own.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rigtri.errors import FileError
+from rigtri.files.text_files import check_no_pointer
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, need_usd
+from rigtri.verification.checks.findings import Finding, Findings, Rule
+from rigtri.verification.checks.rule_catalogue import RULES, UNREADABLE
+
+__all__ = ["RULES", "Finding", "Rule", "check", "unreadable"]
+
+
+def check(path: Path | str, *, allow_external_paths: bool = False, external: bool = False) -> list[Finding]:
+    """Everything that is wrong with a skinned rig in a glTF, VRM or USD file, the worst first.
+
+    A file that cannot be read at all has the one finding ``file.unreadable``.
+    allow_external_paths: read buffers and layers outside the folder of the file. external: for
+    USD, add what OpenUSD's own validators say.
+
+    Every id is in `RULES`, but those of OpenUSD, which have a colon.
+    """
+    path = Path(path)
+    findings = Findings(RULES)
+    try:
+        _check(path, findings, allow_external_paths, external)
+    except FileError as error:
+        return [*unreadable(path, error), *findings.all()]
+    return findings.all()
+
+
+def unreadable(path: Path, error: FileError) -> list[Finding]:
+    """The finding of a file that cannot be read."""
+    # The remedy of the finding says it already.
+    text = str(error).removeprefix(f"{path}: ").rstrip(". ")
+    text = text.removesuffix(RULES[UNREADABLE].remedy.rstrip(".")).rstrip(". ")
+    findings = Findings(RULES)
+    findings.add(UNREADABLE, "file", "", text)
+    return findings.all()
+
+
+def _check(path: Path, findings: Findings, allow_external: bool, external: bool) -> None:
+    suffix = path.suffix.lower()
+    check_no_pointer(path)
+    if suffix in GLTF_SUFFIXES:
+        from rigtri.verification.checks.gltf.check_gltf import check_gltf
+
+        check_gltf(path, findings, allow_external=allow_external)
+    elif suffix in USD_SUFFIXES:
+        need_usd()
+        from rigtri.verification.checks.usd.check_usd import check_usd
+
+        check_usd(path, findings, external=external, allow_external=allow_external)
+    else:
+        known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
+        raise FileError(f"'{suffix}' is no format rigtri reads. It reads: {known}")

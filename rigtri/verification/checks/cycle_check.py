@@ -1,0 +1,40 @@
+"""Controls and constraints that wait for each other: `bake`, `pose` and `snap` refuse such a rig."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rigtri.errors import RigtriError
+from rigtri.evaluation.solver import refuse_circles
+from rigtri.evaluation.step_order import CircleError
+from rigtri.formats import Options, read
+from rigtri.model.rig import Rig
+from rigtri.verification.checks.findings import Findings
+
+# Notes of nodes that are waited for, or wait.
+WAITING = ("control", "poleVector", "constraint", "twist")
+
+
+def check_circles(path: Path, rule: str, findings: Findings, *, allow_external: bool) -> None:
+    """Note the circle that a rig with notes of type `WAITING` has, whichever of its controls are at work.
+
+    A file that cannot be read as a rig, or whose notes are broken, has findings of other rules.
+    """
+    try:
+        rig = read(path, Options(allow_external_paths=allow_external, empty=True)).rig
+        refuse_circles(rig)
+    except CircleError as circle:
+        noted = [node for node in circle.nodes if node in rig.notes]
+        node = next((n for n in noted if rig.notes[n].get("type") in WAITING), [*noted, *circle.nodes][0])
+        place, pointer = _place(rig, node)
+        findings.add(rule, place, pointer, circle.way)
+    except RigtriError:
+        return
+
+
+def _place(rig: Rig, node: int) -> tuple[str, str]:
+    """What to call a node, and where the file has it."""
+    key = rig.keys[node]
+    if isinstance(key, int):
+        return f"node '{rig.title(node)}'", f"/nodes/{key}"
+    return f"node '{rig.title(node)}'", f"<{rig.path(node)}>"

@@ -1,0 +1,105 @@
+"""All checks of a glTF, VRM or VRMA file, one after the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.resources import absent
+from rigtri.formats.gltf.structure import unknown_required
+from rigtri.verification.checks.cycle_check import check_circles
+from rigtri.verification.checks.findings import Findings
+from rigtri.verification.checks.gltf import (
+    animations,
+    meshes,
+    nodes,
+    references,
+    skins,
+    vertices,
+    vrm,
+)
+from rigtri.verification.checks.gltf import (
+    json_types as types,
+)
+from rigtri.verification.checks.gltf import (
+    metadata as notes,
+)
+from rigtri.verification.checks.gltf import (
+    spring_bones as springs,
+)
+from rigtri.verification.checks.gltf.tolerant_reader import View, told
+
+_NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
+
+
+def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) -> None:
+    """Note all that is wrong with a file. FileError where it is no glTF at all."""
+    container = _opened(path, findings)
+    try:
+        view = View(container, findings, allow_external=allow_external)
+        _check_extensions(view)
+        references.check(view)
+        _check_files(view)
+        nodes.check(view)
+        skins.check(view)
+        animations.check(view)
+        nodes.check_joints(view)
+        meshes.check(view)
+        vertices.check(view)
+        types.check(view)
+        vrm.check(view)
+        springs.check(view)
+        notes.check(view)
+        if notes.waiting(view):
+            check_circles(path, "gltf.note.circle", findings, allow_external=allow_external)
+    except RecursionError:
+        raise FileError(f"{path}: the JSON is nested too deep") from None
+
+
+def _opened(path: Path, findings: Findings) -> Container:
+    """The parts of a file; of one that only a lenient reader opens, with what is wrong with it."""
+    try:
+        container = open_container(path)
+    except FileError as error:
+        container = open_container(path, lenient=True)
+        if "glb-length" not in {notice.code for notice in container.notices}:
+            text = str(error).removeprefix(f"{path}: this is no valid JSON: ")
+            findings.add("gltf.json.key-twice", "file", "", text)
+    for notice in container.notices:
+        if notice.code in _NOTICES:
+            findings.add(_NOTICES[notice.code], "file", "", notice.text)
+    return container
+
+
+def _check_extensions(view: View) -> None:
+    used, required = (_texts(view, key) for key in ("extensionsUsed", "extensionsRequired"))
+    for name in unknown_required(required):
+        text = f"the file requires {name}, which rigtri does not know"
+        view.add("gltf.extension.required-unknown", "file", "/extensionsRequired", text)
+    for name in sorted(required - used):
+        text = f"{name} is required, but not in extensionsUsed"
+        view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
+    view.object(view.raw, "extensions", "file", "")
+    for name, where in sorted(references.extensions(view.raw).items()):
+        if name not in used | required:
+            text = f"{name} is used at {where}, but not in extensionsUsed"
+            view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
+
+
+def _check_files(view: View) -> None:
+    """What the file refers to, besides its buffers."""
+    for path, why in absent(view.raw, view.container.path):
+        place = f"image #{path[1]}" if path[0] == "images" else "file"
+        view.add("gltf.file.missing", place, "/" + "/".join(map(str, path)), why)
+
+
+def _texts(view: View, key: str) -> set[str]:
+    found = set()
+    for number, item in enumerate(view.items(view.raw, key, "file")):
+        if isinstance(item, str):
+            found.add(item)
+        else:
+            pointer = f"/{key}/{number}"
+            view.add("gltf.json.value", "file", pointer, f"{pointer} should be a text, not {told(item)}")
+    return found

@@ -1,0 +1,92 @@
+"""Indices that point at nothing, and extensions that are not declared, wherever they stand.
+
+What nodes, scenes, skins and animations refer to is judged where it is read; here
+is the rest of a file. Source: glTF 2.0, the JSON schema of each object; §3.12 (extensions).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rigtri.verification.checks.gltf.tolerant_reader import View
+
+# Where indices stand (* is any item), and which list they count.
+_PRIMITIVE = "meshes/*/primitives/*"
+_TEXTURE = "materials/*"
+PLACES = (
+    (f"{_PRIMITIVE}/attributes/*", "accessors"),
+    (f"{_PRIMITIVE}/targets/*/*", "accessors"),
+    (f"{_PRIMITIVE}/indices", "accessors"),
+    (f"{_PRIMITIVE}/material", "materials"),
+    ("nodes/*/camera", "cameras"),
+    (f"{_TEXTURE}/pbrMetallicRoughness/baseColorTexture/index", "textures"),
+    (f"{_TEXTURE}/pbrMetallicRoughness/metallicRoughnessTexture/index", "textures"),
+    (f"{_TEXTURE}/normalTexture/index", "textures"),
+    (f"{_TEXTURE}/occlusionTexture/index", "textures"),
+    (f"{_TEXTURE}/emissiveTexture/index", "textures"),
+    ("textures/*/source", "images"),
+    ("textures/*/sampler", "samplers"),
+    ("images/*/bufferView", "bufferViews"),
+    ("accessors/*/bufferView", "bufferViews"),
+    ("accessors/*/sparse/indices/bufferView", "bufferViews"),
+    ("accessors/*/sparse/values/bufferView", "bufferViews"),
+    ("bufferViews/*/buffer", "buffers"),
+)
+_ONE = {"meshes": "mesh", "bufferViews": "buffer view"}
+
+
+def check(view: View) -> None:
+    """All indices that no other check reads."""
+    for path, among in PLACES:
+        items = view.raw.get(among)
+        count = len(items) if isinstance(items, list) else 0
+        for pointer, raw in _found(view.raw, path.split("/"), ""):
+            if type(raw) is not int or not 0 <= raw < count:
+                view.index(raw, count, _one(among), _place(view, pointer), pointer)
+
+
+def _found(value: Any, path: list[str], pointer: str) -> Iterator[tuple[str, Any]]:
+    """What stands at a path, with its JSON pointer."""
+    if not path:
+        yield pointer, value
+        return
+    items: Any = ()
+    if isinstance(value, dict):
+        items = [(key, item) for key, item in value.items() if path[0] in ("*", key)]
+    elif isinstance(value, list) and path[0] == "*":
+        items = enumerate(value)
+    for key, item in items:
+        yield from _found(item, path[1:], f"{pointer}/{key}")
+
+
+def _one(key: str) -> str:
+    """What to call an item of a list of the file."""
+    return _ONE.get(key, key.removesuffix("s"))
+
+
+def _place(view: View, pointer: str) -> str:
+    _, key, number, *inner = pointer.split("/")
+    item = view.raw[key][int(number)]
+    name = item.get("name") if isinstance(item, dict) else None
+    place = (
+        f"{_one(key)} '{name}' (#{number})" if isinstance(name, str) and name else f"{_one(key)} #{number}"
+    )
+    return f"{place}, primitive {inner[1]}" if inner[:1] == ["primitives"] else place
+
+
+def extensions(raw: dict[str, Any]) -> dict[str, str]:
+    """The names of all extensions that objects of a file have, each with the first place that has it."""
+    found: dict[str, str] = {}
+    waiting: list[tuple[str, Any]] = [("", raw)]
+    while waiting:
+        pointer, value = waiting.pop()
+        own = value.get("extensions") if isinstance(value, dict) else None
+        for name in own if isinstance(own, dict) else ():
+            found.setdefault(name, f"{pointer}/extensions")
+        items: Any = enumerate(value) if isinstance(value, list) else value.items()
+        for key, item in items:
+            # Extras are anybody's, whatever they are called in there.
+            if isinstance(item, (dict, list)) and key != "extras":
+                waiting.append((f"{pointer}/{key}", item))
+    return found

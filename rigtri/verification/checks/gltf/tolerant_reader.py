@@ -1,0 +1,300 @@
+"""A glTF file read tolerantly: what is wrong becomes a finding, and the reading goes on.
+
+The rules about single values, bytes and bounds are the readers' own (`Value`,
+`Accessors`, `Buffers`); here their first error is caught and noted with its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.gltf.accessors import Accessors
+from rigtri.formats.gltf.buffers import Buffers
+from rigtri.formats.gltf.container import Container
+from rigtri.formats.gltf.node_reader import title
+from rigtri.formats.gltf.structure import LISTS
+from rigtri.formats.gltf.uris import file_of, is_data
+from rigtri.formats.json_values import Value
+from rigtri.maths.trigonometry import Floats
+from rigtri.verification.checks.findings import Findings
+
+# Rows of an accessor decoded at once where they are not kept.
+_BLOCK = 1 << 16
+# Accessors of these types are only for meshes and materials of others; rigtri does not read them.
+FOREIGN = ("MAT2", "MAT3")
+
+
+class View:
+    """The JSON of a file as lists of objects, its accessors, and where findings go."""
+
+    def __init__(self, container: Container, findings: Findings, *, allow_external: bool) -> None:
+        self.container, self.findings = container, findings
+        self.raw = container.gltf
+        self.lists = {key: self.objects(self.raw, key, "") for key in (*LISTS, "materials")}
+        self.nodes = self.lists["nodes"]
+        self.above = [-1] * len(self.nodes)
+        self.joints: dict[int, str] = {}  # node → the skin that lists it first
+        self.stretched: dict[int, list[str]] = {}  # joint → the channels that scale it unevenly
+        self._broken: set[int] = set()
+        self._check_buffers(allow_external)
+        # Buffers that cannot be had are known by now; the others are read as in an edit.
+        whole = {**self.raw, "buffers": self._usable(), "bufferViews": self.lists["bufferViews"]}
+        whole["accessors"] = self.lists["accessors"]
+        gltf = Value(whole, f"{container.path}:")
+        buffers = Buffers(gltf, container, allow_external=allow_external)
+        self.accessors = Accessors(gltf, buffers)
+        self._numbers: dict[int, Floats | None] = {}
+        self._check_layouts()
+        if not self.lists["skins"]:
+            self.add("gltf.no-skin", "file", "", "there is no skin in it")
+
+    # --- values
+
+    def add(self, rule: str, place: str, pointer: str, message: str) -> None:
+        self.findings.add(rule, place, pointer, message)
+
+    def title(self, node: int) -> str:
+        """What to call a node."""
+        return title(self.nodes, node)
+
+    def titles(self, nodes: Iterable[int]) -> Iterator[str]:
+        return (self.title(node) for node in nodes)
+
+    def objects(
+        self, holder: dict[str, Any], key: str, place: str, pointer: str = ""
+    ) -> list[dict[str, Any]]:
+        """The objects of a list; an empty one in place of each that is none."""
+        found = []
+        for number, item in enumerate(self.items(holder, key, place, pointer)):
+            if not isinstance(item, dict):
+                where = f"{pointer}/{key}/{number}"
+                self.add(
+                    "gltf.json.value", place or key, where, f"{where} should be an object, not {told(item)}"
+                )
+                item = {}
+            found.append(item)
+        return found
+
+    def items(self, holder: dict[str, Any], key: str, place: str, pointer: str = "") -> list[Any]:
+        """The list under a key; nothing where there is none."""
+        found = holder.get(key, [])
+        if isinstance(found, list):
+            return found
+        where = f"{pointer}/{key}"
+        self.add("gltf.json.value", place or key, where, f"{where} should be a list, not {told(found)}")
+        return []
+
+    def object(self, holder: dict[str, Any], key: str, place: str, pointer: str) -> dict[str, Any]:
+        """The object under a key; an empty one where there is none."""
+        found = holder.get(key, {})
+        if isinstance(found, dict):
+            return found
+        where = f"{pointer}/{key}"
+        self.add("gltf.json.value", place, where, f"{where} should be an object, not {told(found)}")
+        return {}
+
+    def index(
+        self, raw: Any, among: int, kind: str, place: str, pointer: str, rule: str = "gltf.reference"
+    ) -> int | None:
+        """An index of one of ``among`` things; None, with a finding, for anything else."""
+        if type(raw) is int:
+            number = raw
+        else:
+            try:
+                number = Value(raw, place).count()
+            except FileError as error:
+                self.add("gltf.json.value", place, pointer, _words(error, place))
+                return None
+        if not 0 <= number < among:
+            self.add(rule, place, pointer, f"there is no {kind} {number}, the file has {among}")
+            return None
+        return number
+
+    def reference(self, holder: dict[str, Any], key: str, kind: str, place: str, pointer: str) -> int | None:
+        """An index under a key into one of the file's lists; None where there is none."""
+        if key not in holder:
+            return None
+        among = self.lists["meshes" if kind == "mesh" else f"{kind}s"]
+        return self.index(holder[key], len(among), kind, place, f"{pointer}/{key}")
+
+    def numbers(self, raw: Any, count: int, place: str, pointer: str) -> list[float] | None:
+        """Exactly ``count`` numbers; None, with a finding, for anything else."""
+        try:
+            return Value(raw, place).numbers(count)
+        except FileError as error:
+            self.add("gltf.json.value", place, pointer, _words(error, place))
+            return None
+
+    # --- bytes
+
+    def read(self, raw: Any, place: str, pointer: str) -> Floats | None:
+        """The numbers of an accessor, (count, width); None, with a finding, where they are not to be had."""
+        index = self.index(raw, len(self.accessors), "accessor", place, pointer)
+        if index is None:
+            return None
+        if index not in self._numbers:
+            self._numbers[index] = self._read(index)
+        return self._numbers[index]
+
+    def judge(self, index: int) -> None:
+        """Judge the min and max of an accessor that nothing else reads; its numbers are not kept."""
+        if index not in self._numbers:
+            ends = [(block.min(axis=0), block.max(axis=0)) for block in self.blocks(index)]
+            if ends:
+                lows, highs = zip(*ends, strict=True)
+                self._check_bounds(index, np.array(lows), np.array(highs))
+
+    def blocks(self, index: int) -> Iterator[Floats]:
+        """The numbers of an accessor, some rows at a time, none of which is kept; of packed ones all."""
+        if self._is_lost(index):
+            return
+        known = self._numbers.get(index)
+        try:
+            if known is not None or not self.accessors.has_rows(index):
+                yield self.accessors.read(index) if known is None else known
+                return
+            for start in range(0, self.accessors.layout(index).rows, _BLOCK):
+                yield self.accessors.rows(index, start, start + _BLOCK)
+        except FileError as error:
+            self._add_broken(index, error)
+
+    def raw_accessor(self, raw: Any) -> dict[str, Any]:
+        """The JSON of an accessor that could be read."""
+        return self.lists["accessors"][int(raw)]
+
+    def compressed(self, what: str) -> None:
+        self.add("gltf.compressed", "file", "/extensionsUsed", f"{what}, so those data were not looked at")
+
+    def _read(self, index: int) -> Floats | None:
+        if self._is_lost(index):
+            return None
+        try:
+            numbers = self.accessors.read(index)
+        except FileError as error:
+            self._add_broken(index, error)
+            return None
+        self._check_bounds(index, numbers, numbers)
+        return numbers
+
+    def _is_lost(self, index: int) -> bool:
+        """Whether the buffer of an accessor is known to be missing: once said is enough."""
+        views, view = self.lists["bufferViews"], self.lists["accessors"][index].get("bufferView")
+        if type(view) is not int or not 0 <= view < len(views):
+            return False
+        buffer = views[view].get("buffer")
+        return type(buffer) is int and buffer in self._broken
+
+    def _add_broken(self, index: int, error: FileError) -> None:
+        name = f"accessor #{index}"
+        text = _words(error, f"{self.container.path}").removeprefix(f"accessors[{index}]").lstrip(".: ")
+        self.add("gltf.accessor.broken", name, f"/accessors/{index}", text)
+
+    def _check_layouts(self) -> None:
+        """Every accessor lies within its view, whoever uses it."""
+        for index, raw in enumerate(self.lists["accessors"]):
+            if raw.get("type") in FOREIGN or self._is_lost(index):
+                continue
+            try:
+                self.accessors.layout(index)
+            except FileError as error:
+                self._add_broken(index, error)
+            else:
+                if "sparse" in raw and index not in self._numbers:
+                    self._numbers[index] = self._read(index)
+
+    def _check_bounds(self, index: int, lows: Floats, highs: Floats) -> None:
+        """Whether the stated bounds are those of some rows and some others, (…, width) each."""
+        raw, width = self.lists["accessors"][index], lows.shape[1]
+        for key, found in (("min", lows.min(axis=0)), ("max", highs.max(axis=0))):
+            said = raw.get(key)
+            if said is None or raw.get("normalized") is True:
+                continue
+            place, pointer = f"accessor #{index}", f"/accessors/{index}/{key}"
+            given = self.numbers(said, width, place, pointer)
+            # A value that is no number has no place in any order; its own check says so.
+            far = [] if given is None else [k for k in range(len(given)) if _far(given[k], float(found[k]))]
+            if given is not None and far:
+                k = far[0]
+                text = f"{key}[{k}] is {given[k]:g}, and the values have {found[k]:g}"
+                self.add("gltf.accessor.bounds", place, pointer, text)
+
+    def _check_buffers(self, allow_external: bool) -> None:
+        for index, raw in enumerate(self.lists["buffers"]):
+            place, pointer = f"buffer #{index}", f"/buffers/{index}"
+            uri = raw.get("uri")
+            if uri is None or uri == "":
+                continue  # the bytes of the GLB, or none: `_check_content` says which
+            if not isinstance(uri, str):
+                self.add("gltf.json.value", place, f"{pointer}/uri", f"uri should be a text, not {told(uri)}")
+                self._broken.add(index)
+            elif not is_data(uri):
+                self._check_file(index, uri, place, pointer, allow_external)
+        for index in range(len(self.lists["buffers"])):
+            if index not in self._broken:
+                self._check_content(index)
+
+    def _check_file(self, index: int, uri: str, place: str, pointer: str, allow_external: bool) -> None:
+        try:
+            path = file_of(uri, self.container.path.parent, place, allow_external=allow_external)
+            there = path.is_file()
+        except FileError as error:
+            self.add("gltf.buffer.outside", place, f"{pointer}/uri", _words(error, place))
+            self._broken.add(index)
+            return
+        except (OSError, ValueError):
+            there = False
+        if not there:
+            what = "is no plain file" if _exists(path) else "is not there"
+            self.add("gltf.buffer.missing", place, f"{pointer}/uri", f"the file '{uri[:60]}' {what}")
+            self._broken.add(index)
+
+    def _check_content(self, index: int) -> None:
+        """The bytes are as many as they should be."""
+        gltf = Value({"buffers": self._usable()}, f"{self.container.path}:")
+        try:
+            buffers = Buffers(gltf, self.container, allow_external=True)
+            if buffers.place(index) != "none" or self._is_needed(index):
+                buffers.content(index)
+        except FileError as error:
+            text = _words(error, f"{self.container.path}").removeprefix(f"buffers[{index}]").lstrip(".: ")
+            self.add("gltf.buffer.broken", f"buffer #{index}", f"/buffers/{index}", text)
+            self._broken.add(index)
+
+    def _is_needed(self, index: int) -> bool:
+        """Whether a view takes its bytes from a buffer; of compressed ones it is only the fallback."""
+        views = self.lists["bufferViews"]
+        return any(view.get("buffer") == index and "extensions" not in view for view in views)
+
+    def _usable(self) -> list[dict[str, Any]]:
+        """The buffers, without the URI of those that cannot be had."""
+        return [
+            {key: value for key, value in raw.items() if key != "uri"} if index in self._broken else raw
+            for index, raw in enumerate(self.lists["buffers"])
+        ]
+
+
+def told(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # names that no disk can hold
+        return False
+
+
+def _words(error: FileError, place: str) -> str:
+    """What an error says, without the place that the finding names already."""
+    return str(error).removeprefix(place.removesuffix(":")).removeprefix(":").strip()
+
+
+def _far(said: float, found: float) -> bool:
+    # Bounds are stored as decimal text of 32-bit numbers.
+    return abs(said - found) > 1e-5 * max(1.0, abs(said), abs(found))

@@ -1,0 +1,75 @@
+"""All rules by their ids: what `rigtri check --list` and docs/checks.md show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+
+from rigtri.errors import UsageError
+from rigtri.verification.checks.findings import Rule
+from rigtri.verification.checks.gltf import rules_animation as clip_rules
+from rigtri.verification.checks.gltf import rules_structure as gltf
+from rigtri.verification.checks.gltf import rules_vrm as vrm
+from rigtri.verification.checks.usd import rules as usd
+from rigtri.verification.checks.usd import rules_binding as binding_rules
+from rigtri.verification.checks.usd import usdz as packages
+
+UNREADABLE = "file.unreadable"
+_FILE = (
+    Rule(
+        UNREADABLE,
+        "error",
+        "The file is no glTF, VRM or USD file at all, is cut off or damaged, or is not there.",
+        "Copy or export it again.",
+    ),
+)
+RULES: Mapping[str, Rule] = {
+    rule.id: rule
+    for rule in (
+        *_FILE,
+        *gltf.RULES,
+        *clip_rules.RULES,
+        *vrm.RULES,
+        *usd.RULES,
+        *binding_rules.RULES,
+        *packages.RULES,
+    )
+}
+
+
+def matching(patterns: Iterable[str]) -> set[str]:
+    """The ids that some patterns name, such as ``usd.anim.*``. UsageError for one that names none.
+
+    An id with a colon is one of OpenUSD's own, which are not listed here.
+    """
+    found: set[str] = set()
+    for pattern in patterns:
+        named = {known for known in RULES if fnmatchcase(known, pattern)}
+        if not named and ":" not in pattern:
+            close = get_close_matches(pattern, RULES, n=3)
+            hint = f" Did you mean {', '.join(close)}?" if close else ""
+            raise UsageError(f"no check has the id '{pattern}'.{hint} All ids: rigtri check --list")
+        found |= named or {pattern}
+    return found
+
+
+def as_markdown() -> str:
+    """All rules as the tables of docs/checks.md."""
+    titles = {
+        "file": "Any file",
+        "gltf": "glTF: files, nodes, skins, animations, meshes",
+        "vrm": "VRM 0.x and 1.0",
+        "vrma": "VRM animations",
+        "usd": "USD: skeletons, animations, bindings, blend shapes",
+    }
+    parts = []
+    for key, title in titles.items():
+        rows = [
+            f"| `{rule.id}` | {rule.severity} | {rule.says} | {rule.remedy} |"
+            for rule in RULES.values()
+            if rule.id.partition(".")[0] == key
+        ]
+        head = ["| id | severity | what is wrong | what to do |", "|---|---|---|---|"]
+        parts.append("\n".join([f"## {title}", "", *head, *rows]))
+    return "\n\n".join(parts) + "\n"

@@ -1,0 +1,110 @@
+"""All checks of a USD file, one after the other."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rigtri.formats.usd.document import opened
+from rigtri.formats.usd.joint_tokens import unsplit
+from rigtri.formats.usd.metadata_attributes import JOINT_NOTES, read_joints, read_prim
+from rigtri.formats.usd.stage import quiet
+from rigtri.verification.checks import metadata_check as judged
+from rigtri.verification.checks.cycle_check import check_circles
+from rigtri.verification.checks.findings import Findings
+from rigtri.verification.checks.usd import animations, bindings, blend_shapes, skeletons
+from rigtri.verification.checks.usd import usdz as packages
+from rigtri.verification.checks.usd.scene import Scene
+
+
+def check_usd(
+    path: Path, findings: Findings, *, external: bool = False, allow_external: bool = False
+) -> None:
+    """Note all that is wrong with a file; ``external`` asks OpenUSD's validation, too.
+
+    FileError where it is no USD at all.
+    """
+    if path.suffix.lower() == ".usdz":
+        packages.check(path, findings)
+    stage, _, notices = opened(path, allow_external=allow_external)
+    for notice in notices:
+        findings.add("usd.layer.missing", "stage", "", notice.text)
+    scene = Scene(stage, findings)
+    with quiet(f"{path}: USD cannot read it"):
+        scene.find()
+    if not scene.skeletons:
+        findings.add("usd.no-skeleton", "stage", "", "there is no Skeleton in it")
+    for prim in scene.skeletons:
+        scene.guard(prim, skeletons.check)
+    for prim in scene.animations:
+        scene.guard(prim, animations.check)
+    for prim in scene.bound:
+        scene.guard(prim, bindings.check)
+        scene.guard(prim, blend_shapes.check)
+    for prim in scene.noted:
+        scene.guard(prim, _check_notes)
+    if scene.noted:
+        check_circles(path, "usd.note.circle", findings, allow_external=allow_external)
+    if external:
+        from rigtri.verification.checks.usd.usd_validation import validate
+
+        validate(stage, findings, path)
+
+
+def _check_notes(scene: Scene, prim: Any) -> None:
+    """What rigtri stored on a prim and, of joints, on their skeleton."""
+    tokens = {path: _with_unsplit(scene, path) for path in scene.tokens}
+    known = {token for path in tokens for token in tokens[path]}
+    leaves = {token.rpartition("/")[2] for token in known}
+    paths = {f"{path}/{token}" for path in tokens for token in tokens[path]}
+    names = {str(prim.GetName()) for prim in scene.skeletons} | leaves | known | paths
+
+    def is_joint(name: str) -> bool:
+        # Joints are stored by name or by path; by token behind the skeleton's path where that is no address.
+        if name in names or name.rpartition(":")[2] in known or _prim(scene, name):
+            return True
+        return any(prim.GetName() == name for prim in scene.stage.TraverseAll())
+
+    try:
+        note = read_prim(prim)
+        why, newer = (judged.broken(note, is_joint), judged.unknown(note)) if note else ("", "")
+    except (ValueError, TypeError, AttributeError) as error:
+        why, newer = f"it cannot be read: {error}", ""
+    if why or newer:
+        rule = "usd.note.broken" if why else "usd.note.unknown"
+        scene.add(rule, prim, "rigtri:type", why or newer)
+    if prim.GetTypeName() == "Skeleton":
+        _check_joint_notes(scene, prim, is_joint)
+
+
+def _with_unsplit(scene: Scene, path: str) -> set[str]:
+    """The tokens of a skeleton, also as they were before joints of it were split: notes may be older."""
+    own = scene.tokens[path]
+    said = read_joints(scene.stage.GetPrimAtPath(path))
+    holders = {token for token, note in said.items() if note.get("type") == "frame"}
+    return {*own, *unsplit(own, holders)}
+
+
+def _prim(scene: Scene, name: str) -> Any:
+    return scene.stage.GetPrimAtPath(name) if name.startswith("/") and ":" not in name else None
+
+
+def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
+    tokens, texts = (scene.words(prim, name) for name in JOINT_NOTES)
+    if len(tokens) != len(texts):
+        text = f"{len(tokens)} joints have {len(texts)} notes"
+        scene.add("usd.note.broken", prim, JOINT_NOTES[0], text)
+    own = scene.tokens.get(str(prim.GetPath()), ())
+    for token, text in zip(tokens, texts, strict=False):
+        try:
+            note = json.loads(text)
+            why = judged.broken(note, is_joint)
+            if newer := judged.unknown(note):
+                scene.add("usd.note.unknown", prim, JOINT_NOTES[1], f"joint '{token}': {newer}")
+        except ValueError as error:
+            why = f"its note is no JSON: {error}"
+        if token not in own:
+            why = why or "there is no such joint"
+        if why:
+            scene.add("usd.note.broken", prim, JOINT_NOTES[1], f"joint '{token}': {why}")

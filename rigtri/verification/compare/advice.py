@@ -1,0 +1,102 @@
+"""What a user can do where a result looks a little different: the joints whose scale it is, or rounding."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.evaluation.sampling import worlds
+from rigtri.frames.error_bounds import reaches
+from rigtri.frames.reframe import Scales
+from rigtri.frames.scale_tolerance import ROUNDING
+from rigtri.model.records import key_values
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import Comparison
+
+# A joint of which less than this share of the tolerance can come is not to blame.
+_BLAME = 0.1
+
+
+def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> str:
+    """What to do about a deviation that is near the tolerance, with a space before it; "" where it is not.
+
+    Turning a joint whose scale is nearly uniform moves what hangs there; else only the rounding
+    of stored numbers can be what differs.
+    """
+    if result.lost or result.different:
+        return ""
+    allow = f"allow more with --tolerance {_rounded_up(result.shown):g}"
+    if rough := rough_scales(before, after, result.shown):
+        names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
+        return (
+            f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
+            f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale as it was, or {allow}"
+        )
+    if not result.shown < 10 * tolerance:
+        return ""
+    noisy = nearly_uniform(before, after, tolerance)
+    if noisy:
+        scale = " ".join(f"{x:.8g}" for x in before.scale[noisy[0]])
+        names = ", ".join(f"'{before.title(node)}'" for node in noisy[:4])
+        return (
+            f" The scale of {names} is nearly uniform but not quite ({scale}), and what hangs there "
+            f"reaches far. Leave {'it' if len(noisy) == 1 else 'them'} out with --exclude "
+            f"{before.title(noisy[0])}, or {allow}"
+        )
+    depth = max(before.depth) + 1
+    far = float(np.abs(worlds(before)[:, 3, :3]).max(initial=0.0)) / (result.diagonal or 1.0)
+    floor = depth * max(far, 1.0) * float(np.finfo(np.float32).eps) / 2
+    return (
+        f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
+        f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
+        f"named with --exclude, or {allow}"
+    )
+
+
+def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
+    """The joints of a USD file whose new scales are rounded to 16 bits by so much that it may be all of
+    ``shown``, a share of the size: those that count most come first.
+
+    Source: UsdSkelAnimation, `scales` are half3[].
+    """
+    known = {id(track) for clip in before.clips for track in clip.tracks}
+    off = np.zeros(len(before))
+    for track in (t for clip in after.clips for t in clip.tracks if after.raw and id(t) not in known):
+        if track.path == "scale" and track.node < len(before) and before.is_joint[track.node]:
+            values = key_values(track)
+            apart = np.abs(values - values.astype(np.float16).astype(np.float64))
+            share = apart / np.maximum(np.abs(before.scale[track.node]), np.finfo(np.float64).tiny)
+            off[track.node] = max(off[track.node], float(share.max(initial=0.0)))
+    if not off.any():
+        return []
+    try:
+        effect = off * reaches(before)
+    except FileError:
+        return []
+    # A reach is that of bones in one line; in a pose they are not.
+    found = np.flatnonzero((effect > _BLAME * shown) & (sum(effect.tolist()) > shown)).tolist()
+    return sorted(found, key=lambda node: -float(effect[node]))
+
+
+def nearly_uniform(before: Rig, after: Rig, tolerance: float) -> list[int]:
+    """The nodes that an edit turned although their scale is not quite uniform, by what that can move."""
+    scales = Scales.of(before)
+    spread = np.where(scales.uneven | (scales.spread <= ROUNDING), 0.0, scales.spread)
+    try:
+        effect = spread * reaches(before)
+    except FileError:
+        return []
+    there = {key: node for node, key in enumerate(after.keys) if key is not None}
+    suspects = np.flatnonzero(effect > _BLAME * tolerance).tolist()
+    moved = [
+        node
+        for node in suspects
+        if before.keys[node] in there
+        and not np.array_equal(before.local[node, :3, :3], after.local[there[before.keys[node]], :3, :3])
+    ]
+    return sorted(moved, key=lambda node: -float(effect[node]))
+
+
+def _rounded_up(value: float) -> float:
+    """A little more, with one digit."""
+    return float(f"{value * 1.5:.0e}")

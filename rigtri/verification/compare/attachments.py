@@ -1,0 +1,118 @@
+"""What a format says in the axes of nodes, compared in the world: offsets, directions, constraints.
+
+New axes give all of it new numbers; it means the same where its numbers, seen from the
+world at rest, are the same. Verification only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from rigtri.frames.node_constraints import alike, told_by_rules
+from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Bound, Constraint
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.correspondence import Matching
+
+# Of their length: what float32 leaves of a vector that was turned.
+SAME_VECTOR = 1e-5
+# What float32 leaves of the axes of a node below many others, as differences of unit vectors.
+SAME_AXES = 1e-4
+
+
+def compare_attached(before: Rig, after: Rig, m: Matching) -> list[str]:
+    """What no longer says the same, in words."""
+    if not (before.bound or after.bound or before.constraints or after.constraints):
+        return []
+    with np.errstate(all="ignore"):
+        # Rotations as the format means them: unit, whatever was stored.
+        worlds = before.shown_world, after.shown_world
+        return [
+            *_vectors(before, after, m, worlds),
+            *_constraints(before, after, m, worlds),
+        ]
+
+
+def _vectors(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Floats]) -> Iterator[str]:
+    """Vectors by their place in the file; one that is not there is zero."""
+    there = {bound.key: bound for bound in after.bound}
+    for bound in before.bound:
+        now = there.pop(bound.key, None)
+        place = f"{_place(bound.key)} of {before.title(bound.node)}"
+        if now is not None and int(m.node[bound.node]) != now.node:
+            yield f"{place} belongs to {after.title(now.node)} now"
+            continue
+        was, seen = _seen(bound, worlds[0]), np.zeros(3) if now is None else _seen(now, worlds[1])
+        if not _same(was, seen):
+            yield f"{place} is {_row(seen)} in the world, was {_row(was)}"
+    for now in there.values():
+        seen = _seen(now, worlds[1])
+        if not _same(np.zeros(3), seen):
+            yield f"{_place(now.key)} of {after.title(now.node)} is {_row(seen)} in the world, was none"
+
+
+def _seen(bound: Bound, world: Floats) -> Floats:
+    return np.asarray(bound.vector @ world[bound.node, :3, :3])
+
+
+def _same(was: Floats, now: Floats) -> bool:
+    size = max(float(length(was)), float(length(now)))
+    return bool(length(was - now) <= SAME_VECTOR * size) or bool(np.isnan([was, now]).any(axis=1).all())
+
+
+def _place(key: Any) -> str:
+    """A place in a file in words: its last names and numbers."""
+    return " ".join(str(part) for part in key if part != "extensions") if isinstance(key, tuple) else str(key)
+
+
+def _row(vector: Floats) -> str:
+    """Numbers without the noise of a millionth of the largest."""
+    least = 1e-6 * float(np.abs(vector).max(initial=0.0))
+    return ", ".join(f"{x if abs(x) > least else 0.0:.4g}" for x in vector.tolist())
+
+
+def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Floats]) -> Iterator[str]:
+    """Constraints whose axis points elsewhere or whose nodes turned apart (`frames.node_constraints`)."""
+    ours, new = told_by_rules(before), told_by_rules(after)
+    axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
+    there = {(c.kind, c.node, c.source): c for c in after.constraints}
+    for c in before.constraints:
+        if c.kind == "tail":
+            continue  # no rule of the file: what hangs there is where points and origins are
+        now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
+        title = f"the {c.kind} constraint of {before.title(c.node)}"
+        if now is None and ours.get(c.node) == c.kind:
+            continue  # a rule of ours that was told so before, and no longer is
+        if now is None:
+            yield f"{title} by {before.title(c.source)} is gone"
+        elif not _axis_kept(c, now, axes):
+            yield f"the axis of {title} points elsewhere"
+        elif not _turn_alike(before, c, m, axes):
+            yield f"{title} compares axes that have turned apart"
+
+    was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.constraints}
+    for c in after.constraints:
+        if c.kind != "tail" and (c.kind, c.node, c.source) not in was and new.get(c.node) != c.kind:
+            yield f"the {c.kind} constraint of {after.title(c.node)} by {after.title(c.source)} is new"
+
+
+def _axis_kept(c: Constraint, now: Constraint, axes: tuple[Floats, Floats]) -> bool:
+    was, seen = c.axis @ axes[0][c.node], now.axis @ axes[1][now.node]
+    ways = (seen, -seen) if c.kind == "roll" else (seen,)
+    return any(not length(was - way) > SAME_AXES for way in ways)
+
+
+def _turn_alike(before: Rig, c: Constraint, m: Matching, axes: tuple[Floats, Floats]) -> bool:
+    pair = alike(before, c)
+    if pair is None:
+        return True
+    first, second = (
+        axes[0][node] @ axes[1][m.node[node]].T if node >= 0 and m.node[node] >= 0 else np.eye(3)
+        for node in pair
+    )
+    return not np.abs(first - second).max() > SAME_AXES

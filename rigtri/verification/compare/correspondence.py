@@ -1,0 +1,348 @@
+"""What of one rig is what of another: nodes, payload, skins, clips and tracks.
+
+The two came from two files, or from one file before and after an edit. What
+has no partner is lost or added, in words for people.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from rigtri.model.records import Clip, Integers, Track, key_values
+from rigtri.model.rig import Rig
+
+# Morph weights that another tool stored again as 16-bit integers differ by less.
+SAME_WEIGHT = 2e-5
+# Matrices that are taken apart give the parts they were made of but for this, of the largest number.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Matching:
+    """Partners of the nodes, skins and clips of one rig in another; −1 for none.
+
+    node: (n,), the same node. shown: (n,), the node that shows what this one
+    showed. skin: (s,). clip: (c,). lost, added, changed: what has no partner, or
+    the same values at other key times or with another interpolation.
+    """
+
+    node: Integers
+    shown: Integers
+    skin: Integers
+    clip: Integers
+    lost: tuple[str, ...]
+    added: tuple[str, ...]
+    changed: tuple[str, ...]
+
+
+def match(before: Rig, after: Rig, *, by_key: bool) -> Matching:
+    """Find the partners of everything in ``before``.
+
+    by_key: trust the keys, as after an edit in place. Otherwise keys count only
+    when the names agree with them; else paths, then names, then the order of
+    equal names: what other tools leave of a file.
+    """
+    node, shown = _nodes(before, after, by_key)
+    skin = _in_order([skin.name for skin in before.skins], [skin.name for skin in after.skins])
+    clip = _clips(before, after)
+    news = _News()
+    if before.up != after.up:
+        news.changed.append(f"up is {_axis(after.up)}, was {_axis(before.up)}")
+    _compare_nodes(before, after, node, shown, news)
+    _compare_skins(before, after, node, skin, news)
+    _compare_clips(before, after, node, shown, clip, news)
+    return Matching(node, shown, skin, clip, *map(tuple, (news.lost, news.added, news.changed)))
+
+
+def played_together(before: Rig, after: Rig, *, by_key: bool) -> tuple[Rig, Rig]:
+    """Both rigs, with clips that play at once gathered where the other has them in one.
+
+    Animations of one USD stage share its time: when a copy of one takes over half of its
+    joints, nothing is lost. Clips play at once whose keys are tuples that start alike.
+    """
+    if [clip.name for clip in before.clips] == [clip.name for clip in after.clips]:
+        return before, after
+    return _gathered(before, after, by_key), _gathered(after, before, by_key)
+
+
+def _gathered(rig: Rig, other: Rig, by_key: bool) -> Rig:
+    """A rig whose clips take up those unknown to ``other`` that drive what they drive there."""
+    node, shown = _nodes(other, rig, by_key)
+    wanted = [{_target(track, node, shown) for track in clip.tracks} for clip in other.clips]
+    partner = _clips(other, rig).tolist()
+    loose = {
+        (timeline(clip), *target): k
+        for k, clip in enumerate(rig.clips)
+        if k not in partner and timeline(clip) is not None
+        for target in by_target(clip)
+    }
+    tracks = [list(clip.tracks) for clip in rig.clips]
+    taken: set[int] = set()
+    for targets, k in zip(wanted, partner, strict=True):
+        if k < 0 or not loose:
+            continue
+        missing = targets - by_target(rig.clips[k]).keys()
+        found = {loose.get((timeline(rig.clips[k]), *target), -1) for target in missing} - taken - {-1}
+        for copy in sorted(found):
+            tracks[k] += rig.clips[copy].tracks
+        taken |= found
+    clips = (replace(clip, tracks=tuple(tracks[k])) for k, clip in enumerate(rig.clips) if k not in taken)
+    return replace(rig, clips=tuple(clips)) if taken else rig
+
+
+def _clips(before: Rig, after: Rig) -> Integers:
+    """Partners of clips by name; those that play at once also by key, where names part."""
+    found = _in_order([clip.name for clip in before.clips], [clip.name for clip in after.clips])
+    taken = set(found.tolist())
+    keys = {c.key: k for k, c in enumerate(after.clips) if k not in taken and timeline(c) is not None}
+    for k in np.flatnonzero(found < 0).tolist():
+        found[k] = keys.pop(before.clips[k].key, -1)
+    return found
+
+
+def timeline(clip: Clip) -> Hashable:
+    """What clips share that play at once; None for a clip that plays alone.
+
+    Keys of prims play with those of joints: a file may have them in one clip, and in two once it is written.
+    """
+    if not isinstance(clip.key, tuple):
+        return None
+    return "samples" if clip.key[0] == "xforms" else clip.key[0]
+
+
+def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Matching) -> Track | None:
+    """The track of the other rig that drives the same; ``among`` is `by_target` of its clip."""
+    return among.get(_target(track, m.node, m.shown))
+
+
+def by_target(clip: Clip) -> dict[tuple[int, str], Track]:
+    """The tracks of a clip by node and path."""
+    return {(track.node, track.path): track for track in clip.tracks}
+
+
+def same_array(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
+    """As np.array_equal, of which a clip needs hundreds, without what that does for lists."""
+    return a is b or (a.shape == b.shape and bool((a == b).all()))
+
+
+def _axis(direction: Sequence[float]) -> str:
+    """The axis that a direction is nearest to, as a letter."""
+    return "XYZ"[max(range(3), key=lambda k: abs(direction[k]))]
+
+
+class _News:
+    def __init__(self) -> None:
+        self.lost: list[str] = []
+        self.added: list[str] = []
+        self.changed: list[str] = []
+
+
+def _nodes(before: Rig, after: Rig, by_key: bool) -> tuple[Integers, Integers]:
+    """Partners of nodes, and the nodes that show what they show, (n,) each."""
+    keyed = _partners(before.keys, after.keys)
+    node = keyed if by_key or _names_agree(before, after, keyed) else _by_name(before, after)
+    return node, _shown(before, after, node)
+
+
+def _target(track: Track, node: Integers, shown: Integers) -> tuple[int, str]:
+    to = shown if track.path == "weights" and shown[track.node] >= 0 else node
+    return int(to[track.node]), track.path
+
+
+def _partners(before: Sequence[Hashable], after: Sequence[Hashable]) -> Integers:
+    place = {key: k for k, key in enumerate(after) if key is not None}
+    return np.array([place.get(key, -1) if key is not None else -1 for key in before], dtype=np.int64)
+
+
+def _names_agree(before: Rig, after: Rig, node: Integers) -> bool:
+    pairs = zip(before.names, node.tolist(), strict=True)
+    return all(k >= 0 and after.names[k] == name for name, k in pairs)
+
+
+def _by_name(before: Rig, after: Rig) -> Integers:
+    """Partners by path, then by name where both rigs have it equally often (in order)."""
+    known: dict[tuple[int, str], int] = {}
+    node = _equally_often(_paths(before, known), _paths(after, known))
+    taken = set(node[node >= 0].tolist())
+    loose = [k for k in range(len(before)) if node[k] < 0 and before.names[k]]
+    free = [k for k in range(len(after)) if k not in taken]
+    found = _equally_often([before.names[k] for k in loose], [after.names[k] for k in free])
+    for k, partner in zip(loose, found.tolist(), strict=True):
+        node[k] = free[partner] if partner >= 0 else -1
+    return node
+
+
+def _paths(rig: Rig, known: dict[tuple[int, str], int]) -> list[int]:
+    """A number for the path of each node, the same wherever ``known`` has met the path before."""
+    paths: list[int] = []
+    below: list[int] = []  # what the paths of children begin with
+    for node, parent in enumerate(rig.parents.tolist()):
+        above = below[parent] if parent >= 0 else -1
+        paths.append(known.setdefault((above, rig.names[node] or rig.labels[node]), len(known)))
+        below.append(above if node in rig.holders else paths[-1])
+    return paths
+
+
+def _equally_often(before: Sequence[Hashable], after: Sequence[Hashable]) -> Integers:
+    """Partners of words that both lists have equally often: the first is the first."""
+    ours, theirs = _places(before), _places(after)
+    found = np.full(len(before), -1, dtype=np.int64)
+    for word, mine in ours.items():
+        yours = theirs.get(word, [])
+        if len(mine) == len(yours):
+            found[mine] = yours
+    return found
+
+
+def _in_order(before: Sequence[str], after: Sequence[str]) -> Integers:
+    """Partners by place where the words there agree, else the first free one of the same word."""
+    found = np.full(len(before), -1, dtype=np.int64)
+    same = {k for k, word in enumerate(before) if k < len(after) and after[k] == word}
+    found[list(same)] = list(same)
+    free: dict[str, list[int]] = {}
+    for k, word in enumerate(after):
+        if k not in same:
+            free.setdefault(word, []).append(k)
+    for k in np.flatnonzero(found < 0).tolist():
+        if free.get(before[k]):
+            found[k] = free[before[k]].pop(0)
+    return found
+
+
+def _places(words: Sequence[Hashable]) -> dict[Hashable, list[int]]:
+    places: dict[Hashable, list[int]] = {}
+    for k, word in enumerate(words):
+        places.setdefault(word, []).append(k)
+    return places
+
+
+def _shown(before: Rig, after: Rig, node: Integers) -> Integers:
+    """The nodes of ``after`` that show what those of ``before`` show, (n,).
+
+    A turned node hands what it shows to a child: in memory the child's payload
+    names the node; in a file that was read again the child is new, shows
+    something itself, and is called ``<name>_payload``.
+    """
+    shown = np.full(len(before), -1, dtype=np.int64)
+    known = set(node.tolist())
+    shows = _places(after.payload.tolist())
+    for k in np.flatnonzero(before.payload >= 0).tolist():
+        partner = int(node[before.payload[k]])
+        if partner < 0:
+            continue
+        showing = shows.get(partner, [])
+        children = [c for c in after.children[partner] if c not in known and after.payload[c] == c]
+        named = [c for c in children if after.names[c].startswith(f"{before.names[k] or 'node'}_payload")]
+        candidates = showing or named or children
+        shown[k] = candidates[0] if candidates else -1
+    return shown
+
+
+def _compare_nodes(before: Rig, after: Rig, node: Integers, shown: Integers, news: _News) -> None:
+    for k, partner in enumerate(node.tolist()):
+        if partner < 0:
+            # What has no key was in no file: an edit that also moves things has added it.
+            if before.keys[k] is not None:
+                news.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
+        elif before.is_joint[k] and not after.is_joint[partner]:
+            news.lost.append(f"joint {before.title(k)} is a joint no longer")
+        if before.payload[k] >= 0 and shown[k] < 0 <= partner:
+            news.lost.append(f"what node {before.title(k)} shows")
+    known = {*node.tolist(), *shown.tolist()}
+    for k in range(len(after)):
+        if k not in known:
+            news.added.append(f"{'joint' if after.is_joint[k] else 'node'} {after.title(k)}")
+
+
+def _compare_skins(before: Rig, after: Rig, node: Integers, skin: Integers, news: _News) -> None:
+    for k, partner in enumerate(skin.tolist()):
+        title = before.skins[k].name or f"#{k}"
+        if partner < 0:
+            news.lost.append(f"skin {title}")
+            continue
+        now = set(after.skins[partner].joints.tolist())
+        for joint in before.skins[k].joints.tolist():
+            if node[joint] >= 0 and int(node[joint]) not in now:
+                news.lost.append(f"joint {before.title(joint)} of skin {title}")
+    known = set(skin.tolist())
+    news.added += [f"skin {s.name or f'#{k}'}" for k, s in enumerate(after.skins) if k not in known]
+
+
+def _compare_clips(
+    before: Rig, after: Rig, node: Integers, shown: Integers, clip: Integers, news: _News
+) -> None:
+    for k, partner in enumerate(clip.tolist()):
+        title = f"clip {before.clips[k].name or f'#{k}'}"
+        if partner < 0:
+            if before.clips[k].idle:
+                news.changed.append(f"{title}, which nothing played, is gone")
+            else:
+                news.lost.append(title)
+            continue
+        if before.clips[k].idle != after.clips[partner].idle:
+            news.changed.append(f"{title} is played {'now' if before.clips[k].idle else 'no longer'}")
+        theirs = by_target(after.clips[partner])
+        times: dict[tuple[int, int], bool] = {}
+        for track in before.clips[k].tracks:
+            if before.keys[track.node] is None:
+                continue
+            target = _target(track, node, shown)
+            now = theirs.pop(target, None)
+            if now is None and track.path in ("translation", "rotation"):
+                # A split joint moves and turns by the node that holds its axes.
+                now = theirs.pop((after.frame_of.get(target[0], -1), track.path), None)
+            if now is None:
+                of = _named(title, track, before)
+                resting = target[0] in after.own and _says_rest(track, after, target[0])
+                (news.changed if resting else news.lost).append(
+                    f"{of} is told by its rest" if resting else of
+                )
+            elif track is not now:
+                _compare_track(track, now, partial(_named, title, track, before), times, news)
+        news.added += [_named(title, track, after) for track in theirs.values()]
+    known = set(clip.tolist())
+    news.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in known]
+
+
+def _says_rest(track: Track, after: Rig, node: int) -> bool:
+    """Whether all keys of a track say what a node is at rest: prims of ours need no such keys.
+
+    As a prim of nobody's, one that moves has keys for its place, its turn and its scale.
+    """
+    if track.path == "weights":
+        return False
+    rest = {"translation": after.translation, "rotation": after.rotation, "scale": after.scale}[track.path]
+    values, still = key_values(track), rest[node]
+    if track.path == "rotation":  # q and −q are one rotation
+        both = values * still
+        ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
+        values = np.where(ahead[:, np.newaxis] < 0, -values, values)
+    size = float(np.abs(after.translation).max(initial=0.0)) if track.path == "translation" else 1.0
+    return bool((np.abs(values - still) <= _ROUNDING * size).all())
+
+
+def _named(title: str, track: Track, rig: Rig) -> str:
+    return f"{title}: {track.path} of {rig.title(track.node)}"
+
+
+def _compare_track(
+    track: Track, now: Track, of: Callable[[], str], times: dict[tuple[int, int], bool], news: _News
+) -> None:
+    """times: whether two arrays of key times, by their ids, are the same; many tracks share theirs."""
+    if track.interpolation != now.interpolation:
+        news.changed.append(f"{of()} is {now.interpolation}, was {track.interpolation}")
+    pair = id(track.times), id(now.times)
+    if pair not in times:
+        times[pair] = same_array(track.times, now.times)
+    if not times[pair]:
+        news.changed.append(f"{of()} has other key times")
+    # Morph weights move points of meshes that perhaps nobody can read: compare them here.
+    if track.path == "weights" and track.values.shape == now.values.shape:
+        same = np.isclose(track.values, now.values, rtol=0, atol=SAME_WEIGHT, equal_nan=True)
+        if not same.all():
+            news.lost.append(f"{of()} has other values")

@@ -1,0 +1,129 @@
+"""Morph weights that an edit drives on purpose: set aside for comparing, and measured by themselves.
+
+With the driven weights taken out of both rigs, everything else must be the same; how far the
+driven ones move the points is told beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.evaluation import sampling as pose
+from rigtri.evaluation.timelines import Timeline, looked_at, timelines
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Clip, Mesh, Track
+from rigtri.model.rig import Rig
+
+# Which targets of which nodes, by the nodes' keys.
+Driven = Mapping[Hashable, Collection[int]]
+# Poses of a timeline in which the driven points are looked at: those with the largest weights.
+_POSES = 64
+
+
+def set_aside(before: Rig, after: Rig, driven: Driven, resting: Mapping[int, Floats]) -> tuple[Rig, Rig]:
+    """Both rigs with all morph weights at common times and the driven ones 0.
+
+    resting: the weights of meshes that no track drives, by node of ``before``.
+    """
+    place = {key: node for node, key in enumerate(after.keys) if key is not None}
+    mine, theirs = list(before.clips), list(after.clips)
+    for k, clip in enumerate(mine):
+        partner = next((j for j, c in enumerate(theirs) if c.key == clip.key and c.name == clip.name), -1)
+        if partner < 0:
+            continue
+        was, now = _weights(clip), _weights(theirs[partner])
+        for node, key in enumerate(before.keys):
+            there = place.get(key, -1)
+            tracks = was.get(node), now.get(there)
+            if tracks == (None, None) or there < 0:
+                continue
+            pair = _alike(tracks, node, there, driven.get(key, ()), resting.get(node))
+            mine[k] = _with(mine[k], tracks[0], pair[0])
+            theirs[partner] = _with(theirs[partner], tracks[1], pair[1])
+    return replace(before, clips=tuple(mine)), replace(after, clips=tuple(theirs))
+
+
+def _weights(clip: Clip) -> dict[int, Track]:
+    return {track.node: track for track in clip.tracks if track.path == "weights"}
+
+
+def _with(clip: Clip, old: Track | None, new: Track) -> Clip:
+    kept = tuple(track for track in clip.tracks if track is not old)
+    return replace(clip, tracks=(*kept, new))
+
+
+def _alike(
+    tracks: tuple[Track | None, Track | None],
+    node: int,
+    there: int,
+    columns: Collection[int],
+    resting: Floats | None,
+) -> tuple[Track, Track]:
+    """Both tracks sampled at one set of times, without the driven columns."""
+    known = [track for track in tracks if track is not None]
+    keys = np.unique(np.concatenate([track.times for track in known]))
+    times = looked_at(keys)
+    width = known[0].values.shape[-1]
+    still = np.zeros(width) if resting is None or len(resting) != width else resting
+    found = []
+    for track, where in zip(tracks, (node, there), strict=True):
+        values = np.tile(still, (len(times), 1)) if track is None else pose.sample(track, times)
+        values[:, list(columns)] = 0.0
+        found.append(Track(where, "weights", "LINEAR" if len(times) > 1 else "STEP", times, values))
+    return found[0], found[1]
+
+
+def moved(
+    rigs: tuple[Rig, Rig], meshes: tuple[Sequence[Mesh], Sequence[Mesh]], driven: Driven
+) -> dict[str, float]:
+    """How far the driven weights move points of each mesh in any pose, in file units, by mesh."""
+    before, after = rigs
+    others = {mesh.name: mesh for mesh in meshes[1]}
+    old = {before.clips[k].key: t for t in timelines(before) for k in t.members}
+    found: dict[str, float] = {}
+    for mesh in meshes[0]:
+        if before.keys[mesh.node] not in driven or mesh.name not in others or not len(mesh.morphs):
+            continue
+        found[mesh.name] = max(
+            (
+                _farthest(old.get(after.clips[now.members[0]].key), after, now, mesh, others[mesh.name])
+                for now in timelines(after)
+            ),
+            default=0.0,
+        )
+    return found
+
+
+def _at(then: Timeline, mesh: Mesh, other: Mesh) -> Clip:
+    """The old clip with its weights at the node that shows the mesh now."""
+    moved = (replace(t, node=other.node) for t in then.clip.tracks if t.node == mesh.node)
+    return replace(then.clip, tracks=tuple(t for t in moved if t.path == "weights"))
+
+
+def _farthest(then: Timeline | None, after: Rig, now: Timeline, mesh: Mesh, other: Mesh) -> float:
+    """The largest distance between the points with the old and with the new weights."""
+    track = now.track(other.node, "weights")
+    if track is None:
+        return 0.0
+    old = pose.morph_weights(mesh, then.clip if then is not None else None, track.times)
+    apart = np.abs(pose.sample(track, track.times) - old).max(axis=1)
+    best = np.sort(np.argsort(-apart, kind="stable")[:_POSES])
+    times = track.times[best]
+    world = pose.worlds(after, pose.locals_at(after, now.clip, times))
+    farthest = 0.0
+    for k, time in enumerate(times):
+        here = np.array([time])
+        rows = [
+            pose.deformed(m, rig, world[k : k + 1], pose.morph_weights(m, t, here))
+            for m, rig, t in (
+                (replace(mesh, node=other.node), after, None if then is None else _at(then, mesh, other)),
+                (other, after, now.clip),
+            )
+        ]
+        with np.errstate(invalid="ignore"):
+            farthest = max(farthest, float(np.nan_to_num(length(rows[1] - rows[0])).max(initial=0.0)))
+    return farthest
