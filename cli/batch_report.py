@@ -37,7 +37,7 @@ def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool)
     Example:
         rigtri batch-report out/
     """
-    from rigtri import __version__
+    from rigtri._version import __version__
     from rigtri.pipeline.batch.report import summarise
 
     found = summarise([Path(name) for name in manifests], most=most, within=within)

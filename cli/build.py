@@ -153,7 +153,7 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
     if not alone:
         _run(with_target(values) | {"dry_run": True}, spec)
     elif values["as_json"]:
-        from rigtri import __version__
+        from rigtri._version import __version__
 
         steps = [_said(one, places=True) for one in spec.steps]
         document = {"rigtri": __version__, "command": "build", "spec": values["spec"], "steps": steps}

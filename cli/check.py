@@ -134,7 +134,7 @@ def as_json(
     results: dict[str, list[Finding]], left_out: dict[str, list[Finding]], code: int
 ) -> dict[str, Any]:
     """The findings of all files, and how many were left out, as schemas/check.schema.json describes them."""
-    from rigtri import __version__
+    from rigtri._version import __version__
     from rigtri.verification.checks.findings import counts
     from rigtri.verification.checks.rule_catalogue import UNREADABLE
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from rigtri import __version__
+from rigtri._version import __version__
 from rigtri.errors import RigtriError
 
 from . import failures, hear_interrupts, ignore_interrupts

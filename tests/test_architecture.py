@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import os
+import shutil
 import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
 from functools import cache
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -20,69 +23,12 @@ pytestmark = pytest.mark.skipif(
     Path(rigtri.__file__).parent != ROOT / "rigtri", reason="this is no checkout of the source"
 )
 
-# Each module may import from lines above its own, and from its own line what the comment says.
-ORDER = """
-errors
-bounds columns plain scratch
-trigonometry
-vectors
-quaternions
-matrices
-euler triangle shapes records
-boxes
-rig
-pose constraints rules spread twist
-following size timelines insertion fitting triangles
-carried readers driven dependence
-solve
-turned_rules
-reframe report reach
-origin
-lengths
-naming
-recognition
-limbs
-stature
-views
-skeleton bend
-matching
-playing
-moving scenery attached
-watched
-compare descriptions description changes
-advice stilled intended
-delivery plain_files
-ahead ops formats
-inputs outputs
-bridge
-drawing
-explanation
-viewer
-checks pipeline difference
-on_disk
-in_memory
-steps
-spec
-confined
-batch
-cli
-""".strip().splitlines()
 LONGEST = 60
 PACKAGES = {"cli": ROOT / "cli", "schemas": ROOT / "schemas"}
 
 
 def modules() -> list[Path]:
     return sorted([*(ROOT / "rigtri").rglob("*.py"), *(ROOT / "cli").glob("*.py")])
-
-
-def place(path: Path) -> str:
-    """The line of ORDER that a module belongs to: ``ops`` for rigtri/operations/orient_joints/orient.py."""
-    parts = path.relative_to(ROOT).with_suffix("").parts
-    return parts[0] if parts[0] != "rigtri" else parts[1]
-
-
-def rank(name: str) -> int:
-    return next(k for k, line in enumerate(ORDER) if name in line.split())
 
 
 @cache
@@ -100,8 +46,9 @@ def imports(path: Path, *, annotations: bool = False) -> tuple[str, ...]:
         if isinstance(node, ast.Import) and id(node) not in unseen:
             found += (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and id(node) not in unseen:
-            assert node.level == 0 or place(path) == "cli", f"{path.name} imports relatively"
-            found.append(node.module or "")
+            assert node.level == 0 or path.parent.name == "cli", f"{path.name} imports relatively"
+            base = node.module or "" if node.level == 0 else f"rigtri.cli.{node.module or ''}".rstrip(".")
+            found += (f"{base}.{alias.name}" for alias in node.names)
     return tuple(found)
 
 
@@ -124,24 +71,83 @@ def shown(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-def test_imports_point_one_way() -> None:
-    wrong = []
-    for path in INNER:
-        own = place(path)
-        for name in imports(path):
-            parts = name.split(".")
-            if parts[0] == "rigtri" and len(parts) > 1 and parts[1] != own and rank(parts[1]) >= rank(own):
-                wrong.append(f"{shown(path)} imports {name}")
-    assert wrong == []
+@pytest.fixture
+def installed(tmp_path: Path) -> Path:
+    """The package as a wheel lays it out, and beside it pyproject.toml, which has the layers."""
+    copy = tmp_path / "rigtri"
+    ignore = shutil.ignore_patterns("__pycache__", "page*")
+    shutil.copytree(ROOT / "rigtri", copy, ignore=ignore)
+    for name, folder in PACKAGES.items():
+        shutil.copytree(folder, copy / name, ignore=ignore)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    return tmp_path
 
 
-def test_formats_do_not_know_each_other() -> None:
-    wrong = []
-    for path in INNER:
-        folders = path.parent.parts
-        known = ("pxr", "formats.usd") if "gltf" in folders else ("pxr",)
-        known = ("formats.gltf",) if "usd" in folders else known
-        wrong += [f"{shown(path)} imports {name}" for name in imports(path) if any(k in name for k in known)]
+def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
+    pytest.importorskip("importlinter", reason="import-linter is not installed")
+    code = "from importlinter.cli import lint_imports_command as main; main(['--no-cache'])"
+    environment = os.environ | {"PYTHONPATH": str(folder), "PYTHONSAFEPATH": "1"}
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        check=False,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+
+
+def test_imports_point_one_way(installed: Path) -> None:
+    run = lint_imports(installed)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("model/rig.py", "from rigtri.formats import read"),
+        ("formats/document.py", "def late():\n    from rigtri.operations.strip import strip"),
+        ("formats/gltf/buffers.py", "if TYPE_CHECKING:\n    from rigtri.formats.usd import stage"),
+        ("pipeline/edit.py", "from rigtri.cli import main"),
+        ("maths/euler.py", "import rigtri.report"),
+    ],
+)
+def test_a_planted_import_upwards_is_found(installed: Path, module: str, line: str) -> None:
+    path = installed / "rigtri" / module
+    path.write_text(f"{path.read_text('utf-8')}\n{line}\n", "utf-8")
+    run = lint_imports(installed)
+    assert run.returncode == 1
+    assert "BROKEN" in run.stdout
+
+
+def test_no_module_imports_itself_by_a_circle() -> None:
+    """Lazy imports count; those for types alone do not."""
+    known = {dotted(path) for path in SOURCES}
+    graph = {
+        name: {found for found in (module_of(line, known) for line in imports(path)) if found} - {name}
+        for name, path in zip(map(dotted, SOURCES), SOURCES, strict=True)
+    }
+    TopologicalSorter(graph).prepare()  # CycleError names the circle
+
+
+def dotted(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(("rigtri", *parts) if parts[0] == "cli" else parts).removesuffix(".__init__")
+
+
+def module_of(name: str, known: set[str]) -> str | None:
+    """The module that an imported name is, or is in."""
+    while name and name not in known:
+        name = name.rpartition(".")[0]
+    return name or None
+
+
+def test_only_what_is_of_usd_imports_openusd() -> None:
+    wrong = [
+        shown(path)
+        for path in INNER
+        if "usd" not in str(path.relative_to(ROOT)) and any(name.startswith("pxr") for name in imports(path))
+    ]
     assert wrong == []
 
 
@@ -149,7 +155,7 @@ def test_nobody_imports_the_program_or_the_schemas() -> None:
     """They are found by entry point and importlib.resources; commands know their siblings."""
     wrong = []
     for path in SOURCES:
-        known = ("rigtri.schemas",) if place(path) == "cli" else ("rigtri.schemas", "rigtri.cli")
+        known = ("rigtri.schemas",) if path.parent.name == "cli" else ("rigtri.schemas", "rigtri.cli")
         every = imports(path, annotations=True)
         wrong += [f"{shown(path)} imports {name}" for name in every if name.startswith(known)]
     assert wrong == []

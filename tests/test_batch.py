@@ -166,7 +166,7 @@ def test_only_what_has_changed_is_done_again(batch: Batch, samples: Path) -> Non
 
 def test_another_version_of_rigtri_does_all_again(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
     batch()
-    monkeypatch.setattr("rigtri.__version__", "9.9.9")
+    monkeypatch.setattr("rigtri._version.__version__", "9.9.9")
     assert set(statuses(batch("--json")).values()) == {"ok"}
 
 

@@ -14,8 +14,8 @@ from typing import IO
 
 from rigtri.errors import FileError, UsageError
 from rigtri.files.atomic_write import aimed, beside, commit, discard_stale, replacing, same_file, stale_parts
+from rigtri.files.companion import Companion
 from rigtri.files.copy_ahead import Ahead, copied
-from rigtri.formats import Companion
 
 _OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
 

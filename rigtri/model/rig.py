@@ -24,7 +24,7 @@ from rigtri.model.control_shapes import Lines, Shape, nothing
 from rigtri.model.records import Booleans, Bound, Clip, Constraint, Fold, Integers, Mesh, Skin, Spread, Track
 
 if TYPE_CHECKING:
-    from rigtri.model.source import Origin
+    from rigtri.model.source import RigSource
 
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
 # would need n² characters.
@@ -119,7 +119,7 @@ class Rig:
     read_meshes: Callable[[], Sequence[Mesh]] = tuple
     shelf: int = -1
     per_second: float = 1.0
-    origin: Origin | None = None
+    origin: RigSource | None = None
 
     def __len__(self) -> int:
         return len(self.names)

@@ -368,7 +368,7 @@ def report_json(
 
     target: None for a run that names no output.
     """
-    from rigtri import __version__
+    from rigtri._version import __version__
 
     verification = None
     if outcome.verification is not None:

@@ -13,8 +13,8 @@ from rigtri.files import temp_dirs as scratch
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, Options
 from rigtri.model.rig import Rig
-from rigtri.model.source import Origin
 from rigtri.pipeline.edit import Outcome, edit
+from rigtri.pipeline.origin import Origin
 from rigtri.report import Report
 from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import TOLERANCE, Comparison, Source
@@ -66,7 +66,7 @@ def write(
     has read. The report of the outcome has what all operations have told.
     """
     origin = rig.origin
-    if origin is None:
+    if not isinstance(origin, Origin):
         raise UsageError("this rig was not read by rigtri.read; there is no file to write it back into")
 
     def step(first: Rig, report: Report) -> Rig:

@@ -18,6 +18,7 @@ from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.model.rig import Rig
 from rigtri.pipeline.files import known, write
+from rigtri.pipeline.origin import Origin
 
 if TYPE_CHECKING:
     from pygltflib import GLTF2
@@ -47,7 +48,7 @@ def to_pygltflib(rig: Rig, **keywords: Any) -> GLTF2:
     from pygltflib import GLTF2
 
     origin = rig.origin
-    if origin is None or origin.path.suffix.lower() not in (".glb", ".vrm", ".vrma"):
+    if not isinstance(origin, Origin) or origin.path.suffix.lower() not in (".glb", ".vrm", ".vrma"):
         raise UsageError("to_pygltflib takes rigs of from_pygltflib, and those that were read from a .glb")
     with scratch.folder() as folder:
         target = Path(folder, origin.path.name)

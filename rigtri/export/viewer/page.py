@@ -19,7 +19,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from rigtri import __version__
+from rigtri._version import __version__
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import Embedded
 from rigtri.text import plain

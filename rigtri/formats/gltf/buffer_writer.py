@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rigtri.errors import FileError
-from rigtri.formats import Companion
+from rigtri.formats.document import Companion
 from rigtri.formats.gltf.accessors import COMPONENTS, Accessors
 from rigtri.formats.gltf.container import Container, Piece
 from rigtri.formats.gltf.float32_rounding import Singles

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.formats import Companion, Embedded, Options
+from rigtri.formats.document import Companion, Embedded, Options
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import ClipReader, animated_nodes
 from rigtri.formats.gltf.buffers import Buffers
@@ -44,8 +44,8 @@ from rigtri.formats.vrm.vrm1 import read_bindings
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Bound, Constraint, Mesh
 from rigtri.model.rig import Rig, illegible
+from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice
-from rigtri.verification.compare.scene_facts import Scenery
 
 # What files of these suffixes have, by the specifications of VRM 0.0, VRM 1.0 and VRMA 1.0.
 _AVATARS = {".vrm": ("VRM", "VRMC_vrm"), ".vrma": ("VRMC_vrm_animation",)}

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
-from rigtri.formats import FOUR, Embedded
+from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.gltf.resources import uris
 from rigtri.formats.gltf.uris import file_of, is_data, is_there, why_absent
 from rigtri.formats.image_types import KINDS, shows

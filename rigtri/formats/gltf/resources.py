@@ -13,7 +13,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from rigtri.errors import FileError
-from rigtri.formats import Companion
+from rigtri.formats.document import Companion
 from rigtri.formats.gltf.json_copy_on_write import Draft
 from rigtri.formats.gltf.uris import escape, file_of, is_data, is_file, is_there, lies_outside, why_absent
 from rigtri.formats.vrm.bindings import Pointer

@@ -11,7 +11,7 @@ from typing import Any
 
 from rigtri.formats.gltf.node_reader import Tree
 from rigtri.formats.gltf.structure import shows
-from rigtri.verification.compare.scene_facts import Scenery, flat
+from rigtri.model.scene_facts import Scenery, flat
 
 LIGHTS = "KHR_lights_punctual"
 VISIBILITY = "KHR_node_visibility"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rigtri.errors import FileError
 from rigtri.files.atomic_write import same_file, settling
-from rigtri.formats import Companion
+from rigtri.formats.document import Companion
 from rigtri.formats.gltf import mmap as mapped
 from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
 from rigtri.formats.gltf.buffer_writer import Storage
@@ -23,13 +23,30 @@ from rigtri.formats.gltf.skin_weight_writer import WeightWriter
 from rigtri.model.rig import Rig
 
 if TYPE_CHECKING:
-    from rigtri.formats.gltf.document import GltfDocument
+    from rigtri.formats.document import Options
+    from rigtri.formats.gltf.accessors import Accessors
+    from rigtri.formats.gltf.container import Container
+    from rigtri.formats.gltf.node_reader import Rest
+    from rigtri.report import Notice
 
 # Large enough that thousands of small changed ranges cost few system calls.
 BUFFERING = 1 << 20
 
 
-def write_file(document: GltfDocument, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
+class Readable(Protocol):
+    """What of a document that was read its writer needs."""
+
+    container: Container
+    accessors: Accessors
+    options: Options
+    rest: Rest
+    notices: list[Notice]
+
+    @property
+    def rig(self) -> Rig: ...
+
+
+def write_file(document: Readable, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
     """Write ``document`` with ``rig`` to ``part``; the files that must lie beside ``target``."""
     container = document.container
     draft = Draft(container.gltf)

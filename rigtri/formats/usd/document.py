@@ -15,7 +15,7 @@ from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.files.atomic_write import same_file
-from rigtri.formats import Companion, Embedded, Options
+from rigtri.formats.document import Companion, Embedded, Options
 from rigtri.formats.usd import (
     dependencies as needed,
 )
@@ -71,8 +71,8 @@ from rigtri.formats.usd.text.statements import UnknownTextError
 from rigtri.formats.usd.variable_expressions import variables_of
 from rigtri.model.records import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice
-from rigtri.verification.compare.scene_facts import Scenery
 
 # An override of ours says so here, and a bare one also what it is for; editing it again edits this layer.
 MARK = "rigtri"

@@ -8,7 +8,7 @@ from typing import Any
 
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
-from rigtri.formats import FOUR, Embedded
+from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.usd import layers
 from rigtri.formats.usd.external_paths import lies_outside

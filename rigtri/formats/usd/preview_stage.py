@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pxr import Sdf
 
-from rigtri.formats import Options
+from rigtri.formats.document import Options
 from rigtri.formats.usd import layers
 from rigtri.formats.usd.edits import Edit
 from rigtri.formats.usd.reader import Source, read_source

@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats import Options
+from rigtri.formats.document import Options
 from rigtri.formats.usd import (
     animation_library as library,
 )

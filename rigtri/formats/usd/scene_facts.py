@@ -12,7 +12,7 @@ from typing import Any
 from pxr import Sdf, Usd, UsdGeom
 
 from rigtri.formats.usd.stage import DEFAULT
-from rigtri.verification.compare.scene_facts import Scenery
+from rigtri.model.scene_facts import Scenery
 
 EARLIEST = Usd.TimeCode.EarliestTime()
 # How a mesh is drawn between its points, besides its faces.

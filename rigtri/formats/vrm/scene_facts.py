@@ -13,7 +13,7 @@ from typing import Any
 
 from rigtri.formats.vrm.bindings import Pointer
 from rigtri.formats.vrm.node_constraints import CONSTRAINT
-from rigtri.verification.compare.scene_facts import Reference
+from rigtri.model.scene_facts import Reference
 
 BLOCKS = ("VRM", "VRMC_vrm", "VRMC_springBone", "VRMC_vrm_animation")
 # The properties that name nodes; VRM 0 says −1 for none.

@@ -119,7 +119,7 @@ class Cluster:
         """FileError where there are no workers, or one lacks this rigtri or does not see the files."""
         from importlib.metadata import version
 
-        from rigtri import __version__
+        from rigtri._version import __version__
 
         with self._alive():
             self._wait_for_workers()

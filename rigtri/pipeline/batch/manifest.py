@@ -73,7 +73,7 @@ class Manifest:
 
     def __init__(self, path: Path, *, shard: str | None = None) -> None:
         """Open or make a manifest. UsageError for one of another version, FileError for no manifest."""
-        from rigtri import __version__
+        from rigtri._version import __version__
 
         self.folder, self._lock = os.path.abspath(path.parent), threading.RLock()
         self._path = path

@@ -148,7 +148,7 @@ class Run:
 
     def _key(self, task: Task) -> str:
         """What decides an output besides its source: the task, the files it reads, and rigtri itself."""
-        from rigtri import __version__
+        from rigtri._version import __version__
 
         contents = [f"{path.name} {self._hashes.of(path)}" for path in task.files()]
         return hashlib.sha256("\n".join([__version__, task.key(), *contents]).encode()).hexdigest()

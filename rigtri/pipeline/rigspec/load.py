@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import check_plain
 from rigtri.formats import Options
-from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
+from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.missing_names import unnamed
-from rigtri.pipeline.rigspec.positions import Keys, Label, Tree
+from rigtri.pipeline.rigspec.planned_step import PlannedStep as PlannedStep
+from rigtri.pipeline.rigspec.positions import Keys, Tree
 from rigtri.pipeline.rigspec.validation import sound, step_models, where_of, wrong
 from rigtri.pipeline.steps import step
 from rigtri.pipeline.steps.request import Request
@@ -25,24 +26,6 @@ if TYPE_CHECKING:
 
 # Options that name files, by operation; a spec is done again when one of them has changed.
 _FILES = ("like", "frames", "edited", "described")
-
-
-@dataclass(frozen=True)
-class PlannedStep:
-    """One step: its operation, what is asked of it, and where it stands. index: among all, from 0."""
-
-    index: int
-    label: Label
-    do: str
-    request: Request
-    optional: bool
-    place: Place
-    said: dict[str, Any]
-
-    @property
-    def number(self) -> int:
-        """Its number in the file, from 1; steps of the same braces have the same."""
-        return self.label.number
 
 
 @dataclass(frozen=True)

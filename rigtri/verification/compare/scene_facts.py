@@ -7,7 +7,7 @@ where their facts are equal. Facts of two formats are not compared.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,9 @@ from rigtri.frames.node_constraints import told_by_rules
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Mesh, Surface
 from rigtri.model.rig import Rig
+from rigtri.model.scene_facts import Reference as Reference
+from rigtri.model.scene_facts import Scenery as Scenery
+from rigtri.model.scene_facts import flat as flat
 from rigtri.verification.compare.correspondence import Matching
 
 # Facts that nobody sees: they are told, and pass.
@@ -27,42 +30,6 @@ SAME_NUMBER = 1e-6
 SAME_NORMAL, SAME_COLOUR, SAME_VALUE = 1e-2, 4e-3, 2e-5
 # Offsets of morph targets, as a share of the size of the mesh: the tolerance that its points have.
 SAME_OFFSET = 1e-5
-
-
-@dataclass(frozen=True, eq=False)
-class Reference:
-    """A node that a fact names: the same as its partner. shows: it is meant for what it shows."""
-
-    node: int
-    shows: bool = False
-
-
-@dataclass(frozen=True)
-class Scenery:
-    """Facts of a file: ``whole`` by name, ``nodes`` by node and name.
-
-    A fact that is not there is None. Nodes are those that show something; what a node
-    shows keeps its facts when it is moved to another. ``own`` are facts that a node keeps itself.
-    """
-
-    format: str = ""
-    whole: Mapping[str, Any] = field(default_factory=dict)
-    nodes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
-    own: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
-
-
-def flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """A nested JSON value as facts; what is none to look at, names and extras, is left out.
-
-    >>> list(flat({"type": "spot", "spot": {"outerConeAngle": 0.5}, "name": "key"}, "light"))
-    [('light type', 'spot'), ('light spot outerConeAngle', 0.5)]
-    """
-    if isinstance(value, dict):
-        for key, item in value.items():
-            if key not in ("name", "extras"):
-                yield from flat(item, f"{name} {key}")
-    else:
-        yield name, value
 
 
 @dataclass(frozen=True, eq=False)

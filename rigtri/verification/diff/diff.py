@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.errors import FileError
-from rigtri.formats import Document, Options, file_changes, read
+from rigtri.formats import Document, Options, read
 from rigtri.verification.compare.compare import Comparison
 from rigtri.verification.compare.compare import verify as compare
 from rigtri.verification.diff.change import Change
+from rigtri.verification.diff.file_diff import file_changes
 from rigtri.verification.diff.rig_diff import rig_changes
 
 # Lines of a group that are shown unless all are asked for.

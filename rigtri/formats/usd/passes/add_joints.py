@@ -17,7 +17,7 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError, UsageError
-from rigtri.formats import Options
+from rigtri.formats.document import Options
 from rigtri.formats.usd import metadata_attributes as notes
 from rigtri.formats.usd.edits import Edit, define, kind, parts, set_value
 from rigtri.formats.usd.preview_stage import edited

@@ -19,7 +19,7 @@ from pxr import Sdf, Vt
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import each_once, sample
 from rigtri.evaluation.timelines import without_steps
-from rigtri.formats import Options
+from rigtri.formats.document import Options
 from rigtri.formats.usd.animation_binding import bind
 from rigtri.formats.usd.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.edits import Edit, apply_schema, define, kind, parts, set_value

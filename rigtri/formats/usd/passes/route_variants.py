@@ -16,7 +16,7 @@ import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats import Options
+from rigtri.formats.document import Options
 from rigtri.formats.usd import instance_edits as instances
 from rigtri.formats.usd import writer
 from rigtri.formats.usd.composition_check import Expected, agree

@@ -16,7 +16,7 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds
-from rigtri.formats import Options
+from rigtri.formats.document import Options
 from rigtri.formats.usd.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.edits import Edit, kind, parts, set_value
 from rigtri.formats.usd.joint_influences import influence_edits, stale_names, why_bound_otherwise

@@ -1,0 +1,108 @@
+"""What a file that was read is to everybody else: its rig, and a way to write it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, Protocol
+
+from rigtri.files.companion import Companion as Companion
+from rigtri.model.records import Mesh
+from rigtri.model.rig import Rig
+from rigtri.model.scene_facts import Scenery
+from rigtri.report import Notice
+
+GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
+# What three.js makes of points with more joints than it has room for.
+FOUR = "points with more than four joints are shown with the four that weigh most, or come first"
+USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to read and write. Each field says which format it is for; the other ignores it.
+
+    lenient: repair what the format forbids where the meaning is clear (glTF).
+    allow_external_paths: read what a file refers to outside its own folder (both).
+    unknown_node_ext: what becomes of a node with an extension that may name its axes (glTF):
+        ``freeze`` it, ``ignore`` the extension, or ``error``.
+    root: the node whose hierarchy is the rig where there is no skin (both).
+    relink: point a moved .gltf at its old resources instead of copying them (glTF).
+    override: write bare opinions over the source (USD): "", "layer" or "stage".
+    allow_rename: let joints of skeletons get other paths, which a split gives them (USD).
+    bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
+    from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
+    to_stream: the output goes to a stream, and stands where the source stood (USD).
+    empty: read also a file without a skeleton (USD).
+    """
+
+    lenient: bool = False
+    allow_external_paths: bool = False
+    unknown_node_ext: str = "freeze"
+    root: str | None = None
+    relink: bool = False
+    override: str = ""
+    allow_rename: bool = False
+    bake_xform: bool = False
+    from_stream: bool = False
+    to_stream: bool = False
+    empty: bool = False
+
+
+@dataclass(frozen=True)
+class Embedded:
+    """What a page must carry to show a file: its content, and what else it draws of.
+
+    kind: ``gltf`` for a .glb or .gltf, ``usd`` for one USD crate with all layers in it. files: by the
+    name that the content has for each; a Path where a file is to be read. lacking: what a viewer will
+    not find or draw, in words. decoders: what data of the file are compressed with, ``draco`` or ``meshopt``.
+    """
+
+    kind: Literal["gltf", "usd"]
+    content: bytes | Path
+    files: Mapping[str, bytes | Path]
+    lacking: tuple[str, ...] = ()
+    decoders: tuple[str, ...] = ()
+
+
+class Document(Protocol):
+    """A file that was read, together with everything in it that rigtri does not know."""
+
+    @property
+    def rig(self) -> Rig: ...
+
+    @property
+    def warnings(self) -> Sequence[Notice]:
+        """What the reader noticed and could live with."""
+
+    def meshes(self) -> Sequence[Mesh]:
+        """All that is drawn, for measuring; read when asked for."""
+
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        """The same for bounding what joints move: of a very large mesh some points and boxes will do.
+
+        closely: boxes of what each joint moves, from all points, instead of those the file states.
+        """
+
+    def scenery(self, *, closely: bool = False) -> Scenery:
+        """What the file shows that no pose tells, for comparing.
+
+        closely: also what costs reading: what materials, images and avatars are made of.
+        """
+
+    def embedded(self) -> Embedded:
+        """All that is to be carried along to show the file elsewhere."""
+
+    def needed(self) -> Iterator[tuple[Path, str]]:
+        """The files that what `write` writes will go on referring to, each with what it is, in words."""
+
+    def reopen(self, part: Path) -> Document:
+        """Read what `write` wrote, as it will be seen: an override over its source."""
+
+    def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
+        """Write the file as ``rig`` wants it to ``part``, which will be renamed to ``target``.
+
+        ``part`` lies in the folder of ``target``. What differs from the rig that was
+        read is changed, all else is copied. Returns the files that must lie beside it.
+        """

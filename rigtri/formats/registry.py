@@ -1,0 +1,101 @@
+"""Which reader a file is for, by its suffix."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from rigtri.errors import FileError, UsageError
+from rigtri.files.text_files import check_no_pointer
+from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES, Document, Options
+
+
+def read(path: Path | str, options: Options | None = None) -> Document:
+    """Read a rig file; its suffix says the format. Raises FileError for anything unreadable."""
+    path, options = Path(path), options or Options()
+    suffix = path.suffix.lower()
+    check_no_pointer(path)
+    if suffix in GLTF_SUFFIXES:
+        from rigtri.formats.gltf.document import GltfDocument
+
+        document = GltfDocument.read(path, options)
+        if options.root is not None:
+            document.rig.find(options.root, "node")  # NameNotFoundError, whether a command needs it or not
+        return document
+    if suffix in USD_SUFFIXES:
+        need_usd()
+        from rigtri.formats.usd.document import UsdDocument
+
+        return UsdDocument.read(path, options)
+    known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
+    raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
+
+
+def _has(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def need_usd() -> None:
+    """UsageError where OpenUSD is not installed, as in programs that bring a Python of their own."""
+    if not _has("pxr"):
+        raise UsageError("USD files need OpenUSD; install it with: pip install usd-core")
+
+
+def references(path: Path) -> list[str]:
+    """The files below its own folder that a glTF refers to, there or not, as paths with forward slashes.
+
+    None of USD, whose packages hold all that they need. FileError for a file that cannot be read.
+    """
+    if path.suffix.lower() not in GLTF_SUFFIXES:
+        return []
+    from rigtri.formats.gltf.container import open_container
+    from rigtri.formats.gltf.resources import names
+
+    return names(open_container(path).gltf, path)
+
+
+def write_blank(path: Path, *, up: str = "Y", unit: float = 0.01) -> None:
+    """Write a file without anything in it, to build a rig in; its suffix says the format.
+
+    up: Y or Z, unit: how many metres 1 is (both USD; glTF has y up and metres).
+    UsageError for a suffix of no format that can be empty.
+    """
+    suffix = path.suffix.lower()
+    if suffix in (".glb", ".gltf"):
+        from rigtri.formats.gltf.blank import write_blank as write_gltf
+
+        write_gltf(path)
+    elif suffix in USD_SUFFIXES:
+        need_usd()
+        from rigtri.formats.usd.blank import write_blank as write_usd
+
+        write_usd(path, up, unit)
+    else:
+        known = " ".join((".glb", ".gltf", *USD_SUFFIXES))
+        raise UsageError(f"{path.name}: a new file is one of {known}")
+
+
+def output_suffixes(path: Path, options: Options) -> tuple[str, ...]:
+    """What the name of an output of ``path`` may end with, by the first bytes alone; () for no rig file."""
+    own = path.suffix.lower()
+    try:
+        with path.open("rb") as file:
+            start = file.read(12)
+    except OSError:
+        return ()  # told when it is read
+    if own in GLTF_SUFFIXES:
+        if start.startswith(b"glTF") and len(start) == 12:
+            return (".glb", ".vrm", ".vrma")
+        # What is neither is told when it is read.
+        return (".gltf",) if start.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") else ()
+    if own not in USD_SUFFIXES:
+        return ()
+    if options.override:
+        return (".usda", ".usd", ".usdc")
+    if own == ".usdz":
+        return (own,)
+    fits = (".usdc", ".usd") if start.startswith(b"PXR-USDC") else (".usda", ".usd")
+    return fits if own in fits else (own, *fits)

@@ -1,0 +1,43 @@
+"""What a file shows or says that no pose tells, as plain facts: a name and a value each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A node that a fact names: the same as its partner. shows: it is meant for what it shows."""
+
+    node: int
+    shows: bool = False
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """Facts of a file: ``whole`` by name, ``nodes`` by node and name.
+
+    A fact that is not there is None. Nodes are those that show something; what a node
+    shows keeps its facts when it is moved to another. ``own`` are facts that a node keeps itself.
+    """
+
+    format: str = ""
+    whole: Mapping[str, Any] = field(default_factory=dict)
+    nodes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
+    own: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """A nested JSON value as facts; what is none to look at, names and extras, is left out.
+
+    >>> list(flat({"type": "spot", "spot": {"outerConeAngle": 0.5}, "name": "key"}, "light"))
+    [('light type', 'spot'), ('light spot outerConeAngle', 0.5)]
+    """
+    if isinstance(value, dict):
+        for key, item in value.items():
+            if key not in ("name", "extras"):
+                yield from flat(item, f"{name} {key}")
+    else:
+        yield name, value

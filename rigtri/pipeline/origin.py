@@ -1,0 +1,34 @@
+"""What a rig that was read by itself goes on knowing of its file, so that it can be written by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rigtri.report import Report
+
+if TYPE_CHECKING:
+    from rigtri.formats import Document, Options
+
+
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """The file as it was read, how it was read, and what operations have told of the rig since.
+
+    content: what was read, where no file at ``path`` has it. The document does not know this: a rig
+    that its own document held would keep the file open in a ring.
+    """
+
+    path: Path
+    document: Document
+    reading: Options
+    told: Report
+    content: bytes | None = None
+
+    def after(self, report: Report) -> Origin:
+        """This origin for a rig to which something more was done; other rigs of the file keep theirs."""
+        told = Report()
+        told.take(self.told)
+        told.take(report)
+        return replace(self, told=told)

@@ -1,0 +1,28 @@
+"""One step of a spec that was read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from rigtri.pipeline.rigspec.errors import Place
+from rigtri.pipeline.rigspec.positions import Label
+from rigtri.pipeline.steps.request import Request
+
+
+@dataclass(frozen=True)
+class PlannedStep:
+    """One step: its operation, what is asked of it, and where it stands. index: among all, from 0."""
+
+    index: int
+    label: Label
+    do: str
+    request: Request
+    optional: bool
+    place: Place
+    said: dict[str, Any]
+
+    @property
+    def number(self) -> int:
+        """Its number in the file, from 1; steps of the same braces have the same."""
+        return self.label.number
