@@ -17,8 +17,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HEAD = """# How much is recognised
 
-Every character here has its truth in the repository, said by hand (`tests/recognition/truth`) or by the
-script that makes it. Right is a limb whose start, middle and end, kind and side are right; surely wrong
+Every character here has its truth in the repository, said by hand
+(`tests/builders/recognition_bodies/truth`) or by the script that makes it. Right is a limb whose start, middle and end, kind and side are right; surely wrong
 is one that would be acted upon and is not right. For "without names" the same rigs lose theirs:
 then four legs of two joints are what the suspension of a car is, too, and a wing may be an arm. What
 cannot be told is to be missed, or unsure, and not guessed.
@@ -36,9 +36,9 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.assets:
         os.environ["RIGTRI_ASSETS"] = asked.assets
-    sys.path.insert(0, str(ROOT / "tests"))
-    from recognition import table
-    from recognition.cases import all_cases
+    sys.path.insert(0, str(ROOT / "tests" / "builders"))
+    from recognition_bodies import table
+    from recognition_bodies.cases import all_cases
 
     from rigtri.recognition.recognise import recognise
 

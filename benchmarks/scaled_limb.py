@@ -1,6 +1,6 @@
 """How far re-orientation moves a limb whose scale is animated to (1.6, 0.7, 1.1): rigtri and Blender.
 
-Every joint is aimed at its child, in the limb of tests/scaled_limbs.py. Distances are those
+Every joint is aimed at its child, in the limb of tests/builders/scaled_limbs.py. Distances are those
 of the mesh's points at the keys, as a share of the size; between keys Blender's exporter samples
 at the scene's frame rate, which is another matter. BPY_PYTHON names a Python with bpy.
 """
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(ROOT / "tests" / "builders"))
 
 from scaled_limbs import STRETCH, TIMES, Limb, gltf, usd  # noqa: E402
 

@@ -23,7 +23,7 @@ settings.load_profile("rigtri")
 register_usd_schemas()
 
 # Blender's own Python runs it.
-collect_ignore_glob = ["engines/blender_*.py"]
+collect_ignore_glob = ["builders/engines/blender_*.py"]
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])")
 # Printed numbers have six digits; the last may differ where libraries of the reader's side do.

@@ -2,3 +2,10 @@
 
 `python -m fuzz` in the folder tests runs it; docs/fuzzing.md says what has been run.
 """
+
+import sys
+from pathlib import Path
+
+# As pytest has it: what files are built with lies beside.
+_TESTS = Path(__file__).resolve().parents[1]
+sys.path += [str(_TESTS / "builders"), str(_TESTS / "formats" / "vrm"), str(_TESTS / "formats" / "gltf")]

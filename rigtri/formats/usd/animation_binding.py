@@ -4,7 +4,7 @@ UsdSkel goes to the nearest prim with SkelBindingAPI that has targets and takes 
 them; one that is no SkelAnimation, or that is not active, drives nothing. Whether the prim is a
 class or only an ``over`` with that type makes no difference to it.
 
-Source: UsdSkelBindingAPI; measured with UsdSkelCache (tests/test_usd_bindings.py).
+Source: UsdSkelBindingAPI; measured with UsdSkelCache (tests/formats/usd/test_usd_bindings.py).
 """
 
 from __future__ import annotations

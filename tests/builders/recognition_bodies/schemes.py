@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from recognition.bodies import FINGERS, SIDES, Body, Extra, build, standing
+from recognition_bodies.bodies import FINGERS, SIDES, Body, Extra, build, standing
 
 _TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
 _ARM = ("Shoulder", "UpperArm", "LowerArm", "Hand")

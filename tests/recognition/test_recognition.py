@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from places import SAMPLES, asset_files
-from recognition.skeletons import (
+from recognition_bodies.skeletons import (
     FINGERS,
     FLAT,
     HAIR,

@@ -1,7 +1,7 @@
 """Everything a USD file may hold that rigtri does not know is planted, and survives two edits.
 
 What survives is walked with Sdf and zipfile alone; nothing here asks rigtri's reader. What only
-the text of a layer has (comments, spelling, layout) is asked of tests/test_usd_splice.py.
+the text of a layer has (comments, spelling, layout) is asked of tests/formats/usd/test_usd_splice.py.
 """
 
 from __future__ import annotations

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 from places import SAMPLES
-from recognition.cases import Case, files_here, made, schemes, varied_bodies
-from recognition.measure import Finding, measure, share
-from recognition.schemes import SCHEMES
-from recognition.table import Result, results
-from recognition.truth import files, nameless, truth_of
+from recognition_bodies.cases import Case, files_here, made, schemes, varied_bodies
+from recognition_bodies.measure import Finding, measure, share
+from recognition_bodies.schemes import SCHEMES
+from recognition_bodies.table import Result, results
+from recognition_bodies.truth import files, nameless, truth_of
 
 from rigtri import read
 from rigtri.recognition.layout import Chain, Layout

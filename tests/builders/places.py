@@ -8,8 +8,9 @@ from typing import Any, NoReturn
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = ROOT / "samples"
+BUILDERS = ROOT / "tests" / "builders"
 GOLDENS = ROOT / "tests" / "goldens"
 ASSETS = Path(os.environ.get("RIGTRI_ASSETS") or ROOT.parent / "shared" / "assets")
 NO_ASSETS = "real files are not here: set RIGTRI_ASSETS"

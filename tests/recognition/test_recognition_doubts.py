@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from recognition.skeletons import MAN, Joint, both, line, rig_with
+from recognition_bodies.skeletons import MAN, Joint, both, line, rig_with
 
 from rigtri.operations.add_polevector import Options, add_polevector
 from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure

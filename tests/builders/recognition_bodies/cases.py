@@ -8,11 +8,11 @@ from pathlib import Path
 
 from places import ASSETS, SAMPLES
 
-from recognition.bodies import Body
-from recognition.creatures import MADE
-from recognition.schemes import SCHEMES, body
-from recognition.truth import Truth, files, truth_of
-from recognition.varied import varied
+from recognition_bodies.bodies import Body
+from recognition_bodies.creatures import MADE
+from recognition_bodies.schemes import SCHEMES, body
+from recognition_bodies.truth import Truth, files, truth_of
+from recognition_bodies.varied import varied
 from rigtri import read
 from rigtri.model.rig import Rig
 

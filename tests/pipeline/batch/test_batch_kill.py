@@ -16,11 +16,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from places import slow
+from places import BUILDERS, slow
 
 from rigtri import edit, orient_joints
 
-PROGRAM = Path(__file__).with_name("batch_tasks.py")
+PROGRAM = BUILDERS / "batch_tasks.py"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 COUNT = 16
 Start = Callable[..., "subprocess.Popen[str]"]

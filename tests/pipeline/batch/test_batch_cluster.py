@@ -20,6 +20,7 @@ import click
 import pytest
 from batch_tasks import Turn
 from click.testing import CliRunner
+from places import BUILDERS
 
 from rigtri import edit, orient_joints
 from rigtri.errors import FileError
@@ -29,7 +30,7 @@ from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.work import Assignment, Record
 
 # Tasks travel by the name of their module, which workers must find, too.
-ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(BUILDERS)}
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 LATE = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 pytestmark = [POSIX, LATE]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from recognition.bodies import FINGERS, SIDES, Body, Extra, Places, build, ordered, parents, standing
+from recognition_bodies.bodies import FINGERS, SIDES, Body, Extra, Places, build, ordered, parents, standing
 from rigtri.maths.quaternions import IDENTITY, rotate, unit
 from rigtri.maths.trigonometry import Floats
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from recognition.truth import COUNTED, GROUPS, TrueCharacter, TruePart, Truth
+from recognition_bodies.truth import COUNTED, GROUPS, TrueCharacter, TruePart, Truth
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Chain, Character, Layout
 

@@ -12,8 +12,8 @@ import click
 import pytest
 from click.testing import CliRunner, Result
 from places import SAMPLES
-from recognition.bodies import Body
-from recognition.creatures import crane, two_characters, vehicle
+from recognition_bodies.bodies import Body
+from recognition_bodies.creatures import crane, two_characters, vehicle
 from second_opinions import validator
 
 from rigtri import auto, read

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import USD, asset_files, sample_files
+from places import BUILDERS, USD, asset_files, sample_files
 from pxr import Sdf
 from second_opinions import usd_errors
 from usd_files import deviation, error_of, read, turned, write
@@ -89,7 +89,7 @@ def test_every_run_writes_the_same_bytes(samples: Path, tmp_path: Path) -> None:
     found = []
     for number in range(3):
         target = tmp_path / f"{number}.usdz"
-        command = [sys.executable, "-c", script, str(Path(__file__).parent)]
+        command = [sys.executable, "-c", script, str(BUILDERS)]
         subprocess.run([*command, str(samples / "biped.usdz"), str(target)], check=True)
         found.append(target.read_bytes())
     assert found[0] == found[1] == found[2]

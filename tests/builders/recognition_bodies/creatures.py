@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from recognition.bodies import (
+from recognition_bodies.bodies import (
     SIDES,
     Body,
     Extra,

@@ -8,10 +8,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from recognition.cases import Case
-from recognition.measure import Finding, by_group, measure, roles_wrong, share, stands_right
-from recognition.naive import naive
-from recognition.truth import nameless
+from recognition_bodies.cases import Case
+from recognition_bodies.measure import Finding, by_group, measure, roles_wrong, share, stands_right
+from recognition_bodies.naive import naive
+from recognition_bodies.truth import nameless
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Layout
 
