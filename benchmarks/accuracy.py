@@ -18,8 +18,9 @@ ROOT = Path(__file__).resolve().parent.parent
 HEAD = """# How much is recognised
 
 Every character here has its truth in the repository, said by hand
-(`tests/builders/recognition_bodies/truth`) or by the script that makes it. Right is a limb whose start, middle and end, kind and side are right; surely wrong
-is one that would be acted upon and is not right. For "without names" the same rigs lose theirs:
+(`tests/builders/recognition_bodies/truth`) or by the script that makes it. Right is a limb whose
+start, middle and end, kind and side are right; surely wrong is one that would be acted upon and is
+not right. For "without names" the same rigs lose theirs:
 then four legs of two joints are what the suspension of a car is, too, and a wing may be an arm. What
 cannot be told is to be missed, or unsure, and not guessed.
 
