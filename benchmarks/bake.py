@@ -24,13 +24,10 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_twist.twist import Options as TwistOptions
-from rigtri.operations.add_twist.twist import add_twist
-from rigtri.operations.bake.bake import Options, bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.take_clips.retargeting import PATHS, one_way_round
 
@@ -40,9 +37,9 @@ BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"
 
 def character(joints: int) -> Rig:
     """The sample biped with IK arms and legs, twist joints, a staff held by a constraint, and fingers."""
-    rig = add_twist(read(BIPED).rig, options=TwistOptions(auto=True))
+    rig = add_twist(read(BIPED).rig, options=AddTwistOptions(auto=True))
     rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
-    rig = add_controls(rig, options=ControlOptions(whole_character=True))
+    rig = add_controls(rig, options=AddControlsOptions(whole_character=True))
     count = joints - int(rig.is_joint.sum())
     hands = [rig.find("hand_L"), rig.find("hand_R")]
     names = [f"finger_{k}" for k in range(count)]
@@ -57,7 +54,7 @@ def character(joints: int) -> Rig:
     every = np.ones(len(grown), dtype=bool)
     skin = replace(skin, joints=grown, inverse_bind=bind, weigh=lambda: every)
     rig = replace(rig, skins=(skin, *rig.skins[1:]))
-    return add_controls(rig, options=ControlOptions(selection=Selection(joints=tuple(names))))
+    return add_controls(rig, options=AddControlsOptions(selection=Selection(joints=tuple(names))))
 
 
 def animated(rig: Rig, frames: int) -> Rig:
@@ -97,7 +94,7 @@ class Took:
 
 def measured(joints: int, frames: int, bound: float = 1e-6) -> Took:
     """What a rig takes, in memory."""
-    up = bake(animated(character(joints), frames), options=Options(to="controls", fps=30.0))
+    up = bake(animated(character(joints), frames), options=BakeOptions(to="controls", fps=30.0))
     timeline = timelines(up)[0]
     solver = Solver(up, keyed_in(up, timeline))
     kinds = {type(step).__name__ for step in solver.steps}

@@ -21,9 +21,8 @@ sys.path.insert(0, str(ROOT / "tests" / "builders"))
 from scaled_limbs import STRETCH, TIMES, Limb, gltf, usd  # noqa: E402
 
 from rigtri.evaluation import sampling as pose  # noqa: E402
-from rigtri.formats import Options, read  # noqa: E402
-from rigtri.operations.orient_joints.orient import Options as Orient  # noqa: E402
-from rigtri.operations.orient_joints.orient import orient_joints  # noqa: E402
+from rigtri.formats import ReadOptions, read  # noqa: E402
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints  # noqa: E402
 from rigtri.pipeline.edit import edit  # noqa: E402
 
 POLICIES = ("snap", "split")
@@ -64,12 +63,12 @@ def apart(before: Path, after: Path) -> float:
 
 
 def oriented(source: Path, target: Path, policy: str) -> None:
-    options = Orient(on_nonuniform_scale=policy)  # type: ignore[arg-type]
+    options = OrientJointsOptions(on_nonuniform_scale=policy)  # type: ignore[arg-type]
 
     def step(rig, report):  # type: ignore[no-untyped-def]
         return orient_joints(rig, options=options, report=report)
 
-    edit(source, target, step, options=Options(allow_rename=True), overwrite=True)
+    edit(source, target, step, options=ReadOptions(allow_rename=True), overwrite=True)
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ import click
 from rigtri.errors import UsageError
 
 if TYPE_CHECKING:
-    from rigtri.formats import Options
+    from rigtri.formats import ReadOptions
     from rigtri.pipeline.steps.request import Request
 
 
@@ -47,14 +47,14 @@ def check_streams(before: str, after: str) -> None:
         raise UsageError("standard input is one file; give - for one of the two and a name for the other")
 
 
-def read_options(values: dict[str, Any]) -> Options:
+def read_options(values: dict[str, Any]) -> ReadOptions:
     """The format options among a command's values."""
-    from rigtri.formats import Options
+    from rigtri.formats import ReadOptions
 
     if values.get("override") and values.get("override_stage"):
         raise UsageError("give --override or --override-stage, not both")
     override = "layer" if values.get("override") else ""
-    return Options(
+    return ReadOptions(
         lenient=values.get("lenient", False),
         allow_external_paths=values.get("allow_external_paths", False),
         root=values.get("root"),

@@ -138,13 +138,13 @@ class _Job:
         self._draw(self.built.outcome.rig or self.proposal.rig, self.proposal.rig)
 
     def _draw(self, rig: Rig, before: Rig | None) -> None:
-        from rigtri.export.drawing.picture import Options, draw
+        from rigtri.export.drawing.picture import DrawOptions, draw
         from rigtri.report import Report
 
         target = self.values["picture"]
         if target is not None:
             report, titles = Report(), {"title": "after", "title_against": "before"}
-            svg = draw(rig, against=before, options=Options(), report=report, **titles)
+            svg = draw(rig, against=before, options=DrawOptions(), report=report, **titles)
             pictures.deliver(svg, target, report)
 
     def told(self, report: Report) -> str:

@@ -23,7 +23,7 @@ from .options import (
 from .values import Number
 
 if TYPE_CHECKING:
-    from rigtri.export.drawing.picture import Options
+    from rigtri.export.drawing.picture import DrawOptions
 
 
 @click.command("draw")
@@ -129,11 +129,11 @@ def command(source: str, target: str, **values: Any) -> None:
     pictures.tell(report, target, values)
 
 
-def _asked(values: dict[str, Any]) -> Options:
-    from rigtri.export.drawing.picture import Options
+def _asked(values: dict[str, Any]) -> DrawOptions:
+    from rigtri.export.drawing.picture import DrawOptions
     from rigtri.operations.joint_selection import Selection
 
     selection = Selection(**{name: values[name] for name in ("joints", "chains", "below", "skin", "exclude")})
     kept = {name: values[name] for name in ("at", "names", "arrows", "mesh", "size")}
     view = {"view": values["view"]} if values["view"] is not None else {}
-    return Options(selection=selection, **kept, **view).checked()
+    return DrawOptions(selection=selection, **kept, **view).checked()

@@ -24,7 +24,7 @@ from .values import Number
 from .words import counted, plain
 
 if TYPE_CHECKING:
-    from rigtri.operations.mirror.mirror import Options
+    from rigtri.operations.mirror.mirror import MirrorOptions
     from rigtri.report import Report
 
 MOST = 20
@@ -128,7 +128,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     run_edit("mirror", values, step(request(values)), given_options(ctx), summary)
 
 
-def _check(values: dict[str, Any], options: Options) -> None:
+def _check(values: dict[str, Any], options: MirrorOptions) -> None:
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
     from rigtri.operations.mirror.symmetry_check import asymmetry

@@ -45,14 +45,14 @@ _WHERE = {
     "export_blender": "rigtri.export.blender.export",
     "spec_init": "rigtri.pipeline.rigspec.spec_init",
     "register_usd_schemas": "rigtri.formats.usd.codeless_schemas",
-    "Options": "rigtri.formats",
+    "ReadOptions": "rigtri.formats",
     "Rig": "rigtri.model.rig",
     "Report": "rigtri.report",
     "RigtriError": "rigtri.errors",
 }
 
 __all__ = [
-    "Options",
+    "ReadOptions",
     "Report",
     "Rig",
     "RigtriError",
@@ -98,7 +98,7 @@ if TYPE_CHECKING:
     from rigtri.export.explain.explain import explain
     from rigtri.export.text_description import describe
     from rigtri.export.viewer.view import view
-    from rigtri.formats import Options
+    from rigtri.formats import ReadOptions
     from rigtri.formats.usd.codeless_schemas import register_usd_schemas
     from rigtri.model.rig import Rig
     from rigtri.operations.add_controls import add_controls

@@ -14,7 +14,7 @@ from rigtri.formats.document import (
     Companion,
     Document,
     Embedded,
-    Options,
+    ReadOptions,
 )
 from rigtri.formats.registry import (
     need_usd,
@@ -31,7 +31,7 @@ __all__ = [
     "Companion",
     "Document",
     "Embedded",
-    "Options",
+    "ReadOptions",
     "need_usd",
     "output_suffixes",
     "read",

@@ -20,7 +20,7 @@ USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
 @dataclass(frozen=True)
-class Options:
+class ReadOptions:
     """How to read and write. Each field says which format it is for; the other ignores it.
 
     lenient: repair what the format forbids where the meaning is clear (glTF).

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from rigtri.errors import FileError, UsageError
 from rigtri.files.text_files import check_no_pointer
-from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES, Document, Options
+from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions
 
 
-def read(path: Path | str, options: Options | None = None) -> Document:
+def read(path: Path | str, options: ReadOptions | None = None) -> Document:
     """Read a rig file; its suffix says the format. Raises FileError for anything unreadable."""
-    path, options = Path(path), options or Options()
+    path, options = Path(path), options or ReadOptions()
     suffix = path.suffix.lower()
     check_no_pointer(path)
     if suffix in GLTF_SUFFIXES:
@@ -78,7 +78,7 @@ def write_blank(path: Path, *, up: str = "Y", unit: float = 0.01) -> None:
         raise UsageError(f"{path.name}: a new file is one of {known}")
 
 
-def output_suffixes(path: Path, options: Options) -> tuple[str, ...]:
+def output_suffixes(path: Path, options: ReadOptions) -> tuple[str, ...]:
     """What the name of an output of ``path`` may end with, by the first bytes alone; () for no rig file."""
     own = path.suffix.lower()
     try:

@@ -24,8 +24,7 @@ from rigtri.maths.vectors import dot
 from rigtri.model.control_shapes import COLORS, KINDS, Kind
 from rigtri.model.joint_names import Side, side
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options as PoleOptions
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.aim_targets import Aim, Rules, aim_of, limb_children
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew
 from rigtri.operations.control_names import call, remembered
@@ -51,7 +50,7 @@ GIRTH = 1.25
 
 
 @dataclass(frozen=True)
-class Options:
+class AddControlsOptions:
     """Everything that `add_controls` can be told; the defaults are the command's.
 
     selection: the joints that get FK controls. whole_character: all that carry weight, a root
@@ -75,12 +74,12 @@ class Options:
     shapes: Mapping[str, Kind] = field(default_factory=dict)
     colors: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     root: str | None = None
-    poles: PoleOptions = field(default_factory=PoleOptions)
+    poles: AddPolevectorOptions = field(default_factory=AddPolevectorOptions)
     ends: EndKind | None = None
     soft: float | None = None
     stretch: bool | None = None
 
-    def checked(self) -> Options:
+    def checked(self) -> AddControlsOptions:
         """UsageError for what fits no control."""
         for kind in self.shapes.values():
             if kind not in KINDS:
@@ -109,8 +108,8 @@ class Options:
         return self
 
 
-@operation(Options)
-def add_controls(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(AddControlsOptions)
+def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Rig:
     """Put controls over joints; a second run finds its controls and sets their offsets anew.
 
     Each control stands in its joint's frame at rest, its own channels zero; what a user
@@ -125,7 +124,7 @@ def add_controls(rig: Rig, *, options: Options, report: Report) -> Rig:
 class _Builder:
     """One run: the rig as it grows, and what is known of its joints from the start."""
 
-    def __init__(self, rig: Rig, options: Options, report: Report) -> None:
+    def __init__(self, rig: Rig, options: AddControlsOptions, report: Report) -> None:
         self.rig, self.options, self.report = rig, options, report
         self.tree: Skeleton = skeleton(rig, options.root)
         self.ref: Reference = reference(self.tree, "nodes")

@@ -33,7 +33,7 @@ SHAKY = 1.0471784116245793e-2
 
 
 @dataclass(frozen=True)
-class Options:
+class AddPolevectorOptions:
     """Everything that `add_polevector` can be told; the defaults are the command's.
 
     limbs: three-joint limbs. chains: (start, end, bend joint or None) of more joints.
@@ -58,8 +58,8 @@ class Options:
     kind: Kind | None = None
 
 
-@operation(Options)
-def add_polevector(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(AddPolevectorOptions)
+def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -> Rig:
     """Place a pole vector for each limb; a second run finds it by its chain and moves it.
 
     The locators hang under the root node ``rigtri_controls``. Each limb's record goes
@@ -87,7 +87,7 @@ def add_polevector(rig: Rig, *, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _check_name(rig: Rig, limbs: list[Limb], options: Options) -> None:
+def _check_name(rig: Rig, limbs: list[Limb], options: AddPolevectorOptions) -> None:
     """UsageError for a name that another node has."""
     if options.name is None:
         return
@@ -97,7 +97,7 @@ def _check_name(rig: Rig, limbs: list[Limb], options: Options) -> None:
         raise UsageError(f"--name {options.name}: another node is called so")
 
 
-def _limbs(rig: Rig, options: Options, report: Report) -> list[Limb]:
+def _limbs(rig: Rig, options: AddPolevectorOptions, report: Report) -> list[Limb]:
     limbs = list(options.limbs)
     for start, end, middle in options.chains:
         limbs.append(_of_chain(rig, start, end, middle, options.pose))
@@ -150,7 +150,7 @@ def posed(rig: Rig, pose: str) -> Reference:
     return reference(tree, pose)
 
 
-def _named_bends(rig: Rig, limbs: list[Limb], options: Options) -> dict[Limb, Floats]:
+def _named_bends(rig: Rig, limbs: list[Limb], options: AddPolevectorOptions) -> dict[Limb, Floats]:
     """Which limb each ``--bend NAME=x,y,z`` means: the one with that joint."""
     found: dict[Limb, Floats] = {}
     for name, direction in options.bends.items():
@@ -167,7 +167,7 @@ def _bend(
     rig: Rig,
     limb: Limb,
     ref: Reference,
-    options: Options,
+    options: AddPolevectorOptions,
     others: tuple[Limb, ...],
     given: Floats | None,
 ) -> Bend | None:
@@ -189,7 +189,9 @@ def _bend(
     return found
 
 
-def _place(rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, report: Report) -> Rig:
+def _place(
+    rig: Rig, limb: Limb, ref: Reference, found: Bend, options: AddPolevectorOptions, report: Report
+) -> Rig:
     points = ref.world[list(limb.triple), 3, :3]
     direction = found.direction
     if found.source == "pose" and options.method == "ratio":
@@ -225,7 +227,7 @@ def _place(rig: Rig, limb: Limb, ref: Reference, found: Bend, options: Options, 
     return rig
 
 
-def _note(rig: Rig, limb: Limb, options: Options, found: Bend, degrees: float) -> dict[str, Any]:
+def _note(rig: Rig, limb: Limb, options: AddPolevectorOptions, found: Bend, degrees: float) -> dict[str, Any]:
     chain = [rig.address(node) for node in limb.triple]
     note: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": chain}
     note |= {"method": options.method, "from": options.origin}
@@ -259,7 +261,7 @@ def _title(rig: Rig, limb: Limb) -> str:
 
 
 def _placed(
-    rig: Rig, limb: Limb, note: dict[str, Any], options: Options, position: Floats, axes: Floats
+    rig: Rig, limb: Limb, note: dict[str, Any], options: AddPolevectorOptions, position: Floats, axes: Floats
 ) -> tuple[Rig, int]:
     """The limb's pole vector at its place, found again by its chain or made new."""
     node = find(rig, type="poleVector", chain=note["chain"])
@@ -280,7 +282,7 @@ def _placed(
     return stand(rig, node, position, axes), node
 
 
-def _axes(points: Floats, found: Bend, options: Options) -> Floats:
+def _axes(points: Floats, found: Bend, options: AddPolevectorOptions) -> Floats:
     """The locator's world axes, rows: the world's, the limb's own, or aiming at its middle joint."""
     if options.orientation == "limb":
         return frame(points[1] - points[0], found.hinge)

@@ -19,8 +19,7 @@ from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
-from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import NO_PLANE, SHAKY, AddPolevectorOptions, add_polevector, posed
 from rigtri.operations.axis_presets import Style
 from rigtri.operations.options import operation
 from rigtri.operations.orient_joints.up_direction import crossing, vector
@@ -41,7 +40,7 @@ Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Options:
+class MakeLimbOptions:
     """Everything that `make_limb` can be told; the defaults are the command's.
 
     locators: nodes that stand where the joints are to stand; or points: the places themselves, in
@@ -64,7 +63,7 @@ class Options:
     parent: str | None = None
     skin: bool = True
     pole: bool = True
-    poles: PoleOptions = field(default_factory=PoleOptions)
+    poles: AddPolevectorOptions = field(default_factory=AddPolevectorOptions)
     pose: str = "nodes"
 
     @property
@@ -72,7 +71,7 @@ class Options:
         """What the limb is called, by which a second run finds it."""
         return plain_name(self.name) + _SIDES[self.side]
 
-    def checked(self) -> Options:
+    def checked(self) -> MakeLimbOptions:
         """UsageError for a count that makes no limb, or options that contradict each other."""
         if self.side not in _SIDES:
             raise UsageError(f"--side {self.side}: give left or right")
@@ -96,8 +95,8 @@ class Options:
         return self
 
 
-@operation(Options)
-def make_limb(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(MakeLimbOptions)
+def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     """Stand joints at three points, orient them, and add the pole vector; a second run moves them.
 
     The record of each joint goes to ``report.added``, that of the pole vector to ``report.limbs``.
@@ -146,7 +145,7 @@ class _Shape:
     told: str
 
 
-def _shape(rig: Rig, options: Options, report: Report) -> _Shape:
+def _shape(rig: Rig, options: MakeLimbOptions, report: Report) -> _Shape:
     points = _points(rig, options)
     titles = options.locators or tuple(map(_written, options.points))
     size = sum(distance(points[:-1], points[1:]).tolist())
@@ -164,7 +163,7 @@ def _shape(rig: Rig, options: Options, report: Report) -> _Shape:
     return _Shape(points, _axes(rig, points, normal, options, report), moved, middle, normal, side, told)
 
 
-def _points(rig: Rig, options: Options) -> Floats:
+def _points(rig: Rig, options: MakeLimbOptions) -> Floats:
     if options.points:
         return np.array(options.points, dtype=np.float64)
     return np.array([_read(rig, name, options.pose) for name in options.locators])
@@ -196,7 +195,7 @@ def _middle(points: Floats) -> int:
     return 1 + int(np.argmax(off))
 
 
-def _plane(triple: Floats, options: Options, report: Report) -> tuple[Floats, Floats, str]:
+def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Floats, Floats, str]:
     """The hinge, the side the limb bends to, and what told them: the points, else --bend."""
     chord = normalise(triple[2] - triple[0])
     sine, degrees = float(bend_sine(*triple)), float(np.degrees(bend_angle(*triple)))
@@ -223,7 +222,7 @@ def _plane(triple: Floats, options: Options, report: Report) -> tuple[Floats, Fl
     return normalise(cross(side, chord)), side, "given"
 
 
-def _axes(rig: Rig, points: Floats, normal: Floats, options: Options, report: Report) -> Floats:
+def _axes(rig: Rig, points: Floats, normal: Floats, options: MakeLimbOptions, report: Report) -> Floats:
     """The world axes of the joints as rows, (n, 3, 3): each aims at the next, all with one hinge."""
     style = options.style
     if style.world:
@@ -280,7 +279,7 @@ def _known(rig: Rig, title: str) -> list[int]:
     return [node for _, node in sorted(found)]
 
 
-def _build(rig: Rig, shape: _Shape, options: Options, report: Report) -> tuple[Rig, list[int]]:
+def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) -> tuple[Rig, list[int]]:
     names = _names(rig, options, len(shape.points))
     if options.parent is None:
         rig, parent = group(rig)
@@ -301,7 +300,7 @@ def _build(rig: Rig, shape: _Shape, options: Options, report: Report) -> tuple[R
     return (new_skin(rig, options.title, joints) if own else rig), joints
 
 
-def _names(rig: Rig, options: Options, count: int) -> list[str]:
+def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
     suffix = _SIDES[options.side]
     names = [plain_name(f"{options.name}_{k + 1}{suffix}") for k in range(count)]
     if options.names:
@@ -313,7 +312,7 @@ def _names(rig: Rig, options: Options, count: int) -> list[str]:
 
 
 def _update(
-    rig: Rig, joints: list[int], shape: _Shape, options: Options, report: Report
+    rig: Rig, joints: list[int], shape: _Shape, options: MakeLimbOptions, report: Report
 ) -> tuple[Rig, list[int]]:
     title = options.title
     if len(joints) != len(shape.points):
@@ -337,7 +336,7 @@ def _update(
     return rig, joints
 
 
-def _handed(rig: Rig, parent: int, axes: Floats, options: Options, report: Report) -> Floats:
+def _handed(rig: Rig, parent: int, axes: Floats, options: MakeLimbOptions, report: Report) -> Floats:
     """The axes as they can be below ``parent``: where that is mirrored, the third points the other way."""
     if determinant(rig.world[parent]) >= 0:
         return axes
@@ -350,7 +349,7 @@ def _handed(rig: Rig, parent: int, axes: Floats, options: Options, report: Repor
     return axes * np.where(np.arange(3) == third, -1.0, 1.0)[:, np.newaxis]
 
 
-def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: Options) -> dict[str, Any]:
+def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: MakeLimbOptions) -> dict[str, Any]:
     """What a joint is of which limb; the first one says all that is known of the limb."""
     note: dict[str, Any] = {"v": 1, "type": "limb", "limb": options.title, "part": part}
     if part > 0:

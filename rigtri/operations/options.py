@@ -18,7 +18,7 @@ O_contra = TypeVar("O_contra", contravariant=True)
 
 
 class Operation(Protocol[O_contra]):
-    """Makes a rig of a rig; ``keywords`` are fields of the operation's Options, and of what these hold."""
+    """Makes a rig of a rig; ``keywords`` are fields of the operation's options, and of what these hold."""
 
     def __call__(
         self,

@@ -28,7 +28,7 @@ _KEPT = ("control", "offset", "poleVector", "group")
 
 
 @dataclass(frozen=True)
-class Options:
+class PoseOptions:
     """Which pose. at: ``CLIP@TIME``, the time in the file's unit, or ``rest``. evaluate: as controls and
     constraints that are at work move the joints; else as the clip's own keys do.
     """
@@ -37,7 +37,7 @@ class Options:
     evaluate: bool = True
 
 
-def pose_of(rig: Rig, options: Options, report: Report | None = None) -> Posed:
+def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Posed:
     """The pose, one row for each node that is asked for. What cannot be as asked is a warning of the report.
 
     Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle).
@@ -65,7 +65,7 @@ def tell_outside(timeline: Timeline, time: float, report: Report) -> float:
     return float(np.clip(time, keys[0], keys[-1]))
 
 
-def table(rig: Rig, options: Options, report: Report | None = None) -> dict[str, Any]:
+def table(rig: Rig, options: PoseOptions, report: Report | None = None) -> dict[str, Any]:
     """The pose of the joints, all nodes where there are none, as schemas/pose.schema.json describes it."""
     timeline, time = moment(rig, options.at)
     posed = pose_of(rig, options, report)
@@ -100,8 +100,8 @@ def _weights(rig: Rig, timeline: Timeline | None, time: float) -> list[dict[str,
     ]
 
 
-@operation(Options)
-def take_pose(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(PoseOptions)
+def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     """The rig with a pose for its rest pose: of joints and all else that moves but the controls. Clips stay.
 
     Controls, poles and offsets stay: from where they are at rest it is told what their keys mean.

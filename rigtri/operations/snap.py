@@ -50,7 +50,7 @@ SAME = 1e-5
 
 
 @dataclass(frozen=True)
-class Options:
+class SnapOptions:
     """to: what takes over. at: moments, ``CLIP@TIME`` or ``rest``. limbs: root, middle and end joint of
     each, by name; all with an IK end where there is none.
     """
@@ -59,7 +59,7 @@ class Options:
     at: tuple[str, ...]
     limbs: tuple[tuple[str, str, str], ...] = ()
 
-    def checked(self) -> Options:
+    def checked(self) -> SnapOptions:
         """These options. UsageError for what cannot be."""
         if self.to not in ("ik", "fk"):
             raise UsageError(f"--to {self.to}: choose of ik, fk")
@@ -68,8 +68,8 @@ class Options:
         return self
 
 
-@operation(Options)
-def snap(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(SnapOptions)
+def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
     """Give IK ends and poles, or FK controls, the values with which joints stand as they do at some moments.
 
     What was done to each limb goes to ``report.added``, with how far its joints have moved. Raises
@@ -92,7 +92,7 @@ def snap(rig: Rig, *, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _chains(rig: Rig, options: Options) -> list[tuple[int, int, int]]:
+def _chains(rig: Rig, options: SnapOptions) -> list[tuple[int, int, int]]:
     """The limbs, as nodes. GeometryError for one without an IK end."""
     known = [limb.chain for limb in Reference(rig).limbs]
     chains = [(rig.find(a), rig.find(b), rig.find(c)) for a, b, c in options.limbs] or known

@@ -21,14 +21,14 @@ from rigtri.report import Report
 
 
 @dataclass(frozen=True)
-class Options:
+class StripOptions:
     """What `strip` takes out. splits: also the notes by which the nodes of split joints are known."""
 
     splits: bool = False
 
 
-@operation(Options)
-def strip(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(StripOptions)
+def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     """The rig without the nodes and notes of rigtri; the axes of joints stay as they are.
 
     ``report.added`` is left empty; ``report.removed`` names every node and note that goes.

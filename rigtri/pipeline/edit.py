@@ -22,7 +22,7 @@ from rigtri.files.atomic_write import same_file
 from rigtri.files.copy_ahead import Ahead
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import Written, as_file_error, destination, spare
-from rigtri.formats import Document, Options, output_suffixes, read
+from rigtri.formats import Document, ReadOptions, output_suffixes, read
 from rigtri.model.rig import Rig
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.advice import why_near
@@ -65,7 +65,7 @@ def edit(
     step: Step,
     *,
     document: Document | None = None,
-    options: Options | None = None,
+    options: ReadOptions | None = None,
     report: Report | None = None,
     overwrite: bool = False,
     verify: bool = True,
@@ -93,7 +93,7 @@ def edit(
     clock = _Clock()
     with opened(source) as path:
         to_stdout = str(target) == "-"
-        options = options or Options()
+        options = options or ReadOptions()
         spooled = options.from_stream or str(source) == "-"
         options = replace(options, from_stream=spooled, to_stream=to_stdout)
         final = _final(path, target, overwrite, options)
@@ -133,7 +133,7 @@ def edit(
             return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps, rig, files)
 
 
-def check_target(source: Path | str, target: Path | str, *, overwrite: bool, options: Options) -> None:
+def check_target(source: Path | str, target: Path | str, *, overwrite: bool, options: ReadOptions) -> None:
     """Refuse, before anything is read, a target that `edit` would refuse.
 
     source: no stream, which can be read only once. Raises FileError, and UsageError for one that exists,
@@ -274,7 +274,7 @@ def _hear(document: Document, report: Report, strict: bool) -> None:
         report.refuse_warnings()
 
 
-def _final(path: Path, target: Path | str, overwrite: bool, options: Options) -> Path:
+def _final(path: Path, target: Path | str, overwrite: bool, options: ReadOptions) -> Path:
     if str(target) == "-":
         # An override is a layer, also where it is of a package.
         layer = bool(options.override) and path.suffix.lower() == ".usdz"
@@ -283,7 +283,7 @@ def _final(path: Path, target: Path | str, overwrite: bool, options: Options) ->
         return _allowed(destination(Path(target)), path, overwrite)
 
 
-def _needed(document: Document, path: Path, final: Path, options: Options) -> list[tuple[Path, str]]:
+def _needed(document: Document, path: Path, final: Path, options: ReadOptions) -> list[tuple[Path, str]]:
     """What the document's output goes on needing: each file, and what it is."""
     needed = list(document.needed())
     if not options.from_stream:
@@ -310,7 +310,7 @@ def _left_behind(
     ]
 
 
-def _check_suffix(path: Path, final: Path, options: Options) -> None:
+def _check_suffix(path: Path, final: Path, options: ReadOptions) -> None:
     """UsageError for an output of another format, before anything is read; writers know it more closely."""
     fits = output_suffixes(path, options)
     if fits and final.suffix.lower() not in fits:

@@ -11,7 +11,7 @@ from rigtri import formats
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs as scratch
 from rigtri.files.input_stream import opened
-from rigtri.formats import Document, Options
+from rigtri.formats import Document, ReadOptions
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.pipeline.origin import Origin
@@ -20,18 +20,18 @@ from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import TOLERANCE, Comparison, Source
 
 
-def read(path: Path | str, options: Options | None = None) -> Rig:
+def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
     """The rig in a file; its suffix says the format. It knows its file, so that `write` can write it.
 
     Its arrays are read-only: an edit is a new rig with arrays of its own (`dataclasses.replace`).
     Raises FileError for anything unreadable, NameNotFoundError for a root that is not there.
     """
-    options = options or Options()
+    options = options or ReadOptions()
     with opened(path) as place:
         return known(formats.read(place, options), place, options)
 
 
-def known(document: Document, path: Path, options: Options, content: bytes | None = None) -> Rig:
+def known(document: Document, path: Path, options: ReadOptions, content: bytes | None = None) -> Rig:
     """The rig of a document that was read from ``path``, or from ``content``, able to be written."""
     told = Report()
     told.hear(document.warnings)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rigtri.report import Report
 
 if TYPE_CHECKING:
-    from rigtri.formats import Document, Options
+    from rigtri.formats import Document, ReadOptions
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +22,7 @@ class Origin:
 
     path: Path
     document: Document
-    reading: Options
+    reading: ReadOptions
     told: Report
     content: bytes | None = None
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs as scratch
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.model.rig import Rig
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from pygltflib import GLTF2
 
 
-def from_pygltflib(gltf: GLTF2, options: Options | None = None) -> Rig:
+def from_pygltflib(gltf: GLTF2, options: ReadOptions | None = None) -> Rig:
     """The rig in a pygltflib.GLTF2, which stays as it is; files are looked for where it was loaded from.
 
     `to_pygltflib` makes a GLTF2 of the rig again, `rigtri.write` a .glb. Raises as `rigtri.read`.
     """
-    options = options or Options()
+    options = options or ReadOptions()
     blob = gltf.binary_blob()
     held = blob is not None and gltf.buffers and gltf.buffers[0].uri is None
     text = gltf.gltf_to_json(separators=(",", ":"), indent=None)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rigtri import edit, orient_joints
 from rigtri.errors import DeviationError, GeometryError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import Outcome
 from rigtri.report import Report
@@ -70,7 +70,7 @@ class Turn:
             source,
             target,
             step,
-            options=Options(relink=self.relink),
+            options=ReadOptions(relink=self.relink),
             report=report,
             overwrite=overwrite,
             verify=self.verify,

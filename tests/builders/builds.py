@@ -42,23 +42,25 @@ def _every(rig: Rig) -> list[int]:
 
 def _controls(rig: Rig, report: Report) -> Rig:
     try:
-        return controls.add_controls(rig, options=controls.Options(whole_character=True), report=report)
+        return controls.add_controls(
+            rig, options=controls.AddControlsOptions(whole_character=True), report=report
+        )
     except GeometryError:  # a straight limb that nothing tells of
-        wanted = controls.Options(selection=Selection(joints=("*",)))
+        wanted = controls.AddControlsOptions(selection=Selection(joints=("*",)))
         return controls.add_controls(rig, options=wanted, report=report)
 
 
 def _control_joints(rig: Rig, report: Report) -> Rig:
-    wanted = controls.Options(selection=Selection(joints=("*",)), ik_auto=True, ends="joint")
+    wanted = controls.AddControlsOptions(selection=Selection(joints=("*",)), ik_auto=True, ends="joint")
     return controls.add_controls(rig, options=wanted, report=report)
 
 
 def _poles(rig: Rig, report: Report) -> Rig:
-    return polevector.add_polevector(rig, options=polevector.Options(auto=True), report=report)
+    return polevector.add_polevector(rig, options=polevector.AddPolevectorOptions(auto=True), report=report)
 
 
 def _pole_joints(rig: Rig, report: Report) -> Rig:
-    wanted = polevector.Options(auto=True, kind="joint")
+    wanted = polevector.AddPolevectorOptions(auto=True, kind="joint")
     return polevector.add_polevector(rig, options=wanted, report=report)
 
 
@@ -69,7 +71,7 @@ def _limbs(rig: Rig, report: Report) -> Rig:
     size = float(np.ptp(places, axis=0).max()) or 1.0
     steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
     x, y, z = ((float(a), float(b), float(c)) for a, b, c in places[parent] + steps)
-    below = limb.Options(points=(x, y, z), name="added", parent=rig.address(parent))
+    below = limb.MakeLimbOptions(points=(x, y, z), name="added", parent=rig.address(parent))
     rig = limb.make_limb(rig, options=below, report=report)
     return limb.make_limb(rig, options=replace(below, name="free", parent=None), report=report)
 
@@ -79,10 +81,10 @@ def _twist(rig: Rig, report: Report) -> Rig:
     if not known:
         raise GeometryError("no limb is known by its name")
     try:
-        wanted = twist.Options(limbs=tuple(known[:2]))
+        wanted = twist.AddTwistOptions(limbs=tuple(known[:2]))
         return twist.add_twist(rig, options=wanted, report=report)
     except RigtriError:
-        wanted = twist.Options(limbs=tuple(known[:2]), lower=True)
+        wanted = twist.AddTwistOptions(limbs=tuple(known[:2]), lower=True)
         return twist.add_twist(rig, options=wanted, report=report)
 
 
@@ -91,7 +93,7 @@ def _split(rig: Rig, report: Report) -> Rig:
     known = [t for t in recognise(rig) if t.middle not in rig.own]
     if not known:
         raise GeometryError("no limb is known by its name")
-    wanted = twist.Options(limbs=tuple(known), split_weights=True)
+    wanted = twist.AddTwistOptions(limbs=tuple(known), split_weights=True)
     try:
         return twist.add_twist(rig, options=wanted, report=report)
     except RigtriError:
@@ -102,7 +104,7 @@ def _rivet(rig: Rig, report: Report) -> Rig:
     for mesh in rig.meshes:
         surface = mesh.surface_now
         if surface is not None and len(surface.corners) and mesh.skin is not None:
-            wanted = rivet.Options(mesh=rig.address(mesh.node), triangles=(0,), names=("button",))
+            wanted = rivet.AddRivetOptions(mesh=rig.address(mesh.node), triangles=(0,), names=("button",))
             return rivet.add_rivet(rig, options=wanted, report=report)
     raise GeometryError("no mesh has a triangle")
 
@@ -119,7 +121,7 @@ def _posereader(rig: Rig, report: Report) -> Rig:
     )
     control = next((k for k, note in rig.notes.items() if note.get("type") == "control"), None)
     values = (("ahead", rig.address(control), "bend"),) if control is not None else ()
-    wanted = posereader.Options(
+    wanted = posereader.AddPosereaderOptions(
         driver=rig.address(driver), targets=goals, morphs=morphs, attributes=values, name="reader"
     )
     return posereader.add_posereader(rig, options=wanted, report=report)
@@ -130,7 +132,7 @@ def _constrain(rig: Rig, report: Report, *, vrm: bool = False) -> Rig:
         driver = next((k for k in _joints(rig) if not rig.is_below(k, child)), None)
         if driver is None or (rig.is_below(child, driver) and rig.children[child]):
             continue
-        wanted = constrain.Options(
+        wanted = constrain.ConstrainOptions(
             "orient", rig.address(child), ((rig.address(driver), 1.0),), space="local", vrm=vrm
         )
         return constrain.constrain(rig, options=wanted, report=report)
@@ -147,9 +149,9 @@ def _mirror(rig: Rig, report: Report) -> Rig:
     if not left:
         raise GeometryError("no names tell of a left side")
     rig = controls.add_controls(
-        rig, options=controls.Options(selection=Selection(joints=(left[0],))), report=report
+        rig, options=controls.AddControlsOptions(selection=Selection(joints=(left[0],))), report=report
     )
-    wanted = mirror.Options(what=("controls", "polevectors"))
+    wanted = mirror.MirrorOptions(what=("controls", "polevectors"))
     return mirror.mirror(rig, options=wanted, report=report)
 
 

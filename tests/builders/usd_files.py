@@ -11,7 +11,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import RigtriError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.frames.error_bounds import TOLERANCE, Reach
 from rigtri.frames.reframe import reframe, scale_allows
@@ -83,7 +83,7 @@ def save(folder: Path, text: str, name: str = "in.usda") -> Path:
 
 
 def read(path: Path, **options: Any) -> UsdDocument:
-    return UsdDocument.read(path, Options(**options))
+    return UsdDocument.read(path, ReadOptions(**options))
 
 
 def error_of(path: Path, **options: Any) -> str:

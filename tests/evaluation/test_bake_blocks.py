@@ -15,8 +15,7 @@ from rigtri.evaluation.pose_cache import sampled
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import single, timelines
 from rigtri.model.rig import Rig
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 
 
 def moving(frames: int) -> tuple[Solver, dict[int, Parts]]:

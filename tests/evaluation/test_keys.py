@@ -12,7 +12,7 @@ from rigtri.evaluation.key_reduction import WIDEST_TURN, _untold, needed
 from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, slerp, turn_angle, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track
-from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.bake.bake import BakeOptions, bake
 
 
 def turning(degrees: float, count: int) -> Floats:
@@ -62,7 +62,7 @@ def test_controls_of_a_spinning_character_turn_less_than_a_quarter_between_keys(
     times = np.linspace(0.0, 2.0, 33)
     turns = multiply(rig.rotation[hips], turning(720.0, 33))
     spin = Track(hips, "rotation", "LINEAR", times, turns)
-    done = bake(replace(rig, clips=(Clip("spin", (spin,)),)), options=Options(to="controls"))
+    done = bake(replace(rig, clips=(Clip("spin", (spin,)),)), options=BakeOptions(to="controls"))
     track = next(
         t for t in done.clips[0].tracks if (t.node, t.path) == (control(done, "hips", "fk"), "rotation")
     )

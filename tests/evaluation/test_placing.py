@@ -8,12 +8,11 @@ from test_bake import BOUND, apart, rigged
 from rigtri.evaluation import sampling as pose
 from rigtri.model.constraints import rules_of
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.bake import Options, bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.report import Report
 
-WAVE = Options(to="controls", clips=("wave",), fps=10)
+WAVE = BakeOptions(to="controls", clips=("wave",), fps=10)
 
 
 def following(*rules: tuple[str, str, str]) -> Rig:
@@ -42,7 +41,7 @@ def test_controls_are_found_before_what_follows_them(rules: list[tuple[str, str,
     rig = following(*rules)
     report = Report()
     up = bake(rig, options=WAVE, report=report)
-    home = bake(up, options=Options(clips=("wave",), fps=10))
+    home = bake(up, options=BakeOptions(clips=("wave",), fps=10))
     ruled = set(rules_of(rig))
     assert ruled
     told = {entry["clip"]: entry["deviation"] for entry in report.added}

@@ -15,9 +15,8 @@ from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.report import Report
 
 SOFTS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.9)
@@ -48,7 +47,7 @@ def legged(knee: tuple[float, float] | None, soft: float = 0.0, stretch: bool = 
         local = np.linalg.inv(rig.world[b, :3, :3])
         translation[c] = (foot - wanted) @ local
         rig = replace(rig, translation=translation)
-    rig = add_controls(rig, options=ControlOptions(whole_character=True, soft=soft, stretch=stretch))
+    rig = add_controls(rig, options=AddControlsOptions(whole_character=True, soft=soft, stretch=stretch))
     if knee is not None:
         # The pole in front, where the well bent leg has it.
         limb = leg_of(rig).limb
@@ -154,8 +153,8 @@ def test_joints_to_controls_to_joints_gives_the_motion_back_whatever_the_softnes
 ) -> None:
     rig = legged(None, soft, stretch)
     report = Report()
-    up = bake(rig, options=Options(to="controls"), report=report)
-    home = bake(up, options=Options())
+    up = bake(rig, options=BakeOptions(to="controls"), report=report)
+    home = bake(up, options=BakeOptions())
     joints = np.flatnonzero(rig.is_joint)
     for name in ("walk", "wave"):
         clip = rig.clip(name)
@@ -174,7 +173,7 @@ def test_the_ik_end_is_placed_where_the_softened_limb_gives_the_joints_so_that_l
     left = {}
     for soft in (0.0, 0.05, 0.3):
         report = Report()
-        bake(legged(None, soft), options=Options(to="controls"), report=report)
+        bake(legged(None, soft), options=BakeOptions(to="controls"), report=report)
         left[soft] = max(entry["residual_degrees"] for entry in report.added)
     assert left[0.05] < left[0.0] + 0.01
     assert left[0.3] < left[0.0] + 0.01

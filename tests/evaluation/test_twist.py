@@ -23,14 +23,14 @@ from rigtri.model.records import Clip, Spread, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin_weights import shared
 from rigtri.operations.add_twist.key_baking import BOUND
-from rigtri.operations.add_twist.twist import Options, add_twist
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
 
 # Upper arm, forearm, hand and a finger, along x.
 ARM = chain((0, 0, 0), (4, 0, 0), (8, 0, 0), (9, 0, 0))
-LOWER = Options(bones=(("b", "c"),), count=3, lower=True)
-UPPER = Options(bones=(("a", "b"),), count=3, upper=True)
+LOWER = AddTwistOptions(bones=(("b", "c"),), count=3, lower=True)
+UPPER = AddTwistOptions(bones=(("a", "b"),), count=3, upper=True)
 X, Y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
 
 
@@ -110,7 +110,7 @@ def test_notes_alone_say_what_the_keys_hold(seed: int) -> None:
     bones = [(k, int(p)) for k, p in enumerate(rig.parents) if p >= 0 and not rig.has_matrix[[k, p]].any()]
     child, joint = bones[seed % len(bones)]
     named = ((f"j{joint}", f"j{child}"),)
-    out = add_twist(rig, options=Options(bones=named, upper=seed % 2 > 0, lower=seed % 2 == 0))
+    out = add_twist(rig, options=AddTwistOptions(bones=named, upper=seed % 2 > 0, lower=seed % 2 == 0))
     for twist in twists(out):
         for times in ([0.0, 0.4, 1.0], [0.1, 0.3, 0.77]):
             local = locals_at(out, out.clips[0], times)
@@ -193,9 +193,9 @@ def test_weights_and_axis_are_the_users() -> None:
 def test_a_limb_gets_both_bones_unless_one_is_named() -> None:
     limb = Limb(0, 1, 2)
     for options, bones in (
-        (Options(limbs=(limb,)), ["a", "a", "b", "b"]),
-        (Options(limbs=(limb,), upper=True), ["a", "a"]),
-        (Options(limbs=(limb,), lower=True), ["b", "b"]),
+        (AddTwistOptions(limbs=(limb,)), ["a", "a", "b", "b"]),
+        (AddTwistOptions(limbs=(limb,), upper=True), ["a", "a"]),
+        (AddTwistOptions(limbs=(limb,), lower=True), ["b", "b"]),
     ):
         assert [note["joint"] for note in add_twist(ARM, options=options).notes.values()] == bones
 
@@ -215,18 +215,18 @@ def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (Options(), "say which"),
+        (AddTwistOptions(), "say which"),
         (replace(LOWER, count=0), "1 to 64"),
         (replace(LOWER, weights=(0.5,)), "1 weights for 3"),
         (replace(LOWER, weights=(0.5, 1.5, 0.0)), "between -1 and 1"),
-        (Options(limbs=(Limb(0, 1, 2),), weights=(0.1, 0.2)), "--upper or --lower"),
+        (AddTwistOptions(limbs=(Limb(0, 1, 2),), weights=(0.1, 0.2)), "--upper or --lower"),
         (replace(LOWER, axis=(0.0, 0.0, 0.0)), "length"),
         (replace(LOWER, name="{bone}"), "tokens"),
-        (Options(bones=(("b", "b"),)), "both ends"),
-        (Options(bones=(("c", "b"),)), "below"),
+        (AddTwistOptions(bones=(("b", "b"),)), "both ends"),
+        (AddTwistOptions(bones=(("c", "b"),)), "below"),
     ],
 )
-def test_what_fits_no_twist_is_told(options: Options, words: str) -> None:
+def test_what_fits_no_twist_is_told(options: AddTwistOptions, words: str) -> None:
     with pytest.raises(UsageError, match=words):
         add_twist(ARM, options=options)
 
@@ -234,7 +234,7 @@ def test_what_fits_no_twist_is_told(options: Options, words: str) -> None:
 def test_a_bone_without_length_is_an_error() -> None:
     rig = chain((0, 0, 0), (4, 0, 0), (4, 0, 0))
     with pytest.raises(GeometryError, match="at one place"):
-        add_twist(rig, options=Options(bones=(("b", "c"),)))
+        add_twist(rig, options=AddTwistOptions(bones=(("b", "c"),)))
 
 
 # --- weights along a bone
@@ -298,6 +298,6 @@ def test_where_a_point_may_have_no_more_joints_the_nearest_takes_all() -> None:
     ("name", "words"), [("hand_L", "another node is called so"), ("tw", "several twist joints")]
 )
 def test_a_name_that_is_taken_or_given_twice_is_refused(name: str, words: str, samples: Path) -> None:
-    options = Options(bones=(("forearm_L", "hand_L"),), count=2, name=name)
+    options = AddTwistOptions(bones=(("forearm_L", "hand_L"),), count=2, name=name)
     with pytest.raises(UsageError, match=words):
         add_twist(read(samples / "biped.glb").rig, options=options)

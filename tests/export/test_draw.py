@@ -23,7 +23,7 @@ from second_opinions import validator
 import rigtri
 from rigtri.errors import FileError, NameNotFoundError
 from rigtri.export.drawing.labels import labels, width
-from rigtri.export.drawing.picture import Options, draw, seen
+from rigtri.export.drawing.picture import DrawOptions, draw, seen
 from rigtri.export.drawing.primitives import Mark, as_json
 from rigtri.export.drawing.silhouette import outline
 from rigtri.formats import read
@@ -82,9 +82,9 @@ def test_every_joint_is_one_dot_where_it_stands_with_the_arrows_of_its_axes(seed
 
 def test_arrows_are_as_long_as_asked_for_in_bones() -> None:
     rig = chain((0, 0, 0), (3, 4, 0), (6, 8, 0), (10, 5, 0))
-    (x,) = [m for m in of_kind(seen(rig, Options(arrows=0.1)), "x") if m.node == "a"]
+    (x,) = [m for m in of_kind(seen(rig, DrawOptions(arrows=0.1)), "x") if m.node == "a"]
     assert np.allclose(x.points, [[0, 0, 0], [0.5, 0, 0]])
-    assert not of_kind(seen(rig, Options(arrows=0)), "x", "y", "z")
+    assert not of_kind(seen(rig, DrawOptions(arrows=0)), "x", "y", "z")
 
 
 def test_a_joint_is_crooked_where_no_axis_lies_along_its_bone_and_straight_after_orient_joints() -> None:
@@ -132,21 +132,21 @@ def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> N
 def test_a_pose_moves_what_it_moves() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     clip = rig.clips[0]
-    still, moved = (of_kind(seen(rig, Options(at=at)), "joint") for at in ("rest", f"{clip.name}@0.4"))
+    still, moved = (of_kind(seen(rig, DrawOptions(at=at)), "joint") for at in ("rest", f"{clip.name}@0.4"))
     far = [np.abs(a.points - b.points).max() for a, b in zip(still, moved, strict=True)]
     assert max(far) > 0.01
     with pytest.raises(NameNotFoundError):
-        draw(rig, options=Options(at="nothing@0"))
+        draw(rig, options=DrawOptions(at="nothing@0"))
 
 
 def test_a_selection_is_drawn_alone_and_larger() -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    options = Options(selection=Selection(below=("hand_L",)))
+    options = DrawOptions(selection=Selection(below=("hand_L",)))
     assert [mark.name for mark in of_kind(seen(rig, options), "joint")] == ["hand_L", "fingers_L"]
     assert {"hand_L", "fingers_L"} <= set(texts(draw(rig, options=options)))
     assert "hips" not in texts(draw(rig, options=options))
     with pytest.raises(NameNotFoundError):
-        draw(rig, options=Options(selection=Selection(joints=("nobody",))))
+        draw(rig, options=DrawOptions(selection=Selection(joints=("nobody",))))
 
 
 def test_marks_are_json_that_says_the_same() -> None:
@@ -175,7 +175,7 @@ def test_marks_are_json_that_says_the_same() -> None:
 )
 @pytest.mark.parametrize("view", ["front", "three-quarter"])
 def test_whatever_stands_there_the_picture_holds_numbers_alone(rig: Rig, view: str) -> None:
-    assert list(drawn(draw(rig, options=Options(view=view))))
+    assert list(drawn(draw(rig, options=DrawOptions(view=view))))
 
 
 def test_meshes_that_cannot_be_read_leave_the_skeleton() -> None:
@@ -230,7 +230,7 @@ def test_real_characters_are_drawn_with_all_their_joints_and_an_outline(name: st
 def test_before_and_after_have_one_scale_and_a_caption_each() -> None:
     before = arm()
     after = replace(before, translation=before.translation * [1, 0.5, 1])
-    options = Options(view="front", names=False)
+    options = DrawOptions(view="front", names=False)
     svg = draw(after, against=before, options=options, title="new", title_against="old")
     assert {"old", "new"} <= set(texts(svg))
     dots = [e for e in drawn(svg) if e.attrib.get("class", "").startswith("joint")]
@@ -284,7 +284,7 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
     mesh = Mesh("body", 0, square, 0, np.array([[2]] * 4), np.ones((4, 1)), surface=lambda: surface)
     moved = rig.translation + np.array([[0, 0, 0], [0, 0, 0], [2, 0, 0]])
     with_mesh = replace(rig, read_meshes=lambda: (mesh,), translation=moved)
-    svg = draw(with_mesh, options=Options(view="front"))
+    svg = draw(with_mesh, options=DrawOptions(view="front"))
     (body,) = [e for e in drawn(svg) if e.attrib.get("class") == "body"]
     numbers = np.array(re.findall(r"[-\d.]+", body.attrib["d"]), dtype=float).reshape(-1, 2)
     dots = [e for e in drawn(svg) if e.attrib.get("class", "").startswith("joint")]
@@ -293,7 +293,7 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
     # Two units farther than at bind, with the wrist: from 1 to 3.
     assert numbers[:, 0].min() == pytest.approx(shoulder + unit, abs=4)
     assert numbers[:, 0].max() == pytest.approx(shoulder + 3 * unit, abs=4)
-    assert 'class="body"' not in draw(with_mesh, options=Options(mesh=False))
+    assert 'class="body"' not in draw(with_mesh, options=DrawOptions(mesh=False))
 
 
 # The command
@@ -391,7 +391,9 @@ def test_a_machine_without_fonts_is_told_what_to_install(
 @pytest.mark.parametrize("wide", [64, 200, 320, 1000])
 def test_the_words_over_a_picture_end_where_it_ends(wide: int) -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    svg = draw(rig, options=Options(size=(wide, 400)), title="a name that somebody has made rather long.glb")
+    svg = draw(
+        rig, options=DrawOptions(size=(wide, 400)), title="a name that somebody has made rather long.glb"
+    )
     found = re.findall(
         r'<text class="(title|words)[^"]*" x="16" y="\d+"(?: style="font-size: ([\d.]+)px")?>([^<]*)</text>',
         svg,

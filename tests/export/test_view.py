@@ -24,7 +24,7 @@ from places import ROOT, SAMPLES
 from rigtri.export.drawing.picture import seen
 from rigtri.export.viewer.page_data import facts
 from rigtri.export.viewer.view import Begin, shown_page
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.report import Report
 
 NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
@@ -247,7 +247,9 @@ def test_a_page_begins_as_it_is_asked_to(
 def test_a_time_outside_the_clip_is_told_and_the_nearest_pose_shown() -> None:
     report = Report()
     begin = Begin(pose="wave@-5")
-    text, _ = shown_page([SAMPLES / "biped.glb"], begin=begin, limit=100.0, options=Options(), report=report)
+    text, _ = shown_page(
+        [SAMPLES / "biped.glb"], begin=begin, limit=100.0, options=ReadOptions(), report=report
+    )
     assert [notice.code for notice in report.warnings] == ["pose-outside"]
     page = Page(text)
     assert page.facts["start"]["time"] == 0.0
@@ -444,7 +446,7 @@ def test_one_point_with_five_joints_is_enough_to_say_so(tmp_path: Path) -> None:
     b = small()
     attributes = b.gltf["meshes"][0]["primitives"][0]["attributes"]
     attributes |= {"JOINTS_1": attributes["JOINTS_0"], "WEIGHTS_1": b.accessor([[0.0] * 4] * 3)}
-    assert "more than four joints" in read(b.glb(tmp_path / "a.glb"), Options()).embedded().lacking[0]
+    assert "more than four joints" in read(b.glb(tmp_path / "a.glb"), ReadOptions()).embedded().lacking[0]
 
 
 def test_the_script_of_the_page_is_what_its_sources_make(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ from places import slow
 from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.files import atomic_write as delivery
 from rigtri.files.staged_output import write_text
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
@@ -407,7 +407,7 @@ def test_a_dead_process_with_our_own_number_left_what_bears_it(tmp_path: Path) -
 
 
 def test_an_override_beside_its_source_is_delivered_the_same_way(samples: Path, tmp_path: Path) -> None:
-    options = Options(override="layer")
+    options = ReadOptions(override="layer")
     edit(samples / "biped.usda", tmp_path / "over.usda", orient, options=options)
     assert list(contents(tmp_path)) == ["over.usda"]
 

@@ -26,7 +26,7 @@ from rigtri.formats.gltf import mmap as mapped
 from rigtri.formats.gltf import writer
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.verification.compare.compare import self_check
 
@@ -35,7 +35,7 @@ LIMIT = (1 << 32) - 1
 
 
 def turn_all(path: Path, target: Path, **more: Any) -> Outcome:
-    options = Options(selection=Selection(joints=("*",)))
+    options = OrientJointsOptions(selection=Selection(joints=("*",)))
     return edit(path, target, lambda rig, report: orient_joints(rig, options=options, report=report), **more)
 
 

@@ -17,7 +17,7 @@ from test_reframe import poses
 from usd_files import deviation
 
 from rigtri.errors import DeviationError, FileError
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.frames.error_bounds import Reach, bearable, reaches
 from rigtri.frames.reframe import Scales, reframe, split
 from rigtri.maths.matrices import inverse
@@ -27,8 +27,7 @@ from rigtri.model.records import Clip, Mesh, Skin, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import Style
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options as Orient
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import TOLERANCE, verify
@@ -45,10 +44,10 @@ def made(folder: Path, limb: Limb, suffix: str) -> Path:
 
 def oriented(source: Path, target: Path, policy: Any = "snap", **options: Any) -> Outcome:
     def step(rig: Rig, report: Report) -> Rig:
-        own = Orient(on_nonuniform_scale=policy, **options)
+        own = OrientJointsOptions(on_nonuniform_scale=policy, **options)
         return orient_joints(rig, options=own, report=report)
 
-    return edit(source, target, step, options=Options(allow_rename=True), overwrite=True)
+    return edit(source, target, step, options=ReadOptions(allow_rename=True), overwrite=True)
 
 
 def entries(outcome: Outcome) -> dict[str, dict[str, Any]]:

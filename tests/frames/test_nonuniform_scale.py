@@ -17,13 +17,12 @@ from usd_files import deviation
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import Style
-from rigtri.operations.orient_joints.orient import Options as Orient
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
@@ -54,7 +53,7 @@ CASES = {
 IN_PLACE = {".glb": ("uniform of mixed signs",)}
 IN_PLACE[".usda"] = (*IN_PLACE[".glb"], "mirrored at rest alone", "mirrored otherwise at rest")
 SUFFIXES = (".glb", ".usda")
-ALLOWED = Options(allow_rename=True)
+ALLOWED = ReadOptions(allow_rename=True)
 
 
 def made(folder: Path, limb: Limb, suffix: str, **options: Any) -> Path:
@@ -63,7 +62,7 @@ def made(folder: Path, limb: Limb, suffix: str, **options: Any) -> Path:
 
 
 def oriented(source: Path, target: Path, policy: Any = "split", style: Style | None = None) -> Outcome:
-    options = Orient(on_nonuniform_scale=policy, style=style or Style())
+    options = OrientJointsOptions(on_nonuniform_scale=policy, style=style or Style())
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=options, report=report)
@@ -229,7 +228,7 @@ def test_a_split_joint_lends_and_takes_axes_like_any_other(suffix: str, tmp_path
     assert len(read(other).rig) == len(read(out).rig)
 
     def back(rig: Rig, report: Report) -> Rig:
-        return orient_joints(rig, options=Orient(like=read(out).rig), report=report)
+        return orient_joints(rig, options=OrientJointsOptions(like=read(out).rig), report=report)
 
     home = tmp_path / f"home{suffix}"
     edit(other, home, back)
@@ -280,8 +279,7 @@ def test_stretched_thighs_and_blinking_eyes_keep_their_motion(
 def test_axes_and_locators_do_not_care_for_the_worlds_scale(
     scale: float, suffix: str, tmp_path: Path
 ) -> None:
-    from rigtri.operations.add_polevector import Options as Pole
-    from rigtri.operations.add_polevector import add_polevector
+    from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
     from rigtri.recognition.limbs import given
 
     found = []
@@ -292,7 +290,7 @@ def test_axes_and_locators_do_not_care_for_the_worlds_scale(
         rig = read(source).rig
         limb = (given(rig, "shoulder", "elbow", "wrist"),)
         report = Report()
-        out = orient_joints(add_polevector(rig, options=Pole(limbs=limb), report=report))
+        out = orient_joints(add_polevector(rig, options=AddPolevectorOptions(limbs=limb), report=report))
         world, pole = worlds(out), out.find("elbow_pole", "node")
         root, elbow = world[out.find("root"), 3, :3], world[out.find("elbow"), 3, :3]
         found.append(

@@ -19,8 +19,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import Style
-from rigtri.operations.orient_joints.orient import Options as Orient
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
 from rigtri.verification.compare.advice import nearly_uniform, why_near
@@ -32,7 +31,7 @@ STYLES = [Style(aim, up) for aim in AXES for up in AXES if aim[-1] != up[-1]]
 
 
 def oriented(source: Path, target: Path, policy: Any, style: Style) -> Outcome:
-    options = Orient(on_nonuniform_scale=policy, style=style)
+    options = OrientJointsOptions(on_nonuniform_scale=policy, style=style)
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=options, report=report)
@@ -95,7 +94,7 @@ def test_a_frame_reaches_at_least_half_its_diagonal(tmp_path: Path) -> None:
 def test_where_no_noise_of_a_scale_is_allowed_its_joint_takes_the_nearest_axes(tmp_path: Path) -> None:
     """Of a cardinal turn float64 leaves bits beside the diagonal; they are none of the scale's."""
     rig = read(gltf(tmp_path / "limb.glb", Limb(rest={"elbow": (1, 1.000001, 0.999999)}))).rig
-    options = Orient(on_nonuniform_scale="snap", style=Style("x", "y"), tolerance=0.0)
+    options = OrientJointsOptions(on_nonuniform_scale="snap", style=Style("x", "y"), tolerance=0.0)
     turned = orient_joints(rig, options=options)
     assert not np.array_equal(turned.rotation, rig.rotation)
 
@@ -103,7 +102,7 @@ def test_where_no_noise_of_a_scale_is_allowed_its_joint_takes_the_nearest_axes(t
 def test_what_is_refused_for_a_nearly_uniform_scale_names_its_joint(tmp_path: Path) -> None:
     """With a tolerance that the plan did not know, a turn of the elbow shows, and the advice says so."""
     source = with_camera(tmp_path, 9e-6)
-    loose = Orient(on_nonuniform_scale="snap", tolerance=1e-3)
+    loose = OrientJointsOptions(on_nonuniform_scale="snap", tolerance=1e-3)
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=loose, report=report)

@@ -25,7 +25,7 @@ from click.testing import CliRunner, Result
 from fuzz import floor, gltf, raw, usd
 from rigtri.cli.main import program
 from rigtri.errors import RigtriError
-from rigtri.formats import GLTF_SUFFIXES, Document, Options, read
+from rigtri.formats import GLTF_SUFFIXES, Document, ReadOptions, read
 from rigtri.model.records import Mesh
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.verification.compare.compare import self_check, verify
@@ -309,11 +309,11 @@ def _explained(found: Found, path: Path) -> bool:
         return False
 
 
-def _options(found: Found) -> Options:
+def _options(found: Found) -> ReadOptions:
     """As the command of a case reads its files."""
     root = found.command[found.command.index("--root") + 1] if "--root" in found.command else None
     external = "relink" in found.command
-    return Options(lenient="--lenient" in found.command, root=root, allow_external_paths=external)
+    return ReadOptions(lenient="--lenient" in found.command, root=root, allow_external_paths=external)
 
 
 def _judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:

@@ -24,14 +24,13 @@ from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 from rigtri.cli.words import plain
 from rigtri.errors import FileError, GeometryError, RigtriError
 from rigtri.files.worker_process import Confined, CrashError, tell
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.formats import read as read_any
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd import usdz as package
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options as Everything
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
@@ -40,14 +39,14 @@ POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX 
 LAYER = scene(skeleton(), animation(), MESH)
 
 
-def fault(path: Path, options: Options | None = None) -> str:
+def fault(path: Path, options: ReadOptions | None = None) -> str:
     """The words with which a glTF file is refused; it is used as far as an edit uses it."""
     with pytest.raises(FileError) as refused:
-        _use(path, options or Options())
+        _use(path, options or ReadOptions())
     return str(refused.value)
 
 
-def _use(path: Path, options: Options) -> None:
+def _use(path: Path, options: ReadOptions) -> None:
     document = GltfDocument.read(path, options)
     document.meshes()
     document.write(document.rig, path.with_name("out"), path.parent / "other" / path.name)
@@ -580,7 +579,9 @@ def test_points_without_bytes_that_outnumber_their_weights_are_a_notice(count: f
     points["count"] = count
 
     def step(rig: Rig, report: Report) -> Rig:
-        return orient_joints(rig, options=Everything(selection=Selection(joints=("*",))), report=report)
+        return orient_joints(
+            rig, options=OrientJointsOptions(selection=Selection(joints=("*",))), report=report
+        )
 
     outcome = edit(builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb", step)
     assert "mesh-unread" in [notice.code for notice in outcome.report.warnings]

@@ -140,8 +140,8 @@ def test_usd_knows_the_schemas_of_prims_that_rigtri_makes(tmp_path: Path) -> Non
     program = f"""
 from pathlib import Path
 from rigtri import add_controls, edit
-from rigtri.ops.controls import Options
-options = Options(whole_character=True)
+from rigtri.operations.add_controls import AddControlsOptions
+options = AddControlsOptions(whole_character=True)
 source, target = Path({str(SAMPLES / "biped.usda")!r}), Path({str(out)!r})
 edit(source, target, lambda rig, _: add_controls(rig, options=options))
 from pxr import Usd
@@ -160,11 +160,11 @@ for prim in stage.Traverse():
 
 def test_schemas_that_come_before_the_first_stage_are_known_and_too_late_is_a_warning(tmp_path: Path) -> None:
     out = tmp_path / "out.usda"
-    arms = "Options('point', child='hand_L', drivers=(('head', 1.0),))"
+    arms = "ConstrainOptions('point', child='hand_L', drivers=(('head', 1.0),))"
     make = f"""
 from pathlib import Path
 from rigtri import constrain, edit
-from rigtri.ops.constrain import Options
+from rigtri.operations.constrain.constrain import ConstrainOptions
 edit(Path({str(SAMPLES / "biped.usda")!r}), Path({str(out)!r}), lambda rig, _: constrain(rig, options={arms}))
 """
     subprocess.run([sys.executable, "-c", make], check=True, capture_output=True)

@@ -33,7 +33,7 @@ def stripped(rig: Rig, report: Report) -> Rig:
 
 
 def built(rig: Rig, report: Report) -> Rig:
-    wanted = controls.Options(selection=Selection(joints=("hand_L",)))
+    wanted = controls.AddControlsOptions(selection=Selection(joints=("hand_L",)))
     return controls.add_controls(rig, options=wanted, report=report)
 
 

@@ -19,17 +19,13 @@ from usd_files import animation, at, save, scene, skeleton
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds, worlds
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.formats.gltf.container import open_container
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as Controls
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_polevector import Options as Pole
-from rigtri.operations.add_polevector import add_polevector
-from rigtri.operations.make_limb import Options as LimbOptions
-from rigtri.operations.make_limb import make_limb
-from rigtri.operations.orient_joints.orient import Options as Orient
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
+from rigtri.operations.make_limb import MakeLimbOptions, make_limb
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.skin_joints import Kind, add_joint, move_joint, new_skin
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import Outcome, edit
@@ -37,7 +33,7 @@ from rigtri.recognition.limbs import given
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
-TRUSTING = Options(allow_external_paths=True)
+TRUSTING = ReadOptions(allow_external_paths=True)
 # Below a leaf and in the middle, so that a chain forks; NAME and where it stands to its parent's place.
 AXES = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
 
@@ -209,7 +205,7 @@ def test_a_skin_without_matrices_goes_on_without(tmp_path: Path) -> None:
 
 
 def whole(rig: Rig, report: Report, ends: Kind | None = "joint") -> Rig:
-    return add_controls(rig, options=Controls(whole_character=True, ends=ends), report=report)
+    return add_controls(rig, options=AddControlsOptions(whole_character=True, ends=ends), report=report)
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
@@ -243,7 +239,10 @@ def test_poles_and_ik_ends_may_be_joints(suffix: str, samples: Path, tmp_path: P
 
 def test_a_pole_joint_stands_where_the_locator_would(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
-    loose, joint = (add_polevector(rig, options=Pole(auto=True, kind=kind)) for kind in ("locator", "joint"))
+    loose, joint = (
+        add_polevector(rig, options=AddPolevectorOptions(auto=True, kind=kind))
+        for kind in ("locator", "joint")
+    )
     for name in ("forearm_L_pole", "shin_R_pole"):
         one, other = worlds(loose)[loose.find(name)], worlds(joint)[joint.find(name)]
         assert_allclose(one, other, atol=1e-6)
@@ -254,16 +253,16 @@ def test_a_joint_needs_something_to_hang_on() -> None:
     arm = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
     limb = given(arm, "a", "b", "c")
     with pytest.raises(UsageError, match="nothing stands above 'a'"):
-        add_polevector(arm, options=Pole(limbs=(limb,), kind="joint"))
+        add_polevector(arm, options=AddPolevectorOptions(limbs=(limb,), kind="joint"))
     with pytest.raises(UsageError, match="no joint of a skin"):
-        add_polevector(replace(arm, skins=()), options=Pole(limbs=(limb,), kind="joint"))
+        add_polevector(replace(arm, skins=()), options=AddPolevectorOptions(limbs=(limb,), kind="joint"))
 
 
 def test_xforms_that_stand_in_for_joints_get_prims_below_them(tmp_path: Path) -> None:
     prims = 'def Xform "A"\n{\ndef Xform "B"\n{\ndouble3 xformOp:translate = (0, 2, 0)\n' + (
         'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n}'
     )
-    options = Options(root="A")
+    options = ReadOptions(root="A")
     source = save(tmp_path, scene(prims))
     grow(source, tmp_path / "out.usda", options=options)
     after = read(tmp_path / "out.usda", options).rig
@@ -279,9 +278,9 @@ def test_new_joints_turn_and_split_like_all_others(tmp_path: Path) -> None:
     def step(rig: Rig, report: Report) -> Rig:
         place = worlds(rig)[rig.find("wrist"), 3, :3] + 1.0
         rig, _ = add_joint(rig, "new", rig.find("wrist"), note("a", 0), place, np.eye(3))
-        return orient_joints(rig, options=Orient(on_nonuniform_scale="split"), report=report)
+        return orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale="split"), report=report)
 
-    outcome = edit(source, out, step, options=Options(allow_rename=True))
+    outcome = edit(source, out, step, options=ReadOptions(allow_rename=True))
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-6
     rig = read(out).rig
@@ -295,8 +294,10 @@ def test_strip_takes_joints_out_again(suffix: str, samples: Path, tmp_path: Path
 
     def build(rig: Rig, report: Report) -> Rig:
         points = ((0.0, 1.0, -0.1), (0.0, 0.8, -0.3), (0.0, 0.7, -0.6))
-        rig = make_limb(rig, options=LimbOptions(points=points, parent="hips", name="tail"), report=report)
-        rig = make_limb(rig, options=LimbOptions(points=points, name="free"), report=report)
+        rig = make_limb(
+            rig, options=MakeLimbOptions(points=points, parent="hips", name="tail"), report=report
+        )
+        rig = make_limb(rig, options=MakeLimbOptions(points=points, name="free"), report=report)
         return whole(rig, report)
 
     edit(source, built, build)

@@ -20,15 +20,11 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track
 from rigtri.model.records import Path as TrackPath
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options as BakeOptions
-from rigtri.operations.bake.bake import bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
-from rigtri.operations.pose import Options, pose_of
-from rigtri.operations.snap import Options as SnapOptions
-from rigtri.operations.snap import snap
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.operations.pose import PoseOptions, pose_of
+from rigtri.operations.snap import SnapOptions, snap
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -67,7 +63,7 @@ def limb(name: str) -> tuple[Rig, int, int, Floats, Floats]:
 def evaluated(rig: Rig, *codes: str) -> Any:
     """The pose; it and all that bake and snap make of it has numbers, and the warnings are these."""
     at, report = f"{rig.clips[0].name}@0.5", Report()
-    posed = pose_of(rig, Options(at), report)
+    posed = pose_of(rig, PoseOptions(at), report)
     assert {notice.code for notice in report.warnings} == set(codes)
     assert all(np.isfinite(posed.world(node)).all() for node in range(len(rig)))
     heard = Report()
@@ -100,7 +96,7 @@ def test_a_target_on_the_root_folds_the_limb(name: str) -> None:
     rig, end, _, root, _ = limb(name)
     report = Report()
     asks = asked(rig, (end, "translation", place(rig, end, root)))
-    pose_of(asks, Options(f"{asks.clips[0].name}@0.5"), report)
+    pose_of(asks, PoseOptions(f"{asks.clips[0].name}@0.5"), report)
     evaluated(asks, *{notice.code for notice in report.warnings})
     assert "ik-no-side" in {notice.code for notice in report.warnings}
 
@@ -151,7 +147,7 @@ def test_a_scale_of_zero_of_the_root_control_leaves_the_turn_of_its_joint(
     joint = rig.find("hips")
     turn = (root, "rotation", [0.0, 0.6, 0.0, 0.8])
     more = [(control(rig, "hips", "fk"), "rotation", [0.0, 0.0, 0.28, 0.96])] if below else []
-    at, report = Options(f"{rig.clips[0].name if name.endswith('usda') else 'new'}@0.5"), Report()
+    at, report = PoseOptions(f"{rig.clips[0].name if name.endswith('usda') else 'new'}@0.5"), Report()
     whole = pose_of(asked(rig, turn, *more), at).part(joint)  # type: ignore[arg-type]
     asks = asked(rig, turn, *more, (root, "scale", size))  # type: ignore[arg-type]
     flat = pose_of(asks, at, report).part(joint)
@@ -181,7 +177,7 @@ def test_bake_says_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: st
     asks, out = (tmp_path / f"{k}{Path(name).suffix}" for k in range(2))
 
     def asking(rig: Rig, report: Report) -> Rig:
-        rig = add_controls(rig, options=ControlOptions(whole_character=True))
+        rig = add_controls(rig, options=AddControlsOptions(whole_character=True))
         end, root = control(rig, "hand_L", "ik"), rig.world[rig.find(ARM[0]), 3, :3]
         far = np.array([place(rig, end, root + np.array([0.0, 0.0, z])) for z in (0.1, 0.3, 50.0, 0.3)])
         first, *others = rig.clips
@@ -201,7 +197,7 @@ def test_bake_says_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: st
 
 @pytest.mark.parametrize("soft", [0.05, 0.3])
 def test_a_soft_limb_whose_target_matching_has_placed_is_no_trouble(soft: float) -> None:
-    rig = add_controls(rigged("tpose.glb"), options=ControlOptions(whole_character=True, soft=soft))
+    rig = add_controls(rigged("tpose.glb"), options=AddControlsOptions(whole_character=True, soft=soft))
     report = Report()
     bake(bake(rig, options=BakeOptions(to="controls")), options=BakeOptions(), report=report)
     assert "ik-unreachable" not in {notice.code for notice in report.warnings}
@@ -235,7 +231,7 @@ def test_a_clip_of_no_length_is_one_pose(name: str) -> None:
     first, *others = (replace(clip, tracks=()) for clip in rig.clips)
     rig = replace(rig, clips=(replace(first, tracks=(track,)), *others))
     at, report = f"{first.name}@0.25", Report()
-    posed = pose_of(rig, Options(at), report)
+    posed = pose_of(rig, PoseOptions(at), report)
     assert not report.warnings
     for done in (
         bake(rig, options=BakeOptions()),
@@ -243,7 +239,7 @@ def test_a_clip_of_no_length_is_one_pose(name: str) -> None:
         snap(rig, options=SnapOptions("fk", (at,), (ARM,))),
     ):
         assert all(len(t.times) == 1 and np.isfinite(t.values).all() for c in done.clips for t in c.tracks)
-        again = pose_of(done, Options(at))
+        again = pose_of(done, PoseOptions(at))
         hands = [each.world(rig.find("hand_L")) for each in (again, posed)]
         np.testing.assert_allclose(*hands, atol=1e-5)
 
@@ -263,8 +259,8 @@ def test_controls_that_go_round_in_a_circle_are_named(name: str) -> None:
     for run in (
         lambda: bake(circle, options=BakeOptions()),
         lambda: bake(circle, options=BakeOptions(to="controls")),
-        lambda: pose_of(circle, Options(at)),
-        lambda: pose_of(circle, Options("rest")),
+        lambda: pose_of(circle, PoseOptions(at)),
+        lambda: pose_of(circle, PoseOptions("rest")),
         lambda: snap(circle, options=SnapOptions("ik", (at,), (ARM,))),
     ):
         with pytest.raises(GeometryError, match=r"circle.*hand_L|circle.*upper_arm_L"):
@@ -298,7 +294,7 @@ def test_a_control_below_what_it_moves_is_a_circle_that_names_all_on_the_way(
     for run in (
         lambda: bake(rig, options=BakeOptions()),
         lambda: bake(rig, options=BakeOptions(to="controls")),
-        lambda: pose_of(rig, Options(at)),
+        lambda: pose_of(rig, PoseOptions(at)),
         lambda: snap(rig, options=SnapOptions("ik", (at,), (ARM,))),
     ):
         with pytest.raises(GeometryError, match="circle") as caught:
@@ -320,7 +316,7 @@ def test_an_ik_end_below_a_finger_of_the_other_hand_goes_where_ik_takes_that_han
     end, finger = control(rig, "hand_L", "ik"), rig.find("fingers_R")
     rest = rig.translation[other] + rig.local[other, 3, :3]
     posed = [
-        pose_of(asked(rig, (other, "translation", rest + move)), Options("new@0.5"))
+        pose_of(asked(rig, (other, "translation", rest + move)), PoseOptions("new@0.5"))
         for move in (np.zeros(3), np.array([0.0, 0.1, 0.05]))
     ]
     seen = [multiply(p.world(end), inverse(p.world(finger))) for p in posed]
@@ -366,7 +362,7 @@ def test_an_end_that_fk_below_the_solver_brings_to_its_target_is_no_trouble(name
 def test_a_mirrored_control_is_told_as_such_and_not_as_uneven(scale: list[float], told: str) -> None:
     rig, report = rigged("biped.glb"), Report()
     node = control(rig, "head", "fk")
-    posed = pose_of(asked(rig, (node, "scale", scale)), Options("new@0.5"), report)  # type: ignore[arg-type]
+    posed = pose_of(asked(rig, (node, "scale", scale)), PoseOptions("new@0.5"), report)  # type: ignore[arg-type]
     head = rig.find("head")
     np.testing.assert_allclose(posed.part(head).scale[0] / rig.scale[head], scale)
     assert [told in notice.text for notice in report.warnings] == ([True] if told else [])

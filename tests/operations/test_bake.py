@@ -20,21 +20,18 @@ from rigtri.evaluation.active_controls import keyed_in
 from rigtri.evaluation.pose_cache import sampled
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options, bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
-WHOLE = ControlOptions(whole_character=True)
+WHOLE = AddControlsOptions(whole_character=True)
 # The issue's bound: of the character's size, at every frame.
 BOUND = 1e-5
 
@@ -90,14 +87,14 @@ def animated(rig: Rig, node: int, path: Any, values: Any, times: Any = (0.0, 1.0
 @pytest.mark.parametrize("clip", ["walk", "wave"])
 def test_joints_to_controls_to_joints_gives_the_motion_back(clip: str) -> None:
     rig = rigged()
-    home = bake(bake(rig, options=Options(to="controls")), options=Options())
+    home = bake(bake(rig, options=BakeOptions(to="controls")), options=BakeOptions())
     assert apart(rig, home, clip, pose.key_times(rig.clip(clip))) < BOUND
 
 
 def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None:
     rig = rigged()
     report = Report()
-    up = bake(rig, options=Options(to="controls"), report=report)
+    up = bake(rig, options=BakeOptions(to="controls"), report=report)
     assert all(entry["limbs"] == 4 for entry in report.added)
     # Without the IK ends' keys the limbs would stand otherwise.
     ends = {control(up, joint, "ik") for joint in ("hand_L", "hand_R", "foot_L", "foot_R")}
@@ -107,21 +104,21 @@ def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None
         return replace(track, values=track.values + 0.2) if mine else track
 
     clips = tuple(replace(clip, tracks=tuple(map(shifted, clip.tracks))) for clip in up.clips)
-    home = bake(replace(up, clips=clips), options=Options())
+    home = bake(replace(up, clips=clips), options=BakeOptions())
     assert apart(rig, home, "walk", pose.key_times(rig.clip("walk"))) > 0.01
 
 
 def test_a_rig_that_nobody_moved_bakes_to_itself() -> None:
     rig = rigged("tpose.glb")
-    assert bake(replace(rig, clips=()), options=Options()) is rig or np.array_equal(
-        bake(rig, options=Options()).local, rig.local
+    assert bake(replace(rig, clips=()), options=BakeOptions()) is rig or np.array_equal(
+        bake(rig, options=BakeOptions()).local, rig.local
     )
 
 
 def test_baking_again_changes_nothing() -> None:
-    up = bake(rigged(), options=Options(to="controls"))
-    once = bake(up, options=Options())
-    twice = bake(once, options=Options())
+    up = bake(rigged(), options=BakeOptions(to="controls"))
+    once = bake(up, options=BakeOptions())
+    twice = bake(once, options=BakeOptions())
     for a, b in zip(once.clips, twice.clips, strict=True):
         for one, two in zip(a.tracks, b.tracks, strict=True):
             assert one.values is two.values or np.array_equal(one.values, two.values)
@@ -133,10 +130,10 @@ def test_a_control_that_was_turned_at_rest_turns_its_joint_once_however_often_it
     rotation = rig.rotation.copy()
     rotation[head] = from_axis_angle([0.0, 0.0, 1.0], 0.5)
     posed = replace(rig, rotation=rotation)
-    once = bake(posed, options=Options())
+    once = bake(posed, options=BakeOptions())
     turned = np.linalg.norm(once.world[rig.find("head"), :3, :3] - rig.world[rig.find("head"), :3, :3])
     assert turned == pytest.approx(2.0 * np.sqrt(2.0) * np.sin(0.25), rel=1e-3)
-    np.testing.assert_allclose(bake(stored(once), options=Options()).world, once.world, atol=1e-6)
+    np.testing.assert_allclose(bake(stored(once), options=BakeOptions()).world, once.world, atol=1e-6)
 
 
 def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
@@ -145,7 +142,7 @@ def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
     inward = rig.world[rig.find("upper_arm_L"), 3, :3] - rig.world[hand, 3, :3]
     move = (0.3 * inward + [0.0, 0.05, 0.05]) @ np.linalg.inv(rig.world[hand, :3, :3])
     rig = animated(rig, hand, "translation", [[0, 0, 0], move])
-    baked = bake(rig, options=Options(clips=("new",)))
+    baked = bake(rig, options=BakeOptions(clips=("new",)))
     for k, time in enumerate((0.0, 1.0)):
         local = pose.locals_at(baked, baked.clip("new"), [time])
         world = pose.worlds(baked, local)[0]
@@ -156,7 +153,7 @@ def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
 def test_a_control_without_keys_leaves_its_joint_alone() -> None:
     rig = rigged()
     rig = animated(rig, control(rig, "head", "fk"), "rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
-    baked = bake(rig, options=Options(clips=("new",)))
+    baked = bake(rig, options=BakeOptions(clips=("new",)))
     joints = {rig.names[t.node] for t in baked.clip("new").tracks if rig.is_joint[t.node]}
     assert joints == {"head"}
 
@@ -166,16 +163,16 @@ def test_stretch_and_soft_of_the_options_hold_for_all_limbs() -> None:
     hand = control(rig, "hand_L", "ik")
     far = animated(rig, hand, "translation", [[0, 0, 0], [2.0, 0, 0]])
 
-    def end(options: Options) -> Floats:
+    def end(options: BakeOptions) -> Floats:
         baked = bake(far, options=options)
         return pose.worlds(baked, pose.locals_at(baked, baked.clip("new"), [1.0]))[0]
 
-    stretched, plain = end(Options(clips=("new",), stretch=True)), end(Options(clips=("new",)))
+    stretched, plain = end(BakeOptions(clips=("new",), stretch=True)), end(BakeOptions(clips=("new",)))
     target = stretched[hand, 3, :3]
     joint = rig.find("hand_L")
     assert np.linalg.norm(stretched[joint, 3, :3] - target) < 1e-5
     assert np.linalg.norm(plain[joint, 3, :3] - target) > 0.5
-    soft = end(Options(clips=("new",), soft=0.2))
+    soft = end(BakeOptions(clips=("new",), soft=0.2))
     arm = rig.find("upper_arm_L")
     assert np.linalg.norm(soft[joint, 3, :3] - soft[arm, 3, :3]) <= np.linalg.norm(
         plain[joint, 3, :3] - plain[arm, 3, :3]
@@ -187,10 +184,10 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
     hand = control(rig, "hand_L", "ik")
     far = animated(rig, hand, "translation", [[0, 0, 0], [1e30, 0, 0]])
     with pytest.raises(GeometryError, match=r"'hand_L_ik_ctl' is so far away at new@.* --no-stretch"):
-        bake(far, options=Options(stretch=True))
+        bake(far, options=BakeOptions(stretch=True))
     for target, stretch in ((1e30, False), (1e3, True)):
         near = animated(rig, hand, "translation", [[0, 0, 0], [target, 0, 0]])
-        baked = bake(near, options=Options(stretch=stretch))
+        baked = bake(near, options=BakeOptions(stretch=stretch))
         assert all(np.isfinite(track.values).all() for clip in baked.clips for track in clip.tracks)
 
 
@@ -218,7 +215,7 @@ def test_a_control_that_was_moved_at_rest_is_told_of(suffix: str, tmp_path: Path
 def test_a_constraint_is_worked_out_in_every_clip() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
-    baked = bake(rig, options=Options())
+    baked = bake(rig, options=BakeOptions())
     times = pose.key_times(rig.clip("walk"))
     world = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), times))
     hand, staff = rig.find("hand_L"), rig.find("staff")
@@ -239,11 +236,11 @@ def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float
 
     track = Track(middle, "rotation", "LINEAR", times, multiply(rig.rotation[middle], turns))
     rig = replace(rig, clips=(Clip("bend", (track,)),))
-    up = bake(rig, options=Options(to="controls"))
+    up = bake(rig, options=BakeOptions(to="controls"))
     world = pose.worlds(up, pose.locals_at(up, up.clip("bend"), times))
     step = np.linalg.norm(np.diff(world[:, pole, 3, :3], axis=0), axis=1) / size(rig)
     assert step.max() < 0.01
-    home = bake(up, options=Options())
+    home = bake(up, options=BakeOptions())
     assert apart(rig, home, "bend", times) < BOUND
 
 
@@ -251,7 +248,7 @@ def test_a_clip_of_one_key_and_a_control_of_uneven_scale_have_a_meaning() -> Non
     rig = rigged()
     head = control(rig, "head", "fk")
     rig = animated(rig, head, "scale", [[1.0, 2.0, 0.5]], times=[0.25])
-    baked = bake(rig, options=Options(clips=("new",)))
+    baked = bake(rig, options=BakeOptions(clips=("new",)))
     track = next(t for t in baked.clip("new").tracks if t.path == "scale" and t.node == rig.find("head"))
     np.testing.assert_allclose(track.values, [[1.0, 2.0, 0.5]], atol=1e-6)
 
@@ -268,7 +265,7 @@ def test_thinned_keys_keep_what_was_linear_few() -> None:
         np.random.default_rng(0).normal(size=(60, 3)),
     )
     rig = replace(rig, clips=(Clip("mixed", (two, many)),))
-    home = bake(bake(rig, options=Options(to="controls")), options=Options())
+    home = bake(bake(rig, options=BakeOptions(to="controls")), options=BakeOptions())
     kept = next(t for t in home.clip("mixed").tracks if t.node == head and t.path == "rotation")
     assert len(kept.times) == 2
 
@@ -276,24 +273,24 @@ def test_thinned_keys_keep_what_was_linear_few() -> None:
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        (Options(clips=("wlak",)), NameNotFoundError),
-        (Options(fps=0.0), UsageError),
-        (Options(tolerance=np.inf), UsageError),
-        (Options(fps="a"), UsageError),  # type: ignore[arg-type]
-        (Options(clips="walk"), UsageError),  # type: ignore[arg-type]
-        (Options(soft=1.0), UsageError),
-        (Options(stretch="no"), UsageError),  # type: ignore[arg-type]
-        (Options(to="bones"), UsageError),  # type: ignore[arg-type]
+        (BakeOptions(clips=("wlak",)), NameNotFoundError),
+        (BakeOptions(fps=0.0), UsageError),
+        (BakeOptions(tolerance=np.inf), UsageError),
+        (BakeOptions(fps="a"), UsageError),  # type: ignore[arg-type]
+        (BakeOptions(clips="walk"), UsageError),  # type: ignore[arg-type]
+        (BakeOptions(soft=1.0), UsageError),
+        (BakeOptions(stretch="no"), UsageError),  # type: ignore[arg-type]
+        (BakeOptions(to="bones"), UsageError),  # type: ignore[arg-type]
     ],
 )
-def test_options_that_cannot_be_are_told(options: Options, error: type[Exception]) -> None:
+def test_options_that_cannot_be_are_told(options: BakeOptions, error: type[Exception]) -> None:
     with pytest.raises(error):
         bake(rigged(), options=options)
 
 
 def test_a_file_without_controls_has_nothing_to_bake() -> None:
     with pytest.raises(GeometryError, match="nothing to bake"):
-        bake(read(SAMPLES / "biped.glb").rig, options=Options())
+        bake(read(SAMPLES / "biped.glb").rig, options=BakeOptions())
 
 
 def run(*arguments: str | Path) -> click.testing.Result:
@@ -344,8 +341,8 @@ def test_real_motion_comes_home(path: Path) -> None:
         leave_out_refused(path, error)
     clips = [clip.name for clip in rig.shown_clips if clip.tracks]
     report = Report()
-    up = bake(rig, options=Options(to="controls", fps=30.0), report=report)
-    home = bake(up, options=Options(fps=30.0))
+    up = bake(rig, options=BakeOptions(to="controls", fps=30.0), report=report)
+    home = bake(up, options=BakeOptions(fps=30.0))
     assert "controls-off" not in {notice.code for notice in report.warnings}
     for name in clips:
         clip = rig.clip(name)
@@ -355,11 +352,11 @@ def test_real_motion_comes_home(path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_joint_that_only_the_root_control_carries_keeps_its_motion(name: str) -> None:
-    only_limbs = ControlOptions(ik_auto=True, root_control=True)
+    only_limbs = AddControlsOptions(ik_auto=True, root_control=True)
     rig, report = stored(add_controls(read(SAMPLES / name).rig, options=only_limbs)), Report()
-    up = bake(rig, options=Options(to="controls"), report=report)
+    up = bake(rig, options=BakeOptions(to="controls"), report=report)
     assert max(entry["deviation"] for entry in report.added if entry["type"] == "clip") < BOUND
-    home = bake(up, options=Options())
+    home = bake(up, options=BakeOptions())
     for clip in rig.shown_clips:
         assert apart(rig, home, clip.name, pose.key_times(clip)) < BOUND
 
@@ -381,7 +378,7 @@ def growing(rig: Rig) -> Rig:
 def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_and_how_far() -> None:
     rig = growing(without_fk(rigged()))
     report = Report()
-    up = bake(rig, options=Options(to="controls", between=1e-5), report=report)
+    up = bake(rig, options=BakeOptions(to="controls", between=1e-5), report=report)
     (notice,) = (notice for notice in report.warnings if notice.code == "controls-off")
     assert notice.geometry
     assert "has no FK control" in notice.text
@@ -391,7 +388,7 @@ def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_an
     assert notice.joint is not None
     at = [
         pose.worlds(one, pose.locals_at(one, one.clip("walk"), [time]))[0, rig.find(notice.joint), 3, :3]
-        for one in (rig, bake(up, options=Options(between=1e-5)))
+        for one in (rig, bake(up, options=BakeOptions(between=1e-5)))
     ]
     assert np.linalg.norm(at[0] - at[1]) / size(rig) == pytest.approx(off, rel=0.1)
     assert off > 1e-3
@@ -421,7 +418,7 @@ def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> N
 def test_blocks_of_frames_change_no_bit(block: int) -> None:
     rig = rigged()
     rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
-    up = bake(constrain(rig, options=rule), options=Options(to="controls", fps=120.0))
+    up = bake(constrain(rig, options=rule), options=BakeOptions(to="controls", fps=120.0))
     for timeline in timelines(up):
         solver = Solver(up, keyed_in(up, timeline))
         times = np.linspace(0.0, 1.0, 100)

@@ -17,7 +17,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.report import Report
 
 BOUND = 1e-5
@@ -38,8 +38,8 @@ def reaching(name: str) -> Rig:
 def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
     rig, report = rigged(), Report()
     home = bake(
-        bake(rig, options=Options(to="controls", between=5e-6), report=report),
-        options=Options(between=5e-6),
+        bake(rig, options=BakeOptions(to="controls", between=5e-6), report=report),
+        options=BakeOptions(between=5e-6),
         report=report,
     )
     keys = pose.key_times(rig.clip(clip))
@@ -51,7 +51,7 @@ def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_joints_follow_ik_between_keys(name: str) -> None:
     rig, report = reaching(name), Report()
-    baked = bake(rig, options=Options(between=5e-6), report=report)
+    baked = bake(rig, options=BakeOptions(between=5e-6), report=report)
     times = np.linspace(0.0, rig.per_second, 500)
     timeline = timelines(rig)[0]
     there = Solver(rig, keyed_in(rig, timeline)).run(sampled(rig, timeline.clip, times))
@@ -69,14 +69,14 @@ def test_a_larger_tolerance_takes_fewer_samples() -> None:
     counts = []
     for tolerance in (1e-3, 1e-4, 1e-5):
         report = Report()
-        bake(reaching("biped.glb"), options=Options(between=tolerance / 2), report=report)
+        bake(reaching("biped.glb"), options=BakeOptions(between=tolerance / 2), report=report)
         counts.append(report.added[0]["frames"])
     assert counts[0] < counts[1] < counts[2]
 
 
 def test_samples_that_were_asked_for_are_the_only_ones() -> None:
     report = Report()
-    baked = bake(reaching("biped.glb"), options=Options(fps=10.0), report=report)
+    baked = bake(reaching("biped.glb"), options=BakeOptions(fps=10.0), report=report)
     (entry,) = report.added
     assert entry["frames"] == 11
     assert entry["between_samples"] > BOUND
@@ -90,14 +90,14 @@ def test_what_moves_on_lines_gets_no_more_samples() -> None:
     head = control(rig, "head", "fk")
     rig = animated(rig, head, "rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
     report = Report()
-    bake(rig, options=Options(between=5e-6), report=report)
+    bake(rig, options=BakeOptions(between=5e-6), report=report)
     assert [(e["frames"], e["between_samples"]) for e in report.added] == [(2, 0.0)]
 
 
 def test_a_highest_rate_bounds_the_samples_and_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(between, "MOST_A_SECOND", 8.0)
     report = Report()
-    bake(reaching("biped.glb"), options=Options(between=5e-6), report=report)
+    bake(reaching("biped.glb"), options=BakeOptions(between=5e-6), report=report)
     assert report.added[0]["frames"] == 9
     assert [notice.code for notice in report.warnings] == ["samples-limited"]
     text = report.warnings[0].text
@@ -116,7 +116,7 @@ def test_a_spline_between_keys_of_opposite_sign_swings_round_as_its_file_says_an
     values = np.array([[still, turn, tangent], [still, -turn, still]])
     track = Track(head, "rotation", "CUBICSPLINE", np.array([0.0, 1.0]), values)
     report = Report()
-    bake(replace(rig, clips=(Clip("new", (track,)),)), options=Options(to="controls"), report=report)
+    bake(replace(rig, clips=(Clip("new", (track,)),)), options=BakeOptions(to="controls"), report=report)
     (notice,) = (notice for notice in report.warnings if notice.code == "splines-swing")
     assert "splines of 'head' swing round" in notice.text
     assert "first after 0;" in notice.text
@@ -134,7 +134,7 @@ def test_a_limb_that_passes_straight_gets_samples_where_it_does_and_few_elsewher
     rig = replace(rig, clips=(Clip("other", ()),))
     rig = animated(rig, hand, "translation", moves, times=(0.0, 0.3))
     report = Report()
-    bake(replace(rig, clips=rig.clips[-1:]), options=Options(), report=report)
+    bake(replace(rig, clips=rig.clips[-1:]), options=BakeOptions(), report=report)
     (entry,) = report.added
     assert entry["between_samples"] <= 1e-3
     assert entry["frames"] < 100

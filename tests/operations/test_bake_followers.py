@@ -19,15 +19,11 @@ from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_posereader.posereader import Goal, add_posereader
-from rigtri.operations.add_posereader.posereader import Options as ReaderOptions
-from rigtri.operations.add_rivet.rivet import Options as RivetOptions
-from rigtri.operations.add_rivet.rivet import add_rivet
-from rigtri.operations.bake.bake import Options, bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
+from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.joint_selection import Selection
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -46,12 +42,14 @@ def source_of(kind: str, folder: Path) -> tuple[Path, str, str]:
 
 
 def built(rig: Rig, joint: str, mesh: str, report: Report) -> Rig:
-    rig = add_controls(rig, options=ControlOptions(selection=Selection(joints=(joint,))), report=report)
-    reader = ReaderOptions(
+    rig = add_controls(rig, options=AddControlsOptions(selection=Selection(joints=(joint,))), report=report)
+    reader = AddPosereaderOptions(
         driver=joint, axis=(0, 1, 0), targets=(SIDE,), morphs=(("side", mesh, "bulge"),), name="reader"
     )
     rig = add_posereader(rig, options=reader, report=report)
-    return add_rivet(rig, options=RivetOptions(mesh=mesh, triangles=(0,), names=("button",)), report=report)
+    return add_rivet(
+        rig, options=AddRivetOptions(mesh=mesh, triangles=(0,), names=("button",)), report=report
+    )
 
 
 def turned(rig: Rig, joint: str) -> Rig:
@@ -81,8 +79,8 @@ def test_rivets_and_readers_follow_what_controls_make_of_the_joints(kind: str, t
     source, joint, mesh = source_of(kind, tmp_path)
     ready, once, twice = (tmp_path / f"{name}.{kind}" for name in ("ready", "once", "twice"))
     edit(source, ready, lambda rig, report: turned(built(rig, joint, mesh, report), joint))
-    edit(ready, once, lambda rig, report: bake(rig, options=Options(), report=report))
-    edit(once, twice, lambda rig, report: bake(rig, options=Options(), report=report))
+    edit(ready, once, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
+    edit(once, twice, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
     assert once.read_bytes() == twice.read_bytes()
     rig = read(once).rig
     clip = timelines(rig)[0].clip
@@ -104,7 +102,7 @@ def test_what_is_constrained_to_a_rivet_follows_where_the_rivet_comes_to(tmp_pat
         rig, options=ConstrainOptions(kind="parent", child="pin", drivers=(("button", 1.0),)), report=Report()
     )
     before = rig.world[rig.find("pin")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
-    baked = bake(turned(rig, joint), options=Options())
+    baked = bake(turned(rig, joint), options=BakeOptions())
     clip = baked.clips[0]
     times = np.linspace(0.0, 1.0, 9)
     world = pose.worlds(baked, pose.locals_at(baked, clip, times))
@@ -127,7 +125,7 @@ def test_a_joint_that_follows_a_rivet_on_its_own_mesh_is_a_circle(tmp_path: Path
         report=Report(),
     )
     with pytest.raises(GeometryError, match=r"circle.*'button' → 'upper' → 'button'"):
-        bake(turned(rig, joint), options=Options())
+        bake(turned(rig, joint), options=BakeOptions())
 
 
 def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path: Path) -> None:
@@ -145,11 +143,11 @@ def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path
         rig = replace(rig, clips=(*rig.clips, Clip("spin", (track,))))
         pinned = ConstrainOptions(kind="parent", child="pin", drivers=(("button", 1.0),))
         rig = constrain(rig, options=pinned, report=report)
-        return bake(rig, options=Options(to="controls"), report=report)
+        return bake(rig, options=BakeOptions(to="controls"), report=report)
 
     edit(source, ready, spinning)
-    edit(ready, once, lambda rig, report: bake(rig, options=Options(), report=report))
-    edit(once, twice, lambda rig, report: bake(rig, options=Options(), report=report))
+    edit(ready, once, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
+    edit(once, twice, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
     assert once.read_bytes() == twice.read_bytes()
     rig = read(once).rig
     before = rig.world[rig.find("pin")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
@@ -167,7 +165,7 @@ def test_a_rivet_whose_mesh_is_gone_keeps_its_keys_and_is_told(tmp_path: Path) -
     rivet = rig.find("button", "node")
     rig = replace(rig, notes={**rig.notes, rivet: {**rig.notes[rivet], "mesh": "Coat"}})
     report = Report()
-    baked = bake(rig, options=Options(), report=report)
+    baked = bake(rig, options=BakeOptions(), report=report)
     assert [notice.code for notice in report.warnings] == ["follower-kept"]
     was = [t for t in rig.clips[0].tracks if t.node == rivet]
     assert [t for t in baked.clips[0].tracks if t.node == rivet] == was
@@ -178,7 +176,7 @@ def test_the_seat_is_that_of_the_rivet_not_of_its_number(tmp_path: Path) -> None
     rig = built(read(source).rig, joint, mesh, Report())
     node = rig.find("button", "node")
     note = dict(rig.notes[node])
-    baked = bake(turned(rig, joint), options=Options())
+    baked = bake(turned(rig, joint), options=BakeOptions())
     assert dict(baked.notes[node]) == note
     seat = Carried(baked, baked.meshes[0], np.array(note["vertices"])).at_rest().mean(axis=0)
     assert_allclose(baked.world[node, 3, :3], seat, atol=1e-6)

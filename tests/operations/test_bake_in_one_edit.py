@@ -17,11 +17,9 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_twist.twist import Options as TwistOptions
-from rigtri.operations.add_twist.twist import add_twist
-from rigtri.operations.bake.bake import Options, bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -44,8 +42,8 @@ def built(rig: Rig, report: Report) -> Rig:
     rig = add_controls(rig, options=WHOLE, report=report)
     rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
     rig = constrain(rig, options=rule, report=report)
-    rig = add_twist(rig, options=TwistOptions(auto=True), report=report)
-    return bake(nodding(rig), options=Options(), report=report)
+    rig = add_twist(rig, options=AddTwistOptions(auto=True), report=report)
+    return bake(nodding(rig), options=BakeOptions(), report=report)
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
@@ -97,7 +95,7 @@ def test_a_prim_that_a_constraint_moves_gets_its_keys_in_usd(tmp_path: Path) -> 
     rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
     ready, out = tmp_path / "ready.usda", tmp_path / "out.usda"
     edit(SAMPLES / "biped.usda", ready, lambda rig, report: constrain(rig, options=rule, report=report))
-    outcome = edit(ready, out, lambda rig, report: bake(rig, options=Options(), report=report))
+    outcome = edit(ready, out, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
     assert outcome.verification is not None
     assert outcome.verification.passes()
     rig = read(out).rig

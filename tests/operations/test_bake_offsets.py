@@ -18,9 +18,8 @@ from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options, bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.strip import strip
 
 # The bound, as a share of the size.
@@ -48,7 +47,7 @@ def off(rig: Rig, clip: str) -> float:
 @pytest.mark.parametrize("clip", ["walk", "wave"])
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_controls_stand_on_their_joints_at_every_frame(name: str, clip: str) -> None:
-    up = bake(rigged(name), options=Options(to="controls", tolerance=1e-6))
+    up = bake(rigged(name), options=BakeOptions(to="controls", tolerance=1e-6))
     assert off(up, up.clips[0].name if name.endswith("usda") else clip) < NEAR
 
 
@@ -75,7 +74,7 @@ def test_controls_below_a_constrained_joint_ride_on_it_where_something_looks_at_
 
 def test_the_offsets_of_a_limb_move_and_no_others() -> None:
     rig = rigged()
-    up = bake(rig, options=Options(to="controls"))
+    up = bake(rig, options=BakeOptions(to="controls"))
     moved = {t.node for clip in up.clips for t in clip.tracks}
     offsets = {node for node, note in up.notes.items() if note.get("type") == "offset"} & moved
     limbs = {j for note in up.notes.values() if note.get("kind") == "ik" for j in note.get("chain", ())}
@@ -85,10 +84,13 @@ def test_the_offsets_of_a_limb_move_and_no_others() -> None:
 
 def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
     rig = rigged()
-    up = bake(rig, options=Options(to="controls"))
+    up = bake(rig, options=BakeOptions(to="controls"))
     offsets = {node for node, note in up.notes.items() if note.get("type") == "offset"}
     clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node not in offsets)) for c in up.clips)
-    with_them, without = bake(up, options=Options()), bake(replace(up, clips=clips), options=Options())
+    with_them, without = (
+        bake(up, options=BakeOptions()),
+        bake(replace(up, clips=clips), options=BakeOptions()),
+    )
     times = pose.key_times(rig.clip("walk"))
     assert apart(with_them, without, "walk", times) == 0.0
 
@@ -103,11 +105,11 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     rule = ConstrainOptions(kind="parent", child="staff", drivers=((rig.names[hand], 1.0),))
     rig = constrain(rig, options=rule)
     offset = rig.world[rig.find("staff")] @ np.linalg.inv(rig.world[hand])
-    up = bake(rig, options=Options(to="controls"))
+    up = bake(rig, options=BakeOptions(to="controls"))
     # A file whose offsets have no keys: the solver itself must put the control there.
     still = {node for node, note in up.notes.items() if note.get("type") == "offset"}
     clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node not in still)) for c in up.clips)
-    home = bake(replace(up, clips=clips), options=Options())
+    home = bake(replace(up, clips=clips), options=BakeOptions())
     times = pose.key_times(rig.clip("walk"))
     world = pose.worlds(home, pose.locals_at(home, home.clip("walk"), times))
     joint = rig.find("hand_L")
@@ -120,7 +122,7 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
 
 def test_strip_takes_the_keys_of_offsets_out_again() -> None:
     rig = rigged()
-    bare = strip(bake(rig, options=Options(to="controls")))
+    bare = strip(bake(rig, options=BakeOptions(to="controls")))
     own = rig.own
     assert not [t for clip in bare.clips for t in clip.tracks if t.node in own]
     for a, b in zip(rig.clips, bare.clips, strict=True):

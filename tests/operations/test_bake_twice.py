@@ -21,11 +21,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_posereader.posereader import Goal, add_posereader
-from rigtri.operations.add_posereader.posereader import Options as ReaderOptions
-from rigtri.operations.add_twist.twist import Options as TwistOptions
-from rigtri.operations.add_twist.twist import add_twist
-from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
+from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -36,11 +34,11 @@ def single(values: Floats) -> Floats:
 
 def built(rig: Rig, report: Report) -> Rig:
     """Controls with the clips' motion, twist joints in all limbs, and a reader of a lower arm."""
-    rig = add_twist(rig, options=TwistOptions(auto=True), report=report)
+    rig = add_twist(rig, options=AddTwistOptions(auto=True), report=report)
     rig = add_controls(rig, options=WHOLE, report=report)
-    reader = ReaderOptions("forearm_L", targets=(Goal("up", direction=(0, 1, 0)),), name="reader")
+    reader = AddPosereaderOptions("forearm_L", targets=(Goal("up", direction=(0, 1, 0)),), name="reader")
     rig = add_posereader(rig, options=reader, report=report)
-    return bake(rig, options=Options(to="controls"), report=report)
+    return bake(rig, options=BakeOptions(to="controls"), report=report)
 
 
 def edited(rig: Rig) -> Rig:
@@ -83,7 +81,7 @@ def off_law(rig: Rig) -> float:
 def test_what_follows_joints_is_made_of_the_keys_that_are_read(name: str, tmp_path: Path) -> None:
     ready, once, twice = (tmp_path / f"{k}{Path(name).suffix}" for k in range(3))
     edit(SAMPLES / name, ready, lambda rig, report: edited(built(rig, report)), verify=False)
-    edit(ready, once, lambda rig, report: bake(rig, options=Options(), report=report))
+    edit(ready, once, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
     was, now = read(ready).rig, read(once).rig
     turned = [
         pose.locals_at(rig, rig.clips[0], [0.37 * rig.per_second])[0, rig.find("hand_L")]
@@ -91,7 +89,7 @@ def test_what_follows_joints_is_made_of_the_keys_that_are_read(name: str, tmp_pa
     ]
     assert np.abs(turned[0] - turned[1]).max() > 0.1
     assert off_law(now) < 2e-6
-    edit(once, twice, lambda rig, report: bake(rig, options=Options(), report=report))
+    edit(once, twice, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
     assert once.read_bytes() == twice.read_bytes()
 
 
@@ -143,7 +141,7 @@ def rounded_above(rig: Rig, seed: int) -> Rig:
 
 @pytest.mark.parametrize("seed", [1, 4])
 def test_rounding_above_a_limb_turns_no_choice_of_keys(seed: int) -> None:
-    coarse = Options(stretch=True, tolerance=1e-3)
+    coarse = BakeOptions(stretch=True, tolerance=1e-3)
     once = as_read(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig
     ready = rounded_above(once, seed)
     twice = bake(ready, options=coarse)
@@ -157,8 +155,8 @@ def test_rounding_above_a_limb_turns_no_choice_of_keys(seed: int) -> None:
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_larger_tolerance_still_leaves_out_more(name: str) -> None:
     ready = flung(read(SAMPLES / name).rig, 1)
-    fine = bake(ready, options=Options(stretch=True))
-    coarse = bake(fine, options=Options(stretch=True, tolerance=1e-2))
+    fine = bake(ready, options=BakeOptions(stretch=True))
+    coarse = bake(fine, options=BakeOptions(stretch=True, tolerance=1e-2))
     ends = {rig.find("hand_L") for rig in (fine, coarse)}
     counts = [
         [len(t.times) for c in rig.clips[:1] for t in c.tracks if t.node in ends and t.path == "translation"]

@@ -22,7 +22,7 @@ from rigtri.formats import read
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.rejoin_clips import joined
-from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.report import Report
 
 JOINTS = 3
@@ -48,7 +48,7 @@ def known(edited: Rig, rig: Rig = RIG, **names: str) -> tuple[dict[str, int], di
     done = joined(edited, rig, names=names, report=report)
     notices = {notice.code: notice.text for notice in report.warnings}
     taken = Report()
-    take_clips(rig, edited, options=Options(names=names), report=taken)
+    take_clips(rig, edited, options=TakeClipsOptions(names=names), report=taken)
     assert {clip.name for clip in done.clips} == {entry["clip"] for entry in taken.added}
     for code in ("split-clip", "clip-paired"):
         assert notices.get(code) == next((n.text for n in taken.warnings if n.code == code), None)
@@ -166,17 +166,17 @@ def test_keys_between_frames_that_an_exporter_lost_are_told_by_what_joints_miss(
 @pytest.mark.parametrize("said", ["#2", "#9"])
 def test_a_number_that_no_clip_has_is_an_error(said: str) -> None:
     with pytest.raises(NameNotFoundError, match=f"'{said}'.*'#0', 'walk', '#1', 'run'"):
-        take_clips(RIG, RIG, options=Options(names={"walk": said}))
+        take_clips(RIG, RIG, options=TakeClipsOptions(names={"walk": said}))
     with pytest.raises(NameNotFoundError, match=f"'{said}'"):
-        take_clips(RIG, RIG, options=Options(clips=(said,)))
+        take_clips(RIG, RIG, options=TakeClipsOptions(clips=(said,)))
     with pytest.raises(NameNotFoundError):
-        take_clips(RIG, RIG, options=Options(names={said: "walk"}))
+        take_clips(RIG, RIG, options=TakeClipsOptions(names={said: "walk"}))
 
 
 def test_numbers_choose_clips_of_edited() -> None:
     edited = rig_with(playing(far=0.5), playing("run", 2.0, 0.5))
-    assert take_clips(RIG, edited, options=Options(clips=("#1",))).clips[0] is RIG.clips[0]
-    home = take_clips(RIG, edited, options=Options(names={"#0": "new"}))
+    assert take_clips(RIG, edited, options=TakeClipsOptions(clips=("#1",))).clips[0] is RIG.clips[0]
+    home = take_clips(RIG, edited, options=TakeClipsOptions(names={"#0": "new"}))
     assert [clip.name for clip in home.clips] == ["walk", "run", "new"]
 
 
@@ -229,7 +229,7 @@ def test_modes_of_blenders_exporter_bake_to_the_same_motion(up: Path, tmp_path: 
         done = run("bake", file, "-o", out, "--to", "joints", "--rig", up, "--clip", "walk", *said)
         assert done.exit_code == 0, done.output
         assert ("known as 'walk'" in done.output) == (mode in ("split", "ACTIVE_ACTIONS", "SCENE"))
-        names = Options(names={"biped": "walk"} if said else {})
+        names = TakeClipsOptions(names={"biped": "walk"} if said else {})
         if mode != "SCENE":  # it has the scene's frames, from the second on
             assert take_clips(rig, read(file).rig, options=names) is rig
         baked = read(out).rig

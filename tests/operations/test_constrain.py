@@ -23,8 +23,7 @@ from rigtri.errors import FileError, GeometryError, NameNotFoundError, RigtriErr
 from rigtri.evaluation.constraint_solver import factored, pole, rotate_of
 from rigtri.evaluation.dependency_graph import followed
 from rigtri.evaluation.sampling import locals_at, rest, worlds
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.frames.constraint_transform import lost_rules
 from rigtri.frames.reframe import reframe
 from rigtri.maths.euler import ORDERS, Order, from_angles, to_angles
@@ -35,11 +34,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import KINDS, Kind, rule_of, rules_of
 from rigtri.model.records import Constraint
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options as BakeOptions
-from rigtri.operations.bake.bake import bake
-from rigtri.operations.constrain.constrain import Options, constrain
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -78,11 +75,11 @@ def moved(rig: Rig, seed: int, *nodes: str) -> Rig:
     return replace(rig, rotation=rotation, translation=translation)
 
 
-def options(kind: Kind, *drivers: str, **more: Any) -> Options:
-    return Options(kind=kind, child="child", drivers=tuple((name, 1.0) for name in drivers), **more)
+def options(kind: Kind, *drivers: str, **more: Any) -> ConstrainOptions:
+    return ConstrainOptions(kind=kind, child="child", drivers=tuple((name, 1.0) for name in drivers), **more)
 
 
-def following(given: Options) -> Any:
+def following(given: ConstrainOptions) -> Any:
     """The step of an edit that makes a constraint."""
     return lambda rig, report: constrain(rig, options=given, report=report)
 
@@ -119,7 +116,7 @@ def test_a_kept_offset_leaves_its_child_where_it_was(
 ) -> None:
     rig = random_pose(seed)
     weights = dict.fromkeys(drivers, 1.0) | {"driver": 0.3}
-    out = constrain(rig, options=Options(child="child", drivers=tuple(weights.items()), **variant))
+    out = constrain(rig, options=ConstrainOptions(child="child", drivers=tuple(weights.items()), **variant))
     assert_allclose(solved(out)[: len(rig)], worlds(rig), rtol=0, atol=1e-12)
     assert followed(out, rest(out)[np.newaxis])[0, :4].tolist() == rest(out)[:4].tolist()
 
@@ -232,7 +229,7 @@ def test_a_skipped_axis_stays_in_the_chosen_order() -> None:
 def test_weights_interpolate(share: float) -> None:
     rig = random_pose(3, even=True)
     drivers = (("driver", 2 * (1 - share)), ("other", 2 * share))
-    given = Options(kind="parent", child="child", drivers=drivers, maintain_offset=False)
+    given = ConstrainOptions(kind="parent", child="child", drivers=drivers, maintain_offset=False)
     out = solved(constrain(rig, options=given))[4]
     a, b = factored(worlds(rig)[1]), factored(worlds(rig)[2])
     assert_allclose(out[3, :3], (1 - share) * a.translation + share * b.translation, atol=1e-12)
@@ -263,7 +260,7 @@ def test_the_mean_of_turns_cancels_the_weighted_turns_to_all() -> None:
 def test_without_any_weight_the_child_keeps_its_own() -> None:
     report = Report()
     rig = random_pose(1)
-    given = Options(kind="parent", child="child", drivers=(("driver", 0.0), ("other", 0.0)))
+    given = ConstrainOptions(kind="parent", child="child", drivers=(("driver", 0.0), ("other", 0.0)))
     out = constrain(rig, options=given, report=report)
     assert [notice.code for notice in report.warnings if "weight" in notice.code] == ["constraint-weightless"]
     assert_allclose(solved(moved(out, 2, "driver"))[4], worlds(rig)[4], atol=1e-12)
@@ -343,7 +340,7 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
     rig = with_driver(ARM, (1.0, 0.0, 3.0))
     limb = ("a", "b", "c")
     for keep, wanted in ((True, [1, 3, 0]), (False, [1, 0, 3])):
-        given = Options("polevector", drivers=(("knee", 1.0),), limb=limb, maintain_offset=keep)
+        given = ConstrainOptions("polevector", drivers=(("knee", 1.0),), limb=limb, maintain_offset=keep)
         out = constrain(rig, options=given)
         (note,) = (note for note in out.notes.values() if note["type"] == "constraint")
         assert (note["child"], note["chain"]) == ("b", ["a", "b", "c"])
@@ -360,16 +357,16 @@ def test_circles_are_refused_and_named(samples: Path) -> None:
         constrain(below, options=options("point", "child"))
     first = constrain(random_pose(0), options=options("orient", "driver"))
     with pytest.raises(GeometryError, match="'driver' → 'child' → 'driver'"):
-        constrain(first, options=Options("point", "driver", (("child", 1.0),)))
-    second = constrain(first, options=Options("orient", "up", (("child", 1.0),)))
-    leaning = Options("aim", "driver", (("other", 1.0),), world_up="object", up_object="up")
+        constrain(first, options=ConstrainOptions("point", "driver", (("child", 1.0),)))
+    second = constrain(first, options=ConstrainOptions("orient", "up", (("child", 1.0),)))
+    leaning = ConstrainOptions("aim", "driver", (("other", 1.0),), world_up="object", up_object="up")
     with pytest.raises(GeometryError, match="'driver' → 'up' → 'child' → 'driver'"):
         constrain(second, options=leaning)
-    rig = add_controls(read(samples / "biped.glb").rig, options=ControlOptions(whole_character=True))
+    rig = add_controls(read(samples / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
     for driver in ("forearm_L", "fingers_L"):
         with pytest.raises(GeometryError, match=f"'hand_L_ik_ctl' → '{driver}' → .*'hand_L_ik_ctl'"):
-            constrain(rig, options=Options("parent", "hand_L_ik_ctl", ((driver, 1.0),)))
-    constrain(rig, options=Options("parent", "hand_L_ik_ctl", (("head_ctl", 1.0),)))
+            constrain(rig, options=ConstrainOptions("parent", "hand_L_ik_ctl", ((driver, 1.0),)))
+    constrain(rig, options=ConstrainOptions("parent", "hand_L_ik_ctl", (("head_ctl", 1.0),)))
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
@@ -378,12 +375,12 @@ def test_circles_through_the_controls_of_a_limb_are_refused_as_bake_would(
     samples: Path, name: str, child: str
 ) -> None:
     """The finger's control hangs on the hand's, which stands on the hand while IK moves that."""
-    rig = add_controls(read(samples / name).rig, options=ControlOptions(whole_character=True))
+    rig = add_controls(read(samples / name).rig, options=AddControlsOptions(whole_character=True))
     words = f"'{child}' cannot follow 'fingers_L_ctl'.*: .*'{child}' → 'fingers_L_ctl'"
     with pytest.raises(GeometryError, match=words):
-        constrain(rig, options=Options("parent", child, (("fingers_L_ctl", 1.0),)))
+        constrain(rig, options=ConstrainOptions("parent", child, (("fingers_L_ctl", 1.0),)))
     # The other hand's do not wait for this one; and bake agrees.
-    done = constrain(rig, options=Options("parent", child, (("fingers_R_ctl", 1.0),)))
+    done = constrain(rig, options=ConstrainOptions("parent", child, (("fingers_R_ctl", 1.0),)))
     bake(done, options=BakeOptions())
 
 
@@ -391,11 +388,11 @@ def test_circles_through_the_controls_of_a_limb_are_refused_as_bake_would(
     ("given", "error", "words"),
     [
         (options("parent", "drivr"), NameNotFoundError, "driver"),
-        (Options("parent", "chld", (("driver", 1.0),)), NameNotFoundError, "child"),
+        (ConstrainOptions("parent", "chld", (("driver", 1.0),)), NameNotFoundError, "child"),
         (options("parent"), UsageError, "--driver"),
         (options("parent", "driver", "driver"), UsageError, "twice"),
-        (Options("parent", "child", (("driver", -1.0),)), UsageError, "weight -1"),
-        (Options("parent", "child", (("driver", float("nan")),)), UsageError, "weight nan"),
+        (ConstrainOptions("parent", "child", (("driver", -1.0),)), UsageError, "weight -1"),
+        (ConstrainOptions("parent", "child", (("driver", float("nan")),)), UsageError, "weight nan"),
         (options("point", "driver", skip=("rx",)), UsageError, "does not set"),
         (options("point", "driver", skip=("t",)), UsageError, "leaves nothing"),
         (options("point", "driver", skip=("up",)), UsageError, "channels are"),
@@ -407,7 +404,9 @@ def test_circles_through_the_controls_of_a_limb_are_refused_as_bake_would(
         (options("polevector", "driver"), UsageError, "--limb"),
     ],
 )
-def test_what_makes_no_constraint_is_refused(given: Options, error: type[RigtriError], words: str) -> None:
+def test_what_makes_no_constraint_is_refused(
+    given: ConstrainOptions, error: type[RigtriError], words: str
+) -> None:
     with pytest.raises(error, match=words):
         constrain(random_pose(0), options=given)
 
@@ -432,17 +431,17 @@ def test_a_second_rule_for_the_same_channels_takes_the_place_of_the_first() -> N
     assert len(constrain(beside, options=options("orient", "other"))) == len(once) + 1
 
 
-def pick(rig: Rig) -> Options:
+def pick(rig: Rig) -> ConstrainOptions:
     """A constraint that nearly any file has nodes for: its last leaf follows the first that may drive it."""
     known = [node for node in range(len(rig)) if rig.labels.count(rig.labels[node]) == 1]
     child = max(known, key=lambda node: (rig.depth[node], node))
     driver = next((node for node in known if not rig.is_below(node, child)), child)
-    return Options("parent", rig.labels[child], ((rig.labels[driver], 1.0),))
+    return ConstrainOptions("parent", rig.labels[child], ((rig.labels[driver], 1.0),))
 
 
 @pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
 def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Path) -> None:
-    chosen: list[Options] = []
+    chosen: list[ConstrainOptions] = []
 
     def step(rig: Rig, report: Report) -> Rig:
         chosen[:] = chosen or [pick(rig)]
@@ -484,7 +483,7 @@ def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Pat
         assert_allclose(whole, local, rtol=0, atol=1e-6 * size)
 
 
-def told(rig: Rig, *given: Options) -> Rig:
+def told(rig: Rig, *given: ConstrainOptions) -> Rig:
     for each in given:
         rig = constrain(rig, options=each)
     return rig
@@ -493,11 +492,11 @@ def told(rig: Rig, *given: Options) -> Rig:
 # Metres: keys are float32, and turns add up over the bones.
 THREE_VRM = 2e-6
 VRM = [
-    Options("orient", "clavicle_L", (("clavicle_R", 1.0),), space="local", vrm=True),
-    Options("orient", "shin_L", (("thigh_R", 1.0),), roll="y", vrm=True),
-    Options("orient", "toe_R", (("hand_L", 1.0),), roll="z", vrm=True),
-    Options("aim", "gaze", (("hand_R", 1.0),), aim=(0.0, 0.0, -1.0), world_up="none", vrm=True),
-    Options("orient", "copy", (("gaze", 1.0),), vrm=True),
+    ConstrainOptions("orient", "clavicle_L", (("clavicle_R", 1.0),), space="local", vrm=True),
+    ConstrainOptions("orient", "shin_L", (("thigh_R", 1.0),), roll="y", vrm=True),
+    ConstrainOptions("orient", "toe_R", (("hand_L", 1.0),), roll="z", vrm=True),
+    ConstrainOptions("aim", "gaze", (("hand_R", 1.0),), aim=(0.0, 0.0, -1.0), world_up="none", vrm=True),
+    ConstrainOptions("orient", "copy", (("gaze", 1.0),), vrm=True),
 ]
 
 
@@ -540,10 +539,10 @@ def assert_three_vrm_agrees(path: Path, count: int, folder: Path) -> None:
 
 
 REAL = [
-    Options("orient", "toes.L", (("toes.R", 1.0),), space="local", vrm=True),
-    Options("orient", "hand.L", (("lower_arm.R", 1.0),), roll="y", vrm=True),
-    Options("orient", "lower_leg.L", (("upper_leg.R", 1.0),), roll="z", vrm=True),
-    Options("aim", "gaze", (("hand.R", 1.0),), aim=(0.0, 0.0, -1.0), world_up="none", vrm=True),
+    ConstrainOptions("orient", "toes.L", (("toes.R", 1.0),), space="local", vrm=True),
+    ConstrainOptions("orient", "hand.L", (("lower_arm.R", 1.0),), roll="y", vrm=True),
+    ConstrainOptions("orient", "lower_leg.L", (("upper_leg.R", 1.0),), roll="z", vrm=True),
+    ConstrainOptions("aim", "gaze", (("hand.R", 1.0),), aim=(0.0, 0.0, -1.0), world_up="none", vrm=True),
 ]
 
 
@@ -604,23 +603,27 @@ def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) 
 @pytest.mark.parametrize(
     ("given", "why"),
     [
-        (Options("parent", "hand_L", (("head", 1.0),), vrm=True), "only rotation, roll and aim"),
-        (Options("orient", "hand_L", (("head", 1.0),), vrm=True), "two parents"),
-        (Options("orient", "clavicle_L", (("clavicle_R", 1.0),), vrm=True), "differ at rest"),
+        (ConstrainOptions("parent", "hand_L", (("head", 1.0),), vrm=True), "only rotation, roll and aim"),
+        (ConstrainOptions("orient", "hand_L", (("head", 1.0),), vrm=True), "two parents"),
+        (ConstrainOptions("orient", "clavicle_L", (("clavicle_R", 1.0),), vrm=True), "differ at rest"),
         (
-            Options("orient", "hand_L", (("head", 1.0), ("hand_R", 1.0)), space="local", vrm=True),
+            ConstrainOptions("orient", "hand_L", (("head", 1.0), ("hand_R", 1.0)), space="local", vrm=True),
             "one source",
         ),
-        (Options("orient", "hand_L", (("head", 1.0),), skip=("rx",), vrm=True), "skips no axes"),
-        (Options("aim", "head", (("hand_L", 1.0),), vrm=True), "no up"),
-        (Options("aim", "head", (("hand_L", 1.0),), world_up="none", vrm=True), "does not point"),
+        (ConstrainOptions("orient", "hand_L", (("head", 1.0),), skip=("rx",), vrm=True), "skips no axes"),
+        (ConstrainOptions("aim", "head", (("hand_L", 1.0),), vrm=True), "no up"),
+        (ConstrainOptions("aim", "head", (("hand_L", 1.0),), world_up="none", vrm=True), "does not point"),
         (
-            Options("orient", "hand_L", (("head", 1.0),), space="local", maintain_offset=False, vrm=True),
+            ConstrainOptions(
+                "orient", "hand_L", (("head", 1.0),), space="local", maintain_offset=False, vrm=True
+            ),
             "at rest",
         ),
     ],
 )
-def test_what_vrm_cannot_say_stays_in_extras_and_is_told(given: Options, why: str, samples: Path) -> None:
+def test_what_vrm_cannot_say_stays_in_extras_and_is_told(
+    given: ConstrainOptions, why: str, samples: Path
+) -> None:
     report = Report()
     out = constrain(read(samples / "biped.glb").rig, options=given, report=report)
     assert not out.constraints
@@ -654,7 +657,7 @@ def test_the_extension_comes_and_goes_with_its_note(samples: Path, tmp_path: Pat
 
 
 def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
-    given = Options("orient", "clavicle_L", (("clavicle_R", 1.0),), space="local")
+    given = ConstrainOptions("orient", "clavicle_L", (("clavicle_R", 1.0),), space="local")
     for name in ("biped.usda", "biped.usdz", "biped.glb"):
         chosen = replace(given, vrm=name.endswith("glb"))
         edit(
@@ -672,7 +675,7 @@ def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> Non
 def test_every_kind_is_the_same_in_both_formats(
     kind: Kind, suffix: str, samples: Path, tmp_path: Path
 ) -> None:
-    given = Options(
+    given = ConstrainOptions(
         kind,
         "hand_L",
         (("head", 2.0), ("hand_R", 1.0), ("hips", 0.0)),
@@ -700,11 +703,11 @@ def test_usd_drivers_that_are_prims_are_targets(samples: Path, tmp_path: Path) -
     edit(
         samples / "biped.usda",
         first,
-        lambda rig, report: add_controls(rig, options=ControlOptions(root_control=True)),
+        lambda rig, report: add_controls(rig, options=AddControlsOptions(root_control=True)),
     )
     rig = read(first).rig
     (control,) = (rig.names[node] for node, note in rig.notes.items() if note["type"] == "control")
-    given = Options("parent", "staff", ((control, 1.0), ("hand_L", 1.0)))
+    given = ConstrainOptions("parent", "staff", ((control, 1.0), ("hand_L", 1.0)))
     edit(first, out, following(given))
     stage = Usd.Stage.Open(str(out))
     (prim,) = (p for p in stage.Traverse() if p.GetName() == "con_staff_parent")
@@ -771,7 +774,7 @@ def test_rules_mean_the_same_in_turned_frames(variant: dict[str, Any]) -> None:
     random = np.random.default_rng(1)
     turns = unit(random.normal(size=(len(NAMES), 4)))
     drivers = (("driver", 0.3), ("other", 1.0))
-    out = constrain(rig, options=Options(child="child", drivers=drivers, **variant))
+    out = constrain(rig, options=ConstrainOptions(child="child", drivers=drivers, **variant))
     turns = np.concatenate([turns, np.tile([0, 0, 0, 1.0], (2, 1))])
     if "space" in variant:
         turns[[1, 2]] = turns[4]
@@ -793,11 +796,13 @@ def test_rules_mean_the_same_in_turned_frames(variant: dict[str, Any]) -> None:
     assert same != lost or variant["kind"] == "scale"
 
 
-GOLDEN: list[Options] = [
-    Options("parent", "staff", (("hand_L", 1.0), ("hand_R", 3.0))),
-    Options("orient", "head", (("chest", 1.0),), skip=("rz",), order="zyx", joint_orient=(10.0, 20.0, 30.0)),
-    Options("aim", "fingers_R", (("hand_L", 1.0),), world_up="objectrotation", up_object="head"),
-    Options("polevector", drivers=(("hips", 1.0),), limb=("thigh_L", "shin_L", "foot_L")),
+GOLDEN: list[ConstrainOptions] = [
+    ConstrainOptions("parent", "staff", (("hand_L", 1.0), ("hand_R", 3.0))),
+    ConstrainOptions(
+        "orient", "head", (("chest", 1.0),), skip=("rz",), order="zyx", joint_orient=(10.0, 20.0, 30.0)
+    ),
+    ConstrainOptions("aim", "fingers_R", (("hand_L", 1.0),), world_up="objectrotation", up_object="head"),
+    ConstrainOptions("polevector", drivers=(("hips", 1.0),), limb=("thigh_L", "shin_L", "foot_L")),
 ]
 
 

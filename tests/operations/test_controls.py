@@ -18,12 +18,11 @@ from second_opinions import khronos_errors, usd_errors, validator
 from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options, add_controls
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.joint_selection import Selection
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import Limb
@@ -32,7 +31,7 @@ from rigtri.verification.compare.compare import verify
 
 # An output in another folder refers back to its source's.
 TRUSTING = ReadOptions(allow_external_paths=True)
-WHOLE = Options(whole_character=True)
+WHOLE = AddControlsOptions(whole_character=True)
 FINGER = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.2), (0, 3, 0.6))
 
 
@@ -48,7 +47,7 @@ def controls(rig: Rig, kind: str = "fk") -> dict[str, int]:
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_one_builder_serves_chains_of_any_length(count: int) -> None:
     end = "bcd"[count - 1]
-    out = add_controls(FINGER, options=Options(selection=Selection(chains=(("b", end),))))
+    out = add_controls(FINGER, options=AddControlsOptions(selection=Selection(chains=(("b", end),))))
     made = controls(out)
     assert sorted(made) == list("bcd"[:count])
     for joint, above in zip("cd"[: count - 1], "bc", strict=False):
@@ -57,7 +56,7 @@ def test_one_builder_serves_chains_of_any_length(count: int) -> None:
 
 def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
     turned = replace(FINGER, rotation=np.stack([from_axis_angle([1, 2, 3], k) for k in range(4)]))
-    out = add_controls(turned, options=Options(selection=Selection(joints=("*",))))
+    out = add_controls(turned, options=AddControlsOptions(selection=Selection(joints=("*",))))
     world = worlds(out)
     for joint, control in controls(out).items():
         assert_allclose(world[control], world[out.find(joint)], atol=1e-12)
@@ -67,7 +66,7 @@ def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
 
 def test_a_scaled_or_mirrored_joint_gives_its_control_no_scale() -> None:
     scaled = replace(FINGER, scale=FINGER.scale * [[100], [1], [-1], [1]])
-    out = add_controls(scaled, options=Options(selection=Selection(joints=("*",))))
+    out = add_controls(scaled, options=AddControlsOptions(selection=Selection(joints=("*",))))
     world = worlds(out)
     for joint, control in controls(out).items():
         assert_allclose(world[control, 3], world[out.find(joint), 3], atol=1e-9)
@@ -75,7 +74,7 @@ def test_a_scaled_or_mirrored_joint_gives_its_control_no_scale() -> None:
 
 
 def test_a_flat_shape_lies_across_its_bone_and_grows_with_it() -> None:
-    options = Options(selection=Selection(joints=("b", "c")), size=2.0)
+    options = AddControlsOptions(selection=Selection(joints=("b", "c")), size=2.0)
     out = add_controls(FINGER, options=options)
     for joint, child in (("b", "c"), ("c", "d")):
         shape = out.shapes[controls(out)[joint]]
@@ -111,7 +110,7 @@ def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> Non
         ),
     )
     for character, tip in ((rig, [0, 0, 1]), (faces_back, [0, 0, -1]), (FINGER, [0, 0, 1])):
-        out = add_controls(character, options=Options(root_control=True))
+        out = add_controls(character, options=AddControlsOptions(root_control=True))
         (root,) = controls(out, "root").values()
         points = np.concatenate(out.shapes[root].strips)
         assert_allclose(points[np.argmax(np.abs(points[:, 2]) - np.abs(points[:, 0]))][[0, 1]], 0, atol=1e-9)
@@ -149,7 +148,7 @@ def test_controls_change_nothing_and_come_only_once(path: Path, tmp_path: Path) 
         try:
             return add_controls(rig, options=WHOLE, report=report)
         except GeometryError:  # a straight limb that nothing tells of
-            chains = Options(selection=Selection(joints=("*",)))
+            chains = AddControlsOptions(selection=Selection(joints=("*",)))
             return add_controls(rig, options=chains, report=report)
 
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
@@ -195,10 +194,10 @@ def test_what_a_user_sets_on_a_control_stays(samples: Path, tmp_path: Path) -> N
 
 
 def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:
-    rig = add_controls(FINGER, options=Options(selection=Selection(joints=("*",))))
+    rig = add_controls(FINGER, options=AddControlsOptions(selection=Selection(joints=("*",))))
     turned = replace(rig, rotation=rig.rotation.copy())
     turned.rotation[1] = from_axis_angle([0, 0, 1], 0.5)
-    out = add_controls(turned, options=Options(selection=Selection(joints=("*",))))
+    out = add_controls(turned, options=AddControlsOptions(selection=Selection(joints=("*",))))
     assert len(out) == len(rig)
     for joint, control in controls(out).items():
         assert_allclose(worlds(out)[control], worlds(out)[out.find(joint)], atol=1e-9)
@@ -206,7 +205,7 @@ def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:
 
 def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
     rig = replace(FINGER, names=("hand.L", "mixamorig:Index 1", "c", "d"))
-    options = Options(selection=Selection(joints=("*",)), name="{side}_{joint}_{kind}")
+    options = AddControlsOptions(selection=Selection(joints=("*",)), name="{side}_{joint}_{kind}")
     out = add_controls(rig, options=options)
     assert "left_hand_L_ctl" in out.names
     assert "left_mixamorig_Index_1_ctl_offset" in out.names
@@ -215,12 +214,12 @@ def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (Options(), "which joints"),
-        (Options(whole_character=True, name="{bone}"), "tokens"),
-        (Options(whole_character=True, shapes={"fk": "banana"}), "banana"),  # type: ignore[dict-item]
+        (AddControlsOptions(), "which joints"),
+        (AddControlsOptions(whole_character=True, name="{bone}"), "tokens"),
+        (AddControlsOptions(whole_character=True, shapes={"fk": "banana"}), "banana"),  # type: ignore[dict-item]
     ],
 )
-def test_what_fits_no_control_is_told(options: Options, words: str) -> None:
+def test_what_fits_no_control_is_told(options: AddControlsOptions, words: str) -> None:
     with pytest.raises(UsageError, match=words):
         add_controls(FINGER, options=options)
 
@@ -245,7 +244,9 @@ def test_controls_made_before_those_above_them_stay_where_they_are_and_say_so(
     samples: Path, tmp_path: Path
 ) -> None:
     def hand(rig: Rig, report: Report) -> Rig:
-        return add_controls(rig, options=Options(selection=Selection(joints=("hand_L",))), report=report)
+        return add_controls(
+            rig, options=AddControlsOptions(selection=Selection(joints=("hand_L",))), report=report
+        )
 
     def all_of_it(rig: Rig, report: Report) -> Rig:
         return add_controls(rig, options=WHOLE, report=report)
@@ -271,7 +272,7 @@ HAND = Selection(joints=("forearm_L", "hand_L"))
 
 
 def redone(path: Path, out: Path, **told: Any) -> Report:
-    options = Options(selection=HAND, **told)
+    options = AddControlsOptions(selection=HAND, **told)
     return edit(path, out, lambda rig, report: add_controls(rig, options=options, report=report)).report
 
 
@@ -344,14 +345,13 @@ def test_a_pole_vector_is_drawn_anew_too(samples: Path, tmp_path: Path) -> None:
 def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
     suffix: str, samples: Path, tmp_path: Path
 ) -> None:
-    from rigtri.operations.constrain.constrain import Options as Constraint
-    from rigtri.operations.constrain.constrain import constrain
+    from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 
     one, two, three, four = (tmp_path / f"{k}.{suffix}" for k in range(4))
     redone(samples / f"biped.{suffix}", one)
 
     def follow(rig: Rig, report: Report) -> Rig:
-        rule = Constraint("parent", "head", (("hand_L_ctl", 1.0),))
+        rule = ConstrainOptions("parent", "head", (("hand_L_ctl", 1.0),))
         return constrain(rig, options=rule, report=report)
 
     edit(one, two, follow)
@@ -375,7 +375,7 @@ def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
 
 
 def test_a_control_that_a_user_has_renamed_keeps_its_name_and_is_named() -> None:
-    options = Options(selection=Selection(joints=("b", "c")))
+    options = AddControlsOptions(selection=Selection(joints=("b", "c")))
     rig = add_controls(FINGER, options=options)
     names = list(rig.names)
     names[rig.find("b_ctl", "node")] = "grip"
@@ -398,18 +398,18 @@ def test_a_rule_that_gives_no_name_of_its_own_is_refused(
     joints: tuple[str, ...], name: str, words: str
 ) -> None:
     with pytest.raises(UsageError, match=words):
-        add_controls(FINGER, options=Options(selection=Selection(joints=joints), name=name))
+        add_controls(FINGER, options=AddControlsOptions(selection=Selection(joints=joints), name=name))
 
 
 def test_as_is_refused_where_nothing_could_be_a_joint_or_is_one_of_the_other_kind(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     with pytest.raises(UsageError, match="--as is for IK ends"):
-        add_controls(rig, options=Options(selection=Selection(joints=("hips",)), ends="joint"))
+        add_controls(rig, options=AddControlsOptions(selection=Selection(joints=("hips",)), ends="joint"))
     kinds: tuple[Any, Any] = ("joint", "locator")
     for first, second in (kinds, kinds[::-1]):
-        made = add_controls(rig, options=Options(ik_auto=True, ends=first))
+        made = add_controls(rig, options=AddControlsOptions(ik_auto=True, ends=first))
         with pytest.raises(UsageError, match=f"is a {first} since an earlier run"):
-            add_controls(made, options=Options(ik_auto=True, ends=second))
+            add_controls(made, options=AddControlsOptions(ik_auto=True, ends=second))
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
@@ -447,7 +447,7 @@ def test_limbs_with_ik_have_fk_controls_below_it_though_no_point_hangs_on_them(w
         for skin in rig.skins
     )
     limb = Limb(*(rig.find(name) for name in ("thigh_L", "shin_L", "foot_L")))
-    options = Options(whole_character=True) if whole else Options(ik=(limb,))
+    options = AddControlsOptions(whole_character=True) if whole else AddControlsOptions(ik=(limb,))
     made = add_controls(replace(rig, skins=skins), options=options)
     fk = {
         note["joint"] for note in made.notes.values() if note.get("kind") == "fk" and note["type"] != "offset"

@@ -20,7 +20,7 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import conjugate, multiply, turn_angle
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.bake import Options as BakeOptions
+from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.operations.take_clips.take_clips import _tell_unkeyed
 from rigtri.report import Report
@@ -126,9 +126,9 @@ def biped() -> Rig:
 
 
 def add_options() -> Any:
-    from rigtri.operations.add_controls import Options as ControlOptions
+    from rigtri.operations.add_controls import AddControlsOptions
 
-    return ControlOptions(whole_character=True)
+    return AddControlsOptions(whole_character=True)
 
 
 def test_notes_of_the_rig_that_is_named_win_and_that_is_told() -> None:

@@ -19,13 +19,12 @@ from rigtri.cli.main import program
 from rigtri.cli.make_limb import spread
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read, write_blank
+from rigtri.formats import ReadOptions, read, write_blank
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import AddPolevectorOptions
 from rigtri.operations.axis_presets import PRESETS, Style
-from rigtri.operations.make_limb import Options, make_limb
+from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
@@ -40,7 +39,7 @@ SUFFIXES = (".glb", ".gltf", ".usda", ".usdc", ".usd", ".usdz")
 def made(points: Any = ARM, rig: Rig = EMPTY, **options: Any) -> tuple[Rig, list[int], Report]:
     """The rig with a limb, its joints from the root on, and the report."""
     report = Report()
-    out = make_limb(rig, options=Options(points=points, **options), report=report)
+    out = make_limb(rig, options=MakeLimbOptions(points=points, **options), report=report)
     return out, [out.find(entry["node"]) for entry in report.added], report
 
 
@@ -51,7 +50,7 @@ def pole(rig: Rig) -> int:
 
 def test_the_articles_arm_has_the_articles_numbers() -> None:
     """X along the bone, Y the plane's normal (bend × aim), Z their product; the pole 5 from the root."""
-    article = PoleOptions(method="ratio", origin="root", distance=5.0, orientation="limb")
+    article = AddPolevectorOptions(method="ratio", origin="root", distance=5.0, orientation="limb")
     out, (shoulder, elbow, wrist), _ = made(poles=article)
     world = worlds(out)
     assert_allclose(world[[shoulder, elbow, wrist], 3, :3], ARM, atol=1e-6)
@@ -162,7 +161,7 @@ def test_locators_may_stand_anywhere_below_turned_and_scaled_nodes() -> None:
     turn[0] = from_axis_angle([1, 2, 3], 0.7)
     rig = replace(rig, rotation=turn, scale=np.array([[2.0] * 3, *np.ones((3, 3))]))
     report = Report()
-    out = make_limb(rig, options=Options(locators=("a", "b", "c"), parent="top"), report=report)
+    out = make_limb(rig, options=MakeLimbOptions(locators=("a", "b", "c"), parent="top"), report=report)
     joints = [out.find(f"limb_{k}") for k in (1, 2, 3)]
     assert_allclose(worlds(out)[joints, 3], worlds(out)[[1, 2, 3], 3], atol=1e-5)
     assert out.notes[joints[0]]["locators"] == ["a", "b", "c"]
@@ -242,7 +241,7 @@ def middle_joint(rig: Rig) -> int:
     return named[len(named) // 2]
 
 
-def placed(rig: Rig, **options: Any) -> Options:
+def placed(rig: Rig, **options: Any) -> MakeLimbOptions:
     """Options for a limb at a middle joint, as large as the rig."""
     parent = middle_joint(rig)
     points = worlds(rig)[:, 3, :3]
@@ -250,7 +249,7 @@ def placed(rig: Rig, **options: Any) -> Options:
     start = worlds(rig)[parent, 3, :3]
     steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
     three = tuple((float(x), float(y), float(z)) for x, y, z in start + steps)
-    return Options(points=three, name="added", **options)
+    return MakeLimbOptions(points=three, name="added", **options)
 
 
 @pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
@@ -301,7 +300,7 @@ def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> Non
 def test_usdskel_finds_the_new_skeleton_where_it_stands(tmp_path: Path) -> None:
     blank, out = tmp_path / "blank.usda", tmp_path / "out.usda"
     write_blank(blank)
-    edit(blank, out, lambda rig, _: make_limb(rig, options=Options(points=ARM)), options=TRUSTING)
+    edit(blank, out, lambda rig, _: make_limb(rig, options=MakeLimbOptions(points=ARM)), options=TRUSTING)
     stage, cache = Usd.Stage.Open(str(out)), UsdSkel.Cache()
     cache.Populate(UsdSkel.Root(stage.GetPrimAtPath("/Root")), Usd.PrimDefaultPredicate)
     query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath("/Root/rigtri/limb")))
@@ -358,7 +357,9 @@ def test_a_users_mistake_is_told_and_nothing_written(
 def test_a_name_that_cannot_be_as_given_is_told(name: str, plain: str, samples: Path) -> None:
     report = Report()
     points = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
-    out = make_limb(read(samples / "biped.glb").rig, options=Options(points=points, name=name), report=report)
+    out = make_limb(
+        read(samples / "biped.glb").rig, options=MakeLimbOptions(points=points, name=name), report=report
+    )
     assert out.has(f"{plain}_1")
     told = [notice.text for notice in report.warnings if notice.code == "name-changed"]
     assert len(told) == 1
@@ -368,7 +369,9 @@ def test_a_name_that_cannot_be_as_given_is_told(name: str, plain: str, samples: 
 def test_the_pole_vector_can_be_a_joint_of_the_limbs_skin(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     points = ((0.0, 1.0, -0.2), (0.0, 0.8, -0.3), (0.0, 0.6, -0.2))
-    wanted = Options(points=points, name="tail", parent="hips", poles=PoleOptions(kind="joint"))
+    wanted = MakeLimbOptions(
+        points=points, name="tail", parent="hips", poles=AddPolevectorOptions(kind="joint")
+    )
     out = make_limb(rig, options=wanted)
     pole = out.find("tail_2_pole")
     assert out.is_joint[pole]
@@ -380,10 +383,10 @@ def test_locators_are_read_in_the_pose_that_is_named(samples: Path) -> None:
     names = ("upper_arm_L", "forearm_L", "hand_L")
     found = {}
     for pose in ("nodes", "walk@0.5"):
-        out = make_limb(rig, options=Options(locators=names, name="copy", pose=pose))
+        out = make_limb(rig, options=MakeLimbOptions(locators=names, name="copy", pose=pose))
         found[pose] = worlds(out)[[out.find(f"copy_{k}") for k in (1, 2, 3)], 3, :3]
     there = worlds(rig, locals_at(rig, rig.clip("walk"), [0.5]))[0]
     assert_allclose(found["walk@0.5"], there[[rig.find(name) for name in names], 3, :3], atol=1e-9)
     assert np.abs(found["walk@0.5"] - found["nodes"]).max() > 0.01
     with pytest.raises(UsageError, match="--pose says where locators stand"):
-        Options(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind").checked()
+        MakeLimbOptions(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind").checked()

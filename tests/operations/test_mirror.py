@@ -18,26 +18,23 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats import Options as Reading
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import from_frame, nearest_rotation
 from rigtri.maths.matrices import multiply as matmul
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_polevector import Options as PoleOptions
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.mirror.mirror import Options, mirror
+from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
-TRUSTING = Reading(lenient=True, allow_external_paths=True)
+TRUSTING = ReadOptions(lenient=True, allow_external_paths=True)
 MODES: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
 REFLECT = np.array([-1.0, 1.0, 1.0])
 
@@ -70,7 +67,7 @@ def test_mirroring_twice_gives_the_axes_back(mode: Mirror) -> None:
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 @pytest.mark.parametrize("mode", MODES)
 def test_the_axes_of_twins_are_mirror_images(samples: Path, name: str, mode: Mirror) -> None:
-    options = Options(mode=mode)
+    options = MirrorOptions(mode=mode)
     out = mirror(read(samples / name).rig, options=options)
     found = asymmetry(out, options=options)
     bones = ["clavicle", "upper_arm", "forearm", "hand", "fingers", "thigh", "shin", "foot", "toe"]
@@ -100,9 +97,9 @@ def test_equal_turns_of_behaviour_mirrored_joints_give_a_mirrored_skin(samples: 
 def test_a_second_run_changes_nothing_and_nothing_else_moves(path: Path, tmp_path: Path) -> None:
     def build(rig: Rig, report: Report) -> Rig:
         try:
-            return add_controls(rig, options=ControlOptions(whole_character=True), report=report)
+            return add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
         except GeometryError:  # a straight limb that nothing tells of
-            chains = ControlOptions(selection=Selection(joints=("*",)))
+            chains = AddControlsOptions(selection=Selection(joints=("*",)))
             return add_controls(rig, options=chains, report=report)
 
     built, once, twice = (tmp_path / f"{name}{path.suffix}" for name in ("built", "once", "twice"))
@@ -128,11 +125,11 @@ def edit_and_read(source: Path, target: Path, step: Callable[[Rig, Report], Rig]
 
 def left_arm(rig: Rig) -> Rig:
     limb = given(rig, "upper_arm_L", "forearm_L", "hand_L")
-    options = ControlOptions(
+    options = AddControlsOptions(
         selection=Selection(chains=(("clavicle_L", "hand_L"),)),
         ik=(limb,),
         shapes={"fk": "square"},
-        poles=PoleOptions(reach=1.25),
+        poles=AddPolevectorOptions(reach=1.25),
     )
     return add_controls(rig, options=options)
 
@@ -178,7 +175,7 @@ def test_the_other_way_round_and_in_another_plane() -> None:
 
 def test_from_the_right_the_left_is_turned(samples: Path) -> None:
     report = Report()
-    mirror(read(samples / "biped.glb").rig, options=Options(from_side="right"), report=report)
+    mirror(read(samples / "biped.glb").rig, options=MirrorOptions(from_side="right"), report=report)
     turned = {entry["joint"] for entry in report.joints if entry["status"] == "turned"}
     assert turned
     assert all(name.endswith("_L") for name in turned)
@@ -187,10 +184,12 @@ def test_from_the_right_the_left_is_turned(samples: Path) -> None:
 def test_only_what_is_named_is_mirrored(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     report = Report()
-    mirror(rig, options=Options(selection=Selection(joints=("thigh_L",))), report=report)
+    mirror(rig, options=MirrorOptions(selection=Selection(joints=("thigh_L",))), report=report)
     assert [e["joint"] for e in report.joints if e["status"] == "turned"] == ["thigh_R"]
-    pole = add_polevector(rig, options=PoleOptions(limbs=(given(rig, "thigh_L", "shin_L", "foot_L"),)))
-    out = mirror(pole, options=Options(what=("polevectors",)))
+    pole = add_polevector(
+        rig, options=AddPolevectorOptions(limbs=(given(rig, "thigh_L", "shin_L", "foot_L"),))
+    )
+    out = mirror(pole, options=MirrorOptions(what=("polevectors",)))
     assert np.array_equal(out.rotation[: len(rig)], rig.rotation)
     assert out.has("shin_R_pole")
 
@@ -198,7 +197,7 @@ def test_only_what_is_named_is_mirrored(samples: Path) -> None:
 def test_names_that_are_not_there_and_files_without_sides_are_errors(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     with pytest.raises(NameNotFoundError):
-        mirror(rig, options=Options(selection=Selection(joints=("thigh_X",))))
+        mirror(rig, options=MirrorOptions(selection=Selection(joints=("thigh_X",))))
     with pytest.raises(GeometryError, match="says left or right"):
         mirror(read(samples / "tail.glb").rig)
 
@@ -248,7 +247,7 @@ def test_a_character_that_stands_elsewhere_is_mirrored_in_its_own_space(
     name: str, mode: Mirror, samples: Path, tmp_path: Path
 ) -> None:
     """As the same character at the origin is, seen from the node that carries it."""
-    options = Options(mode=mode)
+    options = MirrorOptions(mode=mode)
     here = mirror(left_arm(read(samples / name).rig), options=options)
     report = Report()
     there = mirror(left_arm(read(moved(name, tmp_path, samples)).rig), options=options, report=report)
@@ -276,7 +275,7 @@ def carried(rig: Rig, away: float) -> Rig:
 
 def test_the_plane_is_found_between_most_pairs_and_told(samples: Path) -> None:
     rig, report = carried(left_arm(read(samples / "biped.glb").rig), 2.5), Report()
-    out = mirror(rig, options=Options(what=("polevectors",), root="biped"), report=report)
+    out = mirror(rig, options=MirrorOptions(what=("polevectors",), root="biped"), report=report)
     here, there = (worlds(out)[out.find(f"forearm_{s}_pole", "node"), 3, :3] for s in "LR")
     joint = worlds(out)[out.find("forearm_L"), 3, :3] - (2.5, 0, 0)
     assert_allclose(here * REFLECT + (5.0, 0, 0), there, atol=1e-9)
@@ -284,23 +283,23 @@ def test_the_plane_is_found_between_most_pairs_and_told(samples: Path) -> None:
     assert [notice.code for notice in report.warnings] == ["mirror-plane"]
     assert "--plane yz --plane-at 2.5 in its own space" in report.warnings[0].text
     told = Report()
-    asked = Options(what=("polevectors",), root="biped", plane_at=2.5)
+    asked = MirrorOptions(what=("polevectors",), root="biped", plane_at=2.5)
     again = mirror(rig, options=asked, report=told)
     assert np.array_equal(again.translation, out.translation)
     assert not told.warnings
-    assert asymmetry(rig, options=Options(root="biped")).at == 2.5
+    assert asymmetry(rig, options=MirrorOptions(root="biped")).at == 2.5
 
 
 def test_sides_that_lie_about_no_plane_are_a_warning_and_strict_refuses(
     samples: Path, tmp_path: Path
 ) -> None:
     rig, report = read(samples / "biped.glb").rig, Report()
-    mirror(rig, options=Options(plane="xy"), report=report)
+    mirror(rig, options=MirrorOptions(plane="xy"), report=report)
     assert [(n.code, n.geometry) for n in report.warnings if "plane" in n.code] == [("no-mirror-plane", True)]
-    assert asymmetry(rig, options=Options(plane="xy")).better == ("yz", 0.0)
+    assert asymmetry(rig, options=MirrorOptions(plane="xy")).better == ("yz", 0.0)
 
     def step(rig: Rig, report: Report) -> Rig:
-        return mirror(rig, options=Options(plane="xy"), report=report)
+        return mirror(rig, options=MirrorOptions(plane="xy"), report=report)
 
     with pytest.raises(GeometryError, match="lie about no xy plane"):
         edit(samples / "biped.glb", tmp_path / "out.glb", step, strict=True)

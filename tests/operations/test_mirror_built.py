@@ -27,20 +27,14 @@ from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import rules_of
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as Controls
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_posereader.posereader import Goal, add_posereader
-from rigtri.operations.add_posereader.posereader import Options as Reading
-from rigtri.operations.add_rivet.rivet import Options as Rivet
-from rigtri.operations.add_rivet.rivet import add_rivet
-from rigtri.operations.add_twist.twist import Options as Twist
-from rigtri.operations.add_twist.twist import add_twist
-from rigtri.operations.constrain.constrain import Options as Constraint
-from rigtri.operations.constrain.constrain import constrain
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
+from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.make_limb import Options as Limb
-from rigtri.operations.make_limb import make_limb
-from rigtri.operations.mirror.mirror import Options, mirror
+from rigtri.operations.make_limb import MakeLimbOptions, make_limb
+from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -53,18 +47,18 @@ WING = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
 def left(rig: Rig, report: Report | None = None) -> Rig:
     """One of everything, on the left."""
     report = report if report is not None else Report()
-    wing = Limb(points=WING, name="wing", side="left", parent="chest")
+    wing = MakeLimbOptions(points=WING, name="wing", side="left", parent="chest")
     rig = make_limb(rig, options=wing, report=report)
-    hand = Controls(selection=Selection(joints=("hand_L",)))
+    hand = AddControlsOptions(selection=Selection(joints=("hand_L",)))
     rig = add_controls(rig, options=hand, report=report)
-    rig = add_twist(rig, options=Twist(bones=(("forearm_L", "hand_L"),), count=2), report=report)
-    aim = Constraint("aim", "foot_L", (("hand_L", 1.0), ("chest", 2.0)))
-    parent = Constraint("parent", "thigh_L", (("hips", 1.0), ("hand_L", 2.0)))
+    rig = add_twist(rig, options=AddTwistOptions(bones=(("forearm_L", "hand_L"),), count=2), report=report)
+    aim = ConstrainOptions("aim", "foot_L", (("hand_L", 1.0), ("chest", 2.0)))
+    parent = ConstrainOptions("parent", "thigh_L", (("hips", 1.0), ("hand_L", 2.0)))
     for rule in (aim, parent):
         rig = constrain(rig, options=rule, report=report)
-    rig = add_rivet(rig, options=Rivet("body", triangles=(310,), names=("badge_L",)), report=report)
+    rig = add_rivet(rig, options=AddRivetOptions("body", triangles=(310,), names=("badge_L",)), report=report)
     x, y, z = worlds(rig)[rig.find("forearm_L"), 0, :3].tolist()
-    reader = Reading(
+    reader = AddPosereaderOptions(
         driver="forearm_L",
         frame="upper_arm_L",
         axis=(1, 0, 0),
@@ -138,7 +132,7 @@ def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("mode", MIRRORS)
 def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, samples: Path) -> None:
-    out = mirror(left(read(samples / "biped.glb").rig), options=Options(mode=mode))
+    out = mirror(left(read(samples / "biped.glb").rig), options=MirrorOptions(mode=mode))
     world = worlds(out)
     for part in (1, 2, 3):
         here, there = (world[out.find(f"wing_{part}_{side}")] for side in "LR")
@@ -218,7 +212,9 @@ def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path:
     def read_twice(rig: Rig, report: Report) -> Rig:
         for name, target in (("bend", (0, 1, 0)), ("tw", (1, 0, 0)), ("bend_L", (0, 0, 1)), ("", (1, 1, 0))):
             goal = Goal("up", direction=target)
-            rig = add_posereader(rig, options=Reading(driver="forearm_L", targets=(goal,), name=name))
+            rig = add_posereader(
+                rig, options=AddPosereaderOptions(driver="forearm_L", targets=(goal,), name=name)
+            )
         return rig
 
     one, two, three, back = (tmp_path / f"{k}.glb" for k in range(4))
@@ -232,8 +228,8 @@ def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path:
     edit(two, three, both)
     assert three.read_bytes() == two.read_bytes()
     assert not asymmetry(read(two).rig).alone
-    assert not asymmetry(read(two).rig, options=Options(from_side="right")).alone
-    edit(two, back, lambda rig, report: mirror(rig, options=Options(from_side="right"), report=report))
+    assert not asymmetry(read(two).rig, options=MirrorOptions(from_side="right")).alone
+    edit(two, back, lambda rig, report: mirror(rig, options=MirrorOptions(from_side="right"), report=report))
     assert readers(read(back).rig) == made
     targets = {n["name"]: n["targets"] for n in read(two).rig.notes.values() if n["type"] == "poseReader"}
     for a, b in (("bend", "bend_R_2"), ("bend_L", "bend_R"), ("tw", "tw_R")):
@@ -246,7 +242,7 @@ def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path:
 def test_a_reader_alone_on_one_side_is_named_by_check(samples: Path) -> None:
     goal = Goal("up", direction=(0, 1, 0))
     rig = read(samples / "biped.glb").rig
-    rig = add_posereader(rig, options=Reading(driver="forearm_L", targets=(goal,), name="bend"))
+    rig = add_posereader(rig, options=AddPosereaderOptions(driver="forearm_L", targets=(goal,), name="bend"))
     assert any("bend" in text for text in asymmetry(rig).alone)
 
 
@@ -257,8 +253,10 @@ def test_a_rivet_sits_at_the_mirrored_place(built: Rig) -> None:
 
 
 def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: Rig) -> None:
-    changed = add_twist(built, options=Twist(bones=(("forearm_L", "hand_L"),), count=2, weights=(0.25, 0.5)))
-    changed = constrain(changed, options=Constraint("parent", "thigh_L", (("chest", 1.0),)))
+    changed = add_twist(
+        built, options=AddTwistOptions(bones=(("forearm_L", "hand_L"),), count=2, weights=(0.25, 0.5))
+    )
+    changed = constrain(changed, options=ConstrainOptions("parent", "thigh_L", (("chest", 1.0),)))
     report = Report()
     out = mirror(changed, report=report)
     assert len(out) == len(built)
@@ -274,7 +272,7 @@ def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: R
 )
 def test_only_what_is_asked_for_is_mirrored(what: Any, kind: str, samples: Path) -> None:
     report = Report()
-    mirror(left(read(samples / "biped.glb").rig), options=Options(what=(what,)), report=report)
+    mirror(left(read(samples / "biped.glb").rig), options=MirrorOptions(what=(what,)), report=report)
     assert {entry["type"] for entry in report.added} == {kind}
     assert not report.joints
 
@@ -314,20 +312,20 @@ def test_a_mode_that_keeps_vrm_constraints_is_named_where_another_loses_them(
     assets: Path, tmp_path: Path
 ) -> None:
     one = tmp_path / "one.vrm"
-    roll = Constraint("orient", "hand.L", (("lower_arm.L", 1.0),), roll="y", vrm=True)
+    roll = ConstrainOptions("orient", "hand.L", (("lower_arm.L", 1.0),), roll="y", vrm=True)
     avatar = assets / "vrm" / "addon_look_at_preview_enabled.vrm"
     edit(avatar, one, lambda rig, report: constrain(rig, options=roll, report=report))
     lost = []
     for mode in MIRRORS:
         report = Report()
-        out = mirror(read(one).rig, options=Options(mode=mode), report=report)
+        out = mirror(read(one).rig, options=MirrorOptions(mode=mode), report=report)
         told = {notice.code: notice.text for notice in report.warnings}
         kinds = [note.get("vrm") for note in out.notes.values() if note.get("child") == "hand.R"]
         assert ("constraint-not-vrm" in told) == (kinds == [None])
         if kinds == [None]:
             lost.append(mode)
             (other,) = [text for code, text in told.items() if code == "mode-keeps-vrm"]
-            kept = mirror(read(one).rig, options=Options(mode=other.split()[1]))  # type: ignore[arg-type]
+            kept = mirror(read(one).rig, options=MirrorOptions(mode=other.split()[1]))  # type: ignore[arg-type]
             assert [n.get("vrm") for n in kept.notes.values() if n.get("child") == "hand.R"] == ["roll"]
         # A twin that keeps its axes for a reason of its own is a twin all the same.
         assert "'hand.R' keeps its axes, as its twin 'hand.L' does not turn" in told["no-twin"]

@@ -21,13 +21,10 @@ from rigtri.formats import read
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options, bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
-from rigtri.operations.pose import Options as PoseOptions
-from rigtri.operations.pose import take_pose
-from rigtri.operations.snap import Options as SnapOptions
-from rigtri.operations.snap import snap
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.operations.pose import PoseOptions, take_pose
+from rigtri.operations.snap import SnapOptions, snap
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.pipeline.edit import Outcome, edit
@@ -59,7 +56,7 @@ def whole(name: str, folder: Path, *, move: bool = True) -> Path:
 
 
 def baked(source: Path, target: Path) -> Outcome:
-    return edit(source, target, lambda rig, report: bake(rig, options=Options(), report=report))
+    return edit(source, target, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -23,7 +23,7 @@ from rigtri.model.records import Clip, Skin, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS, Style
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -48,7 +48,7 @@ def rebound(rig: Rig) -> Rig:
 
 def oriented(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
     options.setdefault("selection", ALL)
-    return orient_joints(rig, options=Options(**options), report=report)
+    return orient_joints(rig, options=OrientJointsOptions(**options), report=report)
 
 
 def test_the_default_axes_are_those_of_the_article() -> None:
@@ -152,7 +152,9 @@ def test_a_joint_without_weight_stays_unless_named() -> None:
     rig, report = replace(rig, skins=(skin,)), Report()
     orient_joints(rig, report=report)
     assert report.joints[2]["reason"] == "no weight on or below it"
-    named = orient_joints(rig, options=Options(selection=Selection(joints=("c",)), end="incoming"))
+    named = orient_joints(
+        rig, options=OrientJointsOptions(selection=Selection(joints=("c",)), end="incoming")
+    )
     assert_allclose(axes(named, "c")[0], normalise(np.subtract(WRIST, ELBOW)), atol=1e-12)
 
 
@@ -448,7 +450,7 @@ def test_a_plain_hierarchy_needs_its_top_named() -> None:
     rig = replace(arm(), skins=())
     with pytest.raises(FileError, match="--root"):
         orient_joints(rig)
-    out = orient_joints(rig, options=Options(root="a"))
+    out = orient_joints(rig, options=OrientJointsOptions(root="a"))
     assert_allclose(axes(out, "a")[0], AIM, atol=1e-12)
 
 
@@ -592,7 +594,7 @@ def test_scale_noise_at_the_edge_of_uniform_is_stable(seed: int) -> None:
     rig = chain((0, 0, 0), (0.3, 1, 0), (0, 2, 0.4), (0.2, 3, 0.1), (0.1, 3.5, 0.6))
     noise = random.uniform(-1.4e-5, 1.4e-5, (len(rig), 3))
     rotation = unit(random.normal(size=(len(rig), 4)))
-    options = Options(selection=ALL)
+    options = OrientJointsOptions(selection=ALL)
     once = orient_joints(replace(rig, scale=rig.scale + noise, rotation=rotation), options=options)
     twice = orient_joints(once, options=options)
     assert np.array_equal(once.rotation, twice.rotation)

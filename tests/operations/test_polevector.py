@@ -18,7 +18,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.records import Clip, Skin, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options, add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -31,7 +31,7 @@ def arm() -> Rig:
 def placed(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
     if "limbs" not in options:
         options["limbs"] = (given(rig, "a", "b", "c"),)
-    return add_polevector(rig, options=Options(**options), report=report)
+    return add_polevector(rig, options=AddPolevectorOptions(**options), report=report)
 
 
 def position(rig: Rig, name: str = "b_pole") -> Floats:
@@ -146,7 +146,7 @@ def test_the_other_side_tells_the_side_of_a_straight_limb() -> None:
     rig = rig_of(names, [-1, 0, 1, 2, 0, 4, 5], points.astype(float))
     rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(worlds(rig))),))
     report = Report()
-    out = add_polevector(rig, options=Options(auto=True), report=report)
+    out = add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report)
     left, right = position(out, "shin_L_pole"), position(out, "shin_R_pole")
     place = worlds(rig)[:, 3, :3]
     towards = normalise(right - place[5])

@@ -25,12 +25,10 @@ from rigtri.maths.matrices import compose, identity
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.maths.trigonometry import Floats, exponential
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_posereader.posereader import Goal, Options, add_posereader
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options as OrientOptions
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import self_check, verify
@@ -39,7 +37,7 @@ X, Y, Z = np.eye(3)
 # Up at rest; the arm's clip turns the lower joint's y axis to −x.
 UP = Goal("up", direction=(0, 1, 0))
 SIDE = Goal("side", direction=(-1, 0, 0))
-BULGE = Options(
+BULGE = AddPosereaderOptions(
     driver="lower", axis=(0, 1, 0), targets=(SIDE,), morphs=(("side", "Skin", "bulge"),), name="reader"
 )
 
@@ -134,7 +132,7 @@ def test_the_exponential_is_the_exponential() -> None:
     assert exponential(-1e9) == 0.0
 
 
-def driven(source: Path, target: Path, options: Options = BULGE) -> Outcome:
+def driven(source: Path, target: Path, options: AddPosereaderOptions = BULGE) -> Outcome:
     return edit(
         source,
         target,
@@ -155,7 +153,7 @@ def source_of(kind: str, folder: Path, **more: Any) -> Path:
     return arm(**more).glb(folder / "in.glb") if kind == "glb" else arm_usd(folder, **more)
 
 
-def for_kind(kind: str, options: Options = BULGE) -> Options:
+def for_kind(kind: str, options: AddPosereaderOptions = BULGE) -> AddPosereaderOptions:
     return options if kind == "glb" else replace(options, driver="b")
 
 
@@ -278,7 +276,7 @@ def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_pat
 
 
 def with_control(rig: Rig, report: Report) -> Rig:
-    rig = add_controls(rig, options=ControlOptions(selection=Selection(joints=("b",))), report=report)
+    rig = add_controls(rig, options=AddControlsOptions(selection=Selection(joints=("b",))), report=report)
     options = replace(for_kind("usda"), morphs=(), attributes=(("side", "b_ctl", "bulge"),))
     return add_posereader(rig, options=options, report=report)
 
@@ -299,7 +297,9 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     for kind in ("dot", "cone", "rbf"):
         goals = (Goal("half", pose="bend@0.5"), Goal("start", pose="rest"))
-        out = add_posereader(rig, options=Options(driver="lower", axis=(0, 1, 0), reader=kind, targets=goals))  # type: ignore[arg-type]
+        out = add_posereader(
+            rig, options=AddPosereaderOptions(driver="lower", axis=(0, 1, 0), reader=kind, targets=goals)
+        )  # type: ignore[arg-type]
         node = out.find("lower_reader_half")
         (track,) = (t for t in out.clips[0].tracks if t.node == node)
         assert pose.sample(track, [0.5])[0, 0] == pytest.approx(1.0, abs=1e-6)
@@ -393,7 +393,9 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> 
     for time, told in (("1", 0), ("500", 1)):
         report = Report()
         goal = Goal("side", pose=f"bend@{time}")
-        out = add_posereader(rig, options=Options(driver="lower", targets=(goal,)), report=report)
+        out = add_posereader(
+            rig, options=AddPosereaderOptions(driver="lower", targets=(goal,)), report=report
+        )
         texts = [notice.text for notice in report.warnings if notice.code == "pose-clamped"]
         assert len(texts) == told
         assert all("runs from 0 to 1: its pose is that at 1" in text for text in texts)
@@ -404,9 +406,9 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> 
 @pytest.mark.parametrize("kind", ["dot", "rbf"])
 def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str, samples: Path) -> None:
     goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)), Goal(name="b", pose="walk@0.5"))
-    options = Options(driver="forearm_R", targets=goals, reader=kind, mode="both", name="e")  # type: ignore[arg-type]
+    options = AddPosereaderOptions(driver="forearm_R", targets=goals, reader=kind, mode="both", name="e")  # type: ignore[arg-type]
     rig = add_posereader(read(samples / "biped.glb").rig, options=options)
-    out = orient_joints(rig, options=OrientOptions())
+    out = orient_joints(rig, options=OrientJointsOptions())
     found = []
     for each in (rig, out):
         note = next(note for note in each.notes.values() if note["type"] == "poseReader")
@@ -423,7 +425,7 @@ def test_a_morph_target_that_another_reader_drives_is_told(tmp_path: Path) -> No
     rig = read(arm().glb(tmp_path / "arm.glb")).rig
     mesh, morph = next((m, m.morph_names[0] if m.morph_names else "0") for m in rig.meshes if len(m.morphs))
     for name in ("one", "two"):
-        options = Options(
+        options = AddPosereaderOptions(
             driver=rig.names[int(rig.skins[0].joints[-1])],
             targets=(Goal(name="a", direction=(0.0, 1.0, 0.0)),),
             morphs=(("a", rig.names[mesh.node], morph),),
@@ -437,7 +439,7 @@ def test_a_reader_that_drives_a_morph_no_longer_gives_its_keys_back(tmp_path: Pa
     source = read(arm().glb(tmp_path / "arm.glb")).rig
     mesh = next(m for m in source.meshes if len(m.morphs))
     goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)),)
-    driving = Options(
+    driving = AddPosereaderOptions(
         driver="lower", targets=goals, name="r", morphs=(("a", source.names[mesh.node], "bulge"),)
     )
     rig = add_posereader(source, options=driving)

@@ -18,9 +18,8 @@ from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.bake import Options as BakeOptions
-from rigtri.operations.bake.bake import bake
-from rigtri.operations.pose import Options, pose_of, table, take_pose
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.pose import PoseOptions, pose_of, table, take_pose
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -30,9 +29,9 @@ def test_the_pose_is_the_one_that_baking_gives() -> None:
     # The IK end says otherwise than the joints' own keys.
     up = moved(up, up.parents[control(up, "hand_L", "ik")], np.array([0.02, 0.05, -0.03]))
     baked = bake(up, options=BakeOptions(tolerance=0.0))
-    posed = pose_of(up, Options("walk@0.5"))
+    posed = pose_of(up, PoseOptions("walk@0.5"))
     there = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), [0.5]))[0]
-    plain = pose_of(up, Options("walk@0.5", evaluate=False))
+    plain = pose_of(up, PoseOptions("walk@0.5", evaluate=False))
     joints = np.flatnonzero(up.is_joint).tolist()
     far = max(np.abs(posed.world(j)[0, 3, :3] - there[j, 3, :3]).max() for j in joints)
     apart = max(np.abs(plain.world(j)[0, 3, :3] - there[j, 3, :3]).max() for j in joints)
@@ -41,7 +40,7 @@ def test_the_pose_is_the_one_that_baking_gives() -> None:
 
 def test_without_evaluation_it_is_the_clip_as_it_plays() -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    found = table(rig, Options("walk@0.3", evaluate=False))
+    found = table(rig, PoseOptions("walk@0.3", evaluate=False))
     world = pose.worlds(rig, pose.locals_at(rig, rig.clip("walk"), [0.3]))[0]
     for row in found["joints"]:
         np.testing.assert_allclose(row["position"], world[rig.find(row["joint"]), 3, :3], atol=1e-12)
@@ -49,9 +48,9 @@ def test_without_evaluation_it_is_the_clip_as_it_plays() -> None:
 
 def test_a_written_pose_is_the_rest_pose_and_stays_when_evaluated_again() -> None:
     up = bake(rigged(), options=BakeOptions(to="controls"))
-    taken = stored(take_pose(up, options=Options("walk@0.5")))
-    posed = pose_of(up, Options("walk@0.5"))
-    again = pose_of(taken, Options("rest"))
+    taken = stored(take_pose(up, options=PoseOptions("walk@0.5")))
+    posed = pose_of(up, PoseOptions("walk@0.5"))
+    again = pose_of(taken, PoseOptions("rest"))
     for joint in np.flatnonzero(up.is_joint).tolist():
         np.testing.assert_allclose(taken.world[joint], posed.world(joint)[0], atol=1e-5)
         np.testing.assert_allclose(again.world(joint)[0], posed.world(joint)[0], atol=1e-5)
@@ -80,9 +79,9 @@ def test_the_command_writes_the_pose_it_prints(name: str, tmp_path: Path) -> Non
 def test_what_is_no_pose_is_told() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     with pytest.raises(UsageError, match="CLIP@TIME"):
-        pose_of(rig, Options("walk"))
+        pose_of(rig, PoseOptions("walk"))
     with pytest.raises(NameNotFoundError):
-        pose_of(rig, Options("wlak@0"))
+        pose_of(rig, PoseOptions("wlak@0"))
     refused = run("pose", SAMPLES / "biped.glb", "--dry-run")
     assert refused.exit_code == 2
     assert "-o OUT" in refused.output
@@ -141,7 +140,7 @@ def test_a_moment_outside_of_the_clip_is_told_and_holds_the_nearest_pose() -> No
     rig = read(SAMPLES / "biped.glb").rig
     found = json.loads(shown.stdout)
     validator("pose").validate(found)
-    assert found["joints"] == table(rig, Options(f"walk@{last}"))["joints"]
+    assert found["joints"] == table(rig, PoseOptions(f"walk@{last}"))["joints"]
     assert [notice["code"] for notice in found["warnings"]] == ["pose-outside"]
 
 
@@ -160,19 +159,19 @@ def test_a_printed_pose_is_strict_and_quiet_as_other_commands_are() -> None:
 )
 def test_a_time_is_a_number_in_the_unit_of_the_file(at: str, told: str) -> None:
     with pytest.raises(UsageError, match=told):
-        pose_of(read(SAMPLES / "biped.glb").rig, Options(at))
+        pose_of(read(SAMPLES / "biped.glb").rig, PoseOptions(at))
     if told == "seconds":
         with pytest.raises(UsageError, match="time codes, 24 a second"):
-            pose_of(read(SAMPLES / "biped.usda").rig, Options(at))
+            pose_of(read(SAMPLES / "biped.usda").rig, PoseOptions(at))
 
 
 def test_the_last_at_splits_and_a_wrong_name_is_met_with_the_nearest() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     renamed = replace(rig, clips=(replace(rig.clip("walk"), name="w@lk@1"),))
-    one, other = table(renamed, Options("w@lk@1@0.25")), table(rig, Options("walk@0.25"))
+    one, other = table(renamed, PoseOptions("w@lk@1@0.25")), table(rig, PoseOptions("walk@0.25"))
     assert one["joints"] == other["joints"]
     with pytest.raises(NameNotFoundError, match=r"Did you mean 'w@lk@1'"):
-        table(renamed, Options("w@lk@0.25"))
+        table(renamed, PoseOptions("w@lk@0.25"))
 
 
 def test_morph_weights_are_told_in_the_pose() -> None:
@@ -182,10 +181,10 @@ def test_morph_weights_are_told_in_the_pose() -> None:
     )
     walk = rig.clip("walk")
     rig = replace(rig, clips=(replace(walk, tracks=(*walk.tracks, weights)),))
-    found = table(rig, Options("walk@0.25"))
+    found = table(rig, PoseOptions("walk@0.25"))
     assert found["weights"] == [{"node": "hips", "weights": [0.25, 0.875]}]
     validator("pose").validate({"file": "x.glb", "warnings": [], **found})
-    assert table(rig, Options("rest"))["weights"] == []
+    assert table(rig, PoseOptions("rest"))["weights"] == []
 
 
 @pytest.mark.parametrize("kind", ["glb", "usda"])
@@ -198,7 +197,7 @@ def test_a_written_pose_looks_as_the_clip_does_morphs_included(kind: str, tmp_pa
     times = np.array([time])
 
     def posed(rig: Rig, report: Report) -> Rig:
-        return take_pose(rig, options=Options(f"{clip.name}@{time:g}"), report=report)
+        return take_pose(rig, options=PoseOptions(f"{clip.name}@{time:g}"), report=report)
 
     outcome = edit(source, out, posed)
     assert not outcome.report.warnings

@@ -19,24 +19,23 @@ from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageErro
 from rigtri.evaluation import sampling as pose
 from rigtri.evaluation.point_skinning import Carried
 from rigtri.evaluation.timelines import looked_at, timelines
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.mesh_triangles import nearest, triangles
 from rigtri.model.records import Mesh, Surface
 from rigtri.model.rig import Rig
-from rigtri.operations.add_rivet.rivet import Options, add_rivet
+from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
 TRUSTING = ReadOptions(allow_external_paths=True)
-MIDDLE = Options(mesh="Skin", triangles=(0,), names=("button",))
+MIDDLE = AddRivetOptions(mesh="Skin", triangles=(0,), names=("button",))
 # Meshes whose faces are compressed, or whose only triangle has no area.
 UNUSABLE = {"gltfpack_cc_kn_godot_enemy.glb", "magnum_Assimp_skin-shared.gltf"}
 
 
-def riveted(source: Path, target: Path, options: Options = MIDDLE) -> Report:
+def riveted(source: Path, target: Path, options: AddRivetOptions = MIDDLE) -> Report:
     report = Report()
     outcome = edit(
         source,
@@ -93,7 +92,7 @@ def test_a_rivet_stays_on_the_surface_and_all_else_as_it_is(path: Path, tmp_path
             return
         leave_out(path, NOTHING_DRAWN)
     mesh, count = found
-    options = Options(mesh=mesh.name, triangles=(count // 2,), names=("one",))
+    options = AddRivetOptions(mesh=mesh.name, triangles=(count // 2,), names=("one",))
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
     report = riveted(path, once, options)
     size = max(float(np.ptp(mesh.points, axis=0).max()), 1e-30)
@@ -227,19 +226,19 @@ def test_faces_are_cut_into_triangles(
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        (Options(), UsageError, "which mesh"),
-        (Options(mesh="Skin"), UsageError, "where the rivet goes"),
+        (AddRivetOptions(), UsageError, "which mesh"),
+        (AddRivetOptions(mesh="Skin"), UsageError, "where the rivet goes"),
         (replace(MIDDLE, mesh="Skim"), NameNotFoundError, "Did you mean 'Skin'"),
         (replace(MIDDLE, triangles=(1,)), GeometryError, "has 1 triangles, 0 to 0"),
         (replace(MIDDLE, triangles=(-1,)), GeometryError, "no triangle -1"),
         (replace(MIDDLE, barycentric=((1.0, 1.0, 0.0),)), UsageError, "sum to 1"),
         (replace(MIDDLE, barycentric=((2.0, -1.0, 0.0),)), UsageError, "from 0 to 1"),
-        (Options(mesh="Skin", vertices=(3,)), GeometryError, "no vertex 3"),
-        (Options(mesh="Skin", vertices=(0, 1), names=("a", "a")), UsageError, "name of its own"),
+        (AddRivetOptions(mesh="Skin", vertices=(3,)), GeometryError, "no vertex 3"),
+        (AddRivetOptions(mesh="Skin", vertices=(0, 1), names=("a", "a")), UsageError, "name of its own"),
     ],
 )
 def test_what_holds_no_rivet_is_told(
-    options: Options, error: type[Exception], words: str, tmp_path: Path
+    options: AddRivetOptions, error: type[Exception], words: str, tmp_path: Path
 ) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     with pytest.raises(error, match=words):
@@ -260,7 +259,7 @@ def test_a_mesh_of_lines_or_without_area_holds_none(tmp_path: Path) -> None:
     with pytest.raises(GeometryError, match="no area"):
         add_rivet(rig, options=MIDDLE)
     with pytest.raises(GeometryError, match="in no triangle"):
-        add_rivet(rig, options=Options(mesh="Skin", vertices=(0,)))
+        add_rivet(rig, options=AddRivetOptions(mesh="Skin", vertices=(0,)))
 
 
 @pytest.mark.parametrize("name", ["in.glb", "in.usda"])

@@ -43,14 +43,16 @@ def off(path: Path) -> float:
 
 
 def riveted(rig: Rig, report: Report) -> Rig:
-    wanted = rivet.Options(mesh="Skin", triangles=(0,), names=("button",))
+    wanted = rivet.AddRivetOptions(mesh="Skin", triangles=(0,), names=("button",))
     return rivet.add_rivet(rig, options=wanted, report=report)
 
 
 def read_by_pose(rig: Rig, report: Report) -> Rig:
     joint = "lower" if "lower" in rig.names else "b"
     goal = posereader.Goal("side", direction=(-0.3, 0.8, 0.1))
-    wanted = posereader.Options(driver=joint, targets=(goal,), morphs=(("side", "Skin", "other"),))
+    wanted = posereader.AddPosereaderOptions(
+        driver=joint, targets=(goal,), morphs=(("side", "Skin", "other"),)
+    )
     return posereader.add_posereader(rig, options=wanted, report=report)
 
 
@@ -78,11 +80,11 @@ def test_split_weights_take_rivets_of_their_meshes_along(name: str, samples: Pat
         pairs = [(rig.world[rig.find(a), 3, :3], rig.world[rig.find(b), 3, :3]) for a, b in bones]
         places = [(float(x), float(y), float(z)) for x, y, z in (0.5 * a + 0.5 * b for a, b in pairs)]
         names = tuple(f"watch {number}" for number in range(4))
-        wanted = rivet.Options(mesh="body", at=tuple(places), names=names)
+        wanted = rivet.AddRivetOptions(mesh="body", at=tuple(places), names=names)
         return rivet.add_rivet(rig, options=wanted, report=report)
 
     def shared(rig: Rig, report: Report) -> Rig:
-        wanted = twist.Options(auto=True, split_weights=True)
+        wanted = twist.AddTwistOptions(auto=True, split_weights=True)
         return twist.add_twist(rig, options=wanted, report=report)
 
     edit(samples / name, held, on_the_arms)

@@ -22,13 +22,10 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.bake import Options as BakeOptions
-from rigtri.operations.bake.bake import bake
-from rigtri.operations.constrain.constrain import Options as ConstrainOptions
-from rigtri.operations.constrain.constrain import constrain
-from rigtri.operations.pose import Options as PoseOptions
-from rigtri.operations.pose import pose_of
-from rigtri.operations.snap import Options, snap
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.operations.pose import PoseOptions, pose_of
+from rigtri.operations.snap import SnapOptions, snap
 from rigtri.report import Report
 
 # The bound: of the character's size.
@@ -70,7 +67,7 @@ def test_fk_takes_over_where_ik_has_put_the_joints(time: float) -> None:
     rig = posed_by_ik()
     at = f"walk@{time}"
     report = Report()
-    done = snap(rig, options=Options("fk", (at,)), report=report)
+    done = snap(rig, options=SnapOptions("fk", (at,)), report=report)
     assert len(report.added) == 4
     assert apart(rig, done, at) < BOUND
     assert not report.warnings
@@ -81,7 +78,7 @@ def test_fk_takes_over_where_ik_has_put_the_joints(time: float) -> None:
 def test_ik_takes_over_where_fk_has_put_the_joints(time: float) -> None:
     rig = posed_by_fk()
     at = f"new@{time}"
-    done = snap(rig, options=Options("ik", (at,), (ARM,)))
+    done = snap(rig, options=SnapOptions("ik", (at,), (ARM,)))
     assert apart(rig, done, at) < BOUND
     assert control(rig, "hand_L", "ik") in keyed(done, "new")
     assert control(rig, "hand_R", "ik") not in keyed(done, "new")
@@ -90,8 +87,8 @@ def test_ik_takes_over_where_fk_has_put_the_joints(time: float) -> None:
 def test_several_frames_stand_each_and_there_and_back_is_the_pose() -> None:
     rig = posed_by_fk()
     at = ("new@0.25", "new@0.75", "new@1")
-    there = snap(rig, options=Options("ik", at, (ARM,)))
-    back = snap(there, options=Options("fk", at, (ARM,)))
+    there = snap(rig, options=SnapOptions("ik", at, (ARM,)))
+    back = snap(there, options=SnapOptions("fk", at, (ARM,)))
     for moment in at:
         assert apart(rig, there, moment) < BOUND
         assert apart(rig, back, moment) < 2 * BOUND
@@ -107,7 +104,7 @@ def test_ik_takes_up_what_fk_controls_hold_below_it() -> None:
         tracks.append(Track(elbow, "rotation", "LINEAR", np.array([0.0, 1.0]), np.array([turn, turn])))
         clips.append(replace(clip, tracks=tuple(tracks)))
     rig = replace(rig, clips=tuple(clips))
-    done = snap(rig, options=Options("ik", ("walk@1",), (ARM,)))
+    done = snap(rig, options=SnapOptions("ik", ("walk@1",), (ARM,)))
     assert apart(rig, done, "walk@1") < BOUND
     hand, end = rig.find("hand_L"), control(rig, "hand_L", "ik")
     for state, together in ((rig, False), (done, True)):
@@ -125,11 +122,11 @@ def keyed_apart(a: Rig, b: Rig, clip: str) -> float:
 @pytest.mark.parametrize("to", [pytest.param("fk", marks=pytest.mark.slow), "ik"])
 def test_what_takes_over_shows_the_whole_clip(to: str) -> None:
     rig, clip = (posed_by_ik(), "walk") if to == "fk" else (posed_by_fk(), "new")
-    done = snap(rig, options=Options(to, (f"{clip}@0.3",), (ARM,)))  # type: ignore[arg-type]
+    done = snap(rig, options=SnapOptions(to, (f"{clip}@0.3",), (ARM,)))  # type: ignore[arg-type]
     assert keyed_apart(rig, done, clip) < BOUND
     # The other keys of a limb whose controls were at work already stay.
     end = control(rig, "hand_L", "ik" if to == "ik" else "fk")
-    again = snap(done, options=Options(to, (f"{clip}@0.35",), (ARM,)))  # type: ignore[arg-type]
+    again = snap(done, options=SnapOptions(to, (f"{clip}@0.35",), (ARM,)))  # type: ignore[arg-type]
     assert keyed_apart(done, again, clip) < BOUND
     assert end in keyed(again, clip)
 
@@ -146,18 +143,18 @@ def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
         if rig.notes.get(t.node, {}).get("type") not in ("poleVector", "offset")
     )
     rig = replace(rig, clips=(replace(rig.clip("walk"), tracks=still),))
-    done = snap(rig, options=Options("fk", ("walk@0.25",)))
+    done = snap(rig, options=SnapOptions("fk", ("walk@0.25",)))
     assert apart(rig, done, "walk@0.25") < BOUND
     assert control(rig, "hand_L", "fk") in keyed(done, "walk")
 
 
 def test_controls_below_a_limb_stand_on_its_joints_when_fk_has_taken_over() -> None:
     rig = posed_by_ik()
-    done = snap(rig, options=Options("fk", ("walk@0.25",), (ARM,)))
+    done = snap(rig, options=SnapOptions("fk", ("walk@0.25",), (ARM,)))
     offset = done.parents[control(done, "hand_L", "fk")]
     assert offset in keyed(rig, "walk")
     assert offset not in keyed(done, "walk")
-    back = snap(done, options=Options("ik", ("walk@0.25",), (ARM,)))
+    back = snap(done, options=SnapOptions("ik", ("walk@0.25",), (ARM,)))
     for state in (done, back):
         posed = pose_of(state, PoseOptions("walk@0.25"))
         for joint in ARM:
@@ -167,7 +164,7 @@ def test_controls_below_a_limb_stand_on_its_joints_when_fk_has_taken_over() -> N
 
 def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
     rig = posed_by_fk()
-    done = snap(rig, options=Options("ik", ("new@0.5",), (ARM,)))
+    done = snap(rig, options=SnapOptions("ik", ("new@0.5",), (ARM,)))
     end, elbow = control(done, "hand_L", "ik"), control(done, "forearm_L", "fk")
     clip = done.clip("new")
     times = np.array([0.0, 0.4, 0.7, 1.0])
@@ -187,7 +184,7 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
     tracks = [t for t in tracks if (t.node, t.path) != (elbow, "rotation")]
     tracks.append(Track(elbow, "rotation", "LINEAR", np.array([0.0, 1.0]), np.repeat(turn, 2, axis=0)))
     rig = replace(done, clips=(*done.clips[:-1], replace(clip, tracks=tuple(tracks))))
-    done = snap(rig, options=Options("ik", ("new@0.55",), (ARM,)))
+    done = snap(rig, options=SnapOptions("ik", ("new@0.55",), (ARM,)))
     assert apart(rig, done, "new@0.55") < BOUND
     was, now = (
         next(t for t in each.clip("new").tracks if (t.node, t.path) == (end, "translation"))
@@ -205,14 +202,14 @@ def test_an_ik_end_that_follows_a_constraint_is_told() -> None:
     hand = rig.title(control(rig, "hand_L", "ik"))
     rig = constrain(rig, options=ConstrainOptions("parent", hand, (("head", 1.0),)))
     with pytest.raises(GeometryError, match="follows a constraint"):
-        snap(rig, options=Options("fk", ("walk@0.3",), (ARM,)))
+        snap(rig, options=SnapOptions("fk", ("walk@0.3",), (ARM,)))
 
 
 def test_at_rest_channels_are_set_at_rest() -> None:
     rig = replace(rigged(), clips=())
     hand = control(rig, "hand_L", "ik")
     posed = stored(moved(rig, hand, np.array([-0.05, 0.1, 0.0])))
-    done = stored(snap(posed, options=Options("fk", ("rest",), (ARM,))))
+    done = stored(snap(posed, options=SnapOptions("fk", ("rest",), (ARM,))))
     assert apart(posed, done, "rest") < BOUND
     assert apart(rig, done, "rest") > 100 * BOUND
     np.testing.assert_allclose(done.translation[hand], 0.0)
@@ -222,7 +219,7 @@ def test_at_rest_channels_are_set_at_rest() -> None:
 def test_a_moment_outside_its_clip_is_told_once_as_pose_tells_it(at: str, told: int) -> None:
     rig = posed_by_ik()
     said, posed = Report(), Report()
-    snap(rig, options=Options("fk", (at,)), report=said)
+    snap(rig, options=SnapOptions("fk", (at,)), report=said)
     pose_of(rig, PoseOptions(at), posed)
     assert [n.text for n in said.warnings if n.code == "pose-outside"] == [n.text for n in posed.warnings]
     assert len(posed.warnings) == told
@@ -249,7 +246,7 @@ def test_a_moment_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
     keys = times_within(timelines(rig)[-1], None)
     inside = min(max(time, keys[0]), keys[-1])
     done, like = (
-        snap(rig, options=Options(to, (f"{name}@{at:.17g}",)))  # type: ignore[arg-type]
+        snap(rig, options=SnapOptions(to, (f"{name}@{at:.17g}",)))  # type: ignore[arg-type]
         for at in (time, inside)
     )
     now = times_within(timelines(done)[-1], None)
@@ -263,9 +260,9 @@ def test_a_moment_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
 def test_what_cannot_be_snapped_is_told() -> None:
     rig = rigged()
     with pytest.raises(GeometryError, match="no IK end"):
-        snap(rig, options=Options("ik", ("rest",), (("hips", "spine", "chest"),)))
+        snap(rig, options=SnapOptions("ik", ("rest",), (("hips", "spine", "chest"),)))
     with pytest.raises(UsageError, match="say when"):
-        snap(rig, options=Options("ik", ()))
+        snap(rig, options=SnapOptions("ik", ()))
 
 
 def files_to_snap() -> list[Any]:

@@ -20,16 +20,15 @@ from rigtri.formats import Document, read
 from rigtri.model.records import Spread
 from rigtri.model.rig import Rig
 from rigtri.model.skin_weights import folded, shared
-from rigtri.operations.add_controls import Options as Controls
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_twist.twist import Options, add_twist
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 # A bone of three twist joints, and a triangle with points at 0, 0.5 and 1 of it.
 POINTS = [[0, 1, 0], [1, 1.5, 0], [0, 2, 0]]
-SPLIT = Options(bones=(("joint 0", "joint 1"),), lower=True, count=3, split_weights=True)
+SPLIT = AddTwistOptions(bones=(("joint 0", "joint 1"),), lower=True, count=3, split_weights=True)
 
 
 def bone(
@@ -205,7 +204,7 @@ def test_a_draco_mesh_is_refused_by_name(tmp_path: Path) -> None:
 def test_usd_influences_keep_their_form(samples: Path, tmp_path: Path) -> None:
     from pxr import Usd
 
-    options = Options(auto=True, split_weights=True)
+    options = AddTwistOptions(auto=True, split_weights=True)
     target = tmp_path / "out.usda"
     edit(samples / "biped.usda", target, lambda r, report: add_twist(r, options=options, report=report))
     stages = [Usd.Stage.Open(str(path)) for path in (samples / "biped.usda", target)]
@@ -255,7 +254,13 @@ def test_options_that_do_not_fit_are_told(
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_rigid_lines_of_controls_do_not_disturb_the_check(samples: Path, tmp_path: Path, name: str) -> None:
     built, out = tmp_path / f"built_{name}", tmp_path / name
-    edit(samples / name, built, lambda rig, _: add_controls(rig, options=Controls(whole_character=True)))
-    outcome = edit(built, out, lambda rig, _: add_twist(rig, options=Options(auto=True, split_weights=True)))
+    edit(
+        samples / name,
+        built,
+        lambda rig, _: add_controls(rig, options=AddControlsOptions(whole_character=True)),
+    )
+    outcome = edit(
+        built, out, lambda rig, _: add_twist(rig, options=AddTwistOptions(auto=True, split_weights=True))
+    )
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-6

@@ -11,23 +11,24 @@ from second_opinions import khronos_errors
 
 from rigtri import diff, verify
 from rigtri.errors import FileError, GeometryError
-from rigtri.formats import Options as Reading
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options, add_controls
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
-TRUSTING = Reading(lenient=True, allow_external_paths=True)
+TRUSTING = ReadOptions(lenient=True, allow_external_paths=True)
 
 
 def controls(rig: Rig, report: Report) -> Rig:
     try:
-        return add_controls(rig, options=Options(whole_character=True), report=report)
+        return add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
     except GeometryError:  # a straight limb that nothing tells of
-        return add_controls(rig, options=Options(selection=Selection(joints=("*",))), report=report)
+        return add_controls(
+            rig, options=AddControlsOptions(selection=Selection(joints=("*",))), report=report
+        )
 
 
 def stripped(rig: Rig, report: Report) -> Rig:

@@ -16,8 +16,7 @@ from pxr import Sdf, Usd, UsdGeom, Vt
 
 from rigtri import diff, verify
 from rigtri.errors import FileError, GeometryError
-from rigtri.formats import Options as Reading
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_twist import twist
@@ -29,7 +28,7 @@ from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
-TRUSTING = Reading(lenient=True, allow_external_paths=True)
+TRUSTING = ReadOptions(lenient=True, allow_external_paths=True)
 # To measure all points in all their clips takes minutes; that the bytes are the same says more.
 LARGE = 1 << 20
 # Its points name joints that the skin does not have: new joints get those numbers.
@@ -123,7 +122,7 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
     mesh = "Skin" if kind == "glb" else "/Root/Skin"
 
     def step(rig: Rig, report: Report) -> Rig:
-        wanted = posereader.Options(
+        wanted = posereader.AddPosereaderOptions(
             driver="lower" if kind == "glb" else "b",
             targets=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
             morphs=(("side", mesh, "bulge"),),
@@ -136,7 +135,7 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
 def split_arm(rig: Rig, report: Report) -> Rig:
     """Both bones of an arm: the upper one's own joint takes the last of its points, not the first."""
     arm_ = given(rig, "upper_arm_L", "forearm_L", "hand_L")
-    wanted = twist.Options(limbs=(arm_,), count=3, split_weights=True)
+    wanted = twist.AddTwistOptions(limbs=(arm_,), count=3, split_weights=True)
     return twist.add_twist(rig, options=wanted, report=report)
 
 
@@ -165,7 +164,7 @@ def test_rest_transforms_that_a_skeleton_did_not_have_go_again(tmp_path: Path) -
     layer.Save()
 
     def step(rig: Rig, report: Report) -> Rig:
-        wanted = twist.Options(bones=(("a", "b"),), count=2, lower=True)
+        wanted = twist.AddTwistOptions(bones=(("a", "b"),), count=2, lower=True)
         return twist.add_twist(rig, options=wanted, report=report)
 
     assert comes_back(source, step, tmp_path) == source.read_bytes()
@@ -185,7 +184,7 @@ def test_a_character_that_is_referred_to_keeps_no_opinions(name: str, samples: P
 
 def driven(rig: Rig, report: Report) -> Rig:
     """The shape ``bulge``, which the clip does not list, driven from 0 to 1."""
-    wanted = posereader.Options(
+    wanted = posereader.AddPosereaderOptions(
         driver="b",
         axis=(0.0, 1.0, 0.0),
         targets=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
@@ -221,7 +220,7 @@ def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_pat
     def step(rig: Rig, report: Report) -> Rig:
         for name, x in (("one", -1.0), ("two", 1.0)):
             goal = posereader.Goal("side", direction=(x, 0.0, 0.0))
-            wanted = posereader.Options(
+            wanted = posereader.AddPosereaderOptions(
                 driver="lower", targets=(goal,), morphs=(("side", "Skin", "bulge"),), name=name
             )
             rig = posereader.add_posereader(rig, options=wanted, report=report)
@@ -236,7 +235,7 @@ def test_joints_of_ours_that_are_turned_keep_what_says_how_they_were_made(
 ) -> None:
     built, turned = tmp_path / name, tmp_path / f"turned_{name}"
     edit(samples / name, built, everything)
-    axes = orient.Options(style=Style(aim="-z", up="x"), selection=Selection(joints=("*",)))
+    axes = orient.OrientJointsOptions(style=Style(aim="-z", up="x"), selection=Selection(joints=("*",)))
     edit(built, turned, lambda rig, report: orient.orient_joints(rig, options=axes, report=report))
     before, after = read(built).rig, read(turned).rig
     made = {before.names[node]: note["type"] for node, note in before.notes.items()}

@@ -14,15 +14,13 @@ from test_take_clips import BIPED, notices, places, rig_of
 from rigtri.errors import UsageError
 from rigtri.evaluation.timelines import played_at_once
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as Controls
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options as Bake
-from rigtri.operations.bake.bake import bake
-from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
-CONTROLS = Controls(whole_character=True)
+CONTROLS = AddControlsOptions(whole_character=True)
 
 
 def bare(path: Path) -> Path:
@@ -42,7 +40,7 @@ def bare(path: Path) -> Path:
     return path
 
 
-def taking(edited: Rig, options: Options, rig: Rig, report: Report) -> Rig:
+def taking(edited: Rig, options: TakeClipsOptions, rig: Rig, report: Report) -> Rig:
     return take_clips(rig, edited, options=options, report=report)
 
 
@@ -60,7 +58,7 @@ def far(a: Rig, b: Rig) -> float:
 def test_a_skeleton_without_an_animation_gets_one_with_the_motion(edited: str, tmp_path: Path) -> None:
     source, out, again = bare(tmp_path / "bare.usda"), tmp_path / "out.usda", tmp_path / "again.usda"
     theirs = rig_of(SAMPLES / edited)
-    step = partial(taking, theirs, Options(clips=("walk",)))
+    step = partial(taking, theirs, TakeClipsOptions(clips=("walk",)))
     report = edit(source, out, step).report
     assert "new-clip" not in notices(report)
     assert report.added[0]["new"]
@@ -74,13 +72,13 @@ def test_controls_without_keys_get_them_and_bake_to_the_motion(tmp_path: Path) -
     source, rigged, out = bare(tmp_path / "bare.usda"), tmp_path / "rigged.usda", tmp_path / "out.usda"
     edit(source, rigged, lambda rig, report: add_controls(rig, options=CONTROLS, report=report))
     plain = rig_of(SAMPLES / "biped.usda")
-    animated = bake(add_controls(plain, options=CONTROLS), options=Bake(to="controls"))
-    edit(rigged, out, partial(taking, animated, Options()))
+    animated = bake(add_controls(plain, options=CONTROLS), options=BakeOptions(to="controls"))
+    edit(rigged, out, partial(taking, animated, TakeClipsOptions()))
     home = rig_of(out)
     controls = {n for n, note in home.notes.items() if note["type"] == "control"}
     assert {t.node for clip in home.clips for t in clip.tracks} & controls
-    baked = bake(home, options=Bake())
-    assert far(baked, bake(animated, options=Bake())) < 1e-4
+    baked = bake(home, options=BakeOptions())
+    assert far(baked, bake(animated, options=BakeOptions())) < 1e-4
 
 
 def test_several_clips_for_a_file_without_any_are_refused_before_anything_is_told(tmp_path: Path) -> None:

@@ -26,12 +26,10 @@ from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track, key_values
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as Controls
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options as Bake
-from rigtri.operations.bake.bake import bake
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.orient_joints.orient import orient_joints
-from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -290,12 +288,12 @@ def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_said_to_be_an
     report = Report()
     assert [c.name for c in take_clips(rig, edited, report=report).clips] == ["walk", "wave", "headAction"]
     assert notices(report) == ["split-clip"]
-    home = take_clips(rig, edited, options=Options(names={"headAction": "wave"}))
+    home = take_clips(rig, edited, options=TakeClipsOptions(names={"headAction": "wave"}))
     assert [c.name for c in home.clips] == ["walk", "wave"]
     now = [t for t in home.clip("wave").tracks if (t.node, t.path) == (head, "rotation")]
     np.testing.assert_array_equal(now[0].values, turns)
     with pytest.raises(NameNotFoundError):
-        take_clips(rig, edited, options=Options(names={"armAction": "wave"}))
+        take_clips(rig, edited, options=TakeClipsOptions(names={"armAction": "wave"}))
 
 
 def test_new_clips_are_added_missing_ones_stay_and_only_those_asked_for_are_taken() -> None:
@@ -307,11 +305,11 @@ def test_new_clips_are_added_missing_ones_stay_and_only_those_asked_for_are_take
     assert [clip.name for clip in home.clips] == ["walk", "wave", "limp"]
     assert home.clips[0] is rig.clips[0]
     assert apart(replace(home, clips=home.clips[2:]), edited, "limp") < CLOSE
-    only = take_clips(rig, edited, options=Options(clips=("lim*",)))
+    only = take_clips(rig, edited, options=TakeClipsOptions(clips=("lim*",)))
     assert only.clips[:2] == rig.clips
     assert len(only.clips) == 3
     with pytest.raises(NameNotFoundError):
-        take_clips(rig, edited, options=Options(clips=("run",)))
+        take_clips(rig, edited, options=TakeClipsOptions(clips=("run",)))
 
 
 def test_controls_have_the_axes_of_what_is_above_them_whatever_frame_was_shown() -> None:
@@ -412,7 +410,7 @@ def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:
 
 def test_one_name_in_place_of_a_list_is_refused() -> None:
     with pytest.raises(UsageError, match=r"\('walk',\)"):
-        take_clips(rig_of(), rig_of(), options=Options(clips="walk"))  # type: ignore[arg-type]
+        take_clips(rig_of(), rig_of(), options=TakeClipsOptions(clips="walk"))  # type: ignore[arg-type]
 
 
 def test_no_rig_to_take_from_is_an_error_that_says_what_is_missing() -> None:
@@ -440,7 +438,7 @@ def test_a_clip_of_no_length_changes_none_that_has_one() -> None:
 
     report = Report()
     edited = with_tracks(rig, "walk", first)
-    assert take_clips(rig, edited, options=Options(clips=("walk",)), report=report) is rig
+    assert take_clips(rig, edited, options=TakeClipsOptions(clips=("walk",)), report=report) is rig
     assert notices(report) == ["no-length"]
 
 
@@ -481,11 +479,14 @@ def test_keys_that_were_left_out_stay_with_a_notice() -> None:
 @pytest.mark.parametrize(("ours", "theirs"), [("biped.glb", "biped.usda"), ("biped.usda", "biped.glb")])
 def test_gltf_and_usd_take_from_each_other(ours: str, theirs: str, tmp_path: Path) -> None:
     document = read(SAMPLES / theirs)
-    assert take_clips(rig := rig_of(SAMPLES / ours), document.rig, options=Options(clips=("walk",))) is rig
+    assert (
+        take_clips(rig := rig_of(SAMPLES / ours), document.rig, options=TakeClipsOptions(clips=("walk",)))
+        is rig
+    )
     edited = turned_key(document.rig, "shin_L")
 
     def step(rig: Rig, report: Report) -> Rig:
-        return take_clips(rig, edited, options=Options(clips=("walk",)), report=report)
+        return take_clips(rig, edited, options=TakeClipsOptions(clips=("walk",)), report=report)
 
     target = tmp_path / ours
     outcome = edit(SAMPLES / ours, target, step)
@@ -507,7 +508,7 @@ def test_several_clips_for_a_usd_file_are_chosen_or_refused() -> None:
     others = tuple(replace(clip, name=f"my {clip.name}") for clip in edited.clips)
     with pytest.raises(UsageError, match="--clip"):
         take_clips(rig, replace(edited, clips=others))
-    assert take_clips(rig, replace(edited, clips=others), options=Options(clips=("my walk",))) is rig
+    assert take_clips(rig, replace(edited, clips=others), options=TakeClipsOptions(clips=("my walk",))) is rig
 
 
 def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(app: click.Group, tmp_path: Path) -> None:
@@ -754,7 +755,7 @@ def test_outside_the_edited_frames_the_keys_stay_bit_for_bit_and_inside_there_ar
     assert apart(home, edited, "walk") < 1e-5
     assert take_clips(home, edited) is home
     # And all of it where nothing may be left out.
-    full = take_clips(rig, edited, options=Options(tolerance=0.0))
+    full = take_clips(rig, edited, options=TakeClipsOptions(tolerance=0.0))
     assert sum(len(t.times) for t in full.clip("walk").tracks) > sum(
         len(t.times) for t in home.clip("walk").tracks
     )
@@ -771,7 +772,7 @@ def test_a_new_clip_of_a_key_a_frame_has_as_few_keys_as_it_needs_and_its_length(
     assert now.times[-1] == 1.0
     assert apart(replace(home, clips=home.clips[2:]), edited, "stroll") < 1e-5
     with pytest.raises(UsageError, match="--tolerance"):
-        take_clips(rig, edited, options=Options(tolerance=-1.0))
+        take_clips(rig, edited, options=TakeClipsOptions(tolerance=-1.0))
 
 
 def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Path) -> None:
@@ -782,11 +783,11 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
     )
 
     def controls(rig: Rig, report: Report) -> Rig:
-        rig = add_controls(rig, options=Controls(whole_character=True), report=report)
-        return bake(rig, options=Bake(to="controls"), report=report)
+        rig = add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
+        return bake(rig, options=BakeOptions(to="controls"), report=report)
 
     def joints(rig: Rig, report: Report) -> Rig:
-        return bake(rig, options=Bake(to="joints", fps=24.0), report=report)
+        return bake(rig, options=BakeOptions(to="joints", fps=24.0), report=report)
 
     def lifted(rig: Rig, report: Report) -> Rig:
         report.reposed = True

@@ -15,7 +15,7 @@ from rigs import chain
 from rigtri.errors import UsageError
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.report import Report
 
 LONG = 2.0
@@ -35,7 +35,7 @@ def playing(**clips: tuple[float, float]) -> Rig:
 def taken(rig: Rig, edited: Rig, **names: str) -> tuple[dict[str, float], dict[str, str]]:
     """How far the joint goes in each clip of the result, and the notices."""
     report = Report()
-    done = take_clips(rig, edited, options=Options(names=names), report=report)
+    done = take_clips(rig, edited, options=TakeClipsOptions(names=names), report=report)
     far = {clip.name: float(clip.tracks[0].values[-1, 0]) for clip in done.clips}
     return far, {notice.code: notice.text for notice in report.warnings}
 

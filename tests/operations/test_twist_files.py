@@ -17,14 +17,13 @@ from rigtri.errors import FileError, GeometryError
 from rigtri.evaluation.sampling import key_times, locals_at
 from rigtri.evaluation.twist_joints import twists
 from rigtri.export.text_description import describe
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, turn_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.add_twist.twist import Options, add_twist
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import recognise
@@ -34,10 +33,10 @@ from rigtri.verification.compare.compare import verify
 TRUSTING = ReadOptions(allow_external_paths=True)
 
 
-def bones(rig: Rig) -> Options:
+def bones(rig: Rig) -> AddTwistOptions:
     """All limbs, or where none is known the first bone that has a length."""
     if recognise(rig):
-        return Options(auto=True)
+        return AddTwistOptions(auto=True)
     tree = skeleton(rig)
     places = rig.world[:, 3, :3]
     found = [
@@ -48,9 +47,9 @@ def bones(rig: Rig) -> Options:
         and np.abs(places[j] - places[k]).max() > 1e-3 * np.ptp(places, axis=0).max()
     ]
     if not found:
-        return Options(auto=True)  # which says that no limb is known
+        return AddTwistOptions(auto=True)  # which says that no limb is known
     joint, child = found[0]
-    return Options(bones=((rig.labels[joint], rig.labels[child]),))
+    return AddTwistOptions(bones=((rig.labels[joint], rig.labels[child]),))
 
 
 def plain(rig: Rig, report: Report) -> Rig:
@@ -173,7 +172,7 @@ def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
 ) -> None:
     once, more = tmp_path / name, tmp_path / f"more_{name}"
     edit(samples / name, once, split)
-    four = Options(auto=True, count=4, split_weights=True)
+    four = AddTwistOptions(auto=True, count=4, split_weights=True)
     checked = edit(once, more, lambda rig, report: add_twist(rig, options=four, report=report)).verification
     assert checked is not None
     assert checked.passes()
@@ -194,7 +193,9 @@ def test_joints_keep_their_axes_beside_twist_joints_of_a_skin_without_bind_matri
     source, turned, twisted = (tmp_path / f"{name}.glb" for name in ("bare", "turned", "twisted"))
     source.write_bytes(glb_bytes(gltf, binary))
     edit(source, turned, lambda rig, report: orient_joints(rig, preset="maya", report=report))
-    edit(turned, twisted, lambda rig, report: add_twist(rig, options=Options(auto=True), report=report))
+    edit(
+        turned, twisted, lambda rig, report: add_twist(rig, options=AddTwistOptions(auto=True), report=report)
+    )
     report = Report()
     orient_joints(read(twisted).rig, preset="maya", report=report)
     assert [entry["joint"] for entry in report.joints if entry["status"] == "turned"] == []

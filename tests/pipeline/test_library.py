@@ -21,7 +21,7 @@ from places import ASSETS, NO_ASSETS, SAMPLES
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.operations.axis_presets import Style
-from rigtri.operations.orient_joints.orient import Options
+from rigtri.operations.orient_joints.orient import OrientJointsOptions
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -283,7 +283,7 @@ def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
 
 def test_objects_of_options_do_what_keywords_do() -> None:
     rig = rigtri.read(BIPED)
-    with_object = rigtri.orient_joints(rig, options=Options(style=Style("z", "-x"), end="keep"))
+    with_object = rigtri.orient_joints(rig, options=OrientJointsOptions(style=Style("z", "-x"), end="keep"))
     with_words = rigtri.orient_joints(rig, aim="z", up="-x", end="keep")
     assert (with_object.rotation == with_words.rotation).all()
 
@@ -300,7 +300,12 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("orient_joints", {"limbs": [("hand_L", "head", "x")]}, NameNotFoundError, "'x'"),
         ("orient_joints", {"offset": (0, 1)}, UsageError, "give 3 values"),
         ("orient_joints", {"snap": 1}, UsageError, "give True or False"),
-        ("orient_joints", {"options": Options(), "aim": "x"}, TypeError, "options or aim, not both"),
+        (
+            "orient_joints",
+            {"options": OrientJointsOptions(), "aim": "x"},
+            TypeError,
+            "options or aim, not both",
+        ),
         ("constrain", {"child": "head"}, TypeError, "constrain() needs kind"),
         ("orient_joints", {"preset": "vrm", "aim": "x"}, UsageError, "parallel to the world"),
         ("add_controls", {"joints": "*", "colors": {"top": (1, 0, 0)}}, UsageError, "the sides are left"),

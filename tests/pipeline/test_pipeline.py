@@ -18,7 +18,7 @@ from places import SAMPLES, sample_files
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.files.staged_output import Written
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import Outcome, edit
@@ -133,13 +133,13 @@ def test_a_gltf_takes_its_files_along(samples: Path, tmp_path: Path) -> None:
 
 def test_edits_of_a_gltf_in_place_do_not_pile_up_buffers(samples: Path, tmp_path: Path) -> None:
     from rigtri.operations.axis_presets import PRESETS
-    from rigtri.operations.orient_joints.orient import Options
+    from rigtri.operations.orient_joints.orient import OrientJointsOptions
 
     for name in ("biped.gltf", "biped.bin"):
         shutil.copyfile(samples / name, tmp_path / name)
     path = tmp_path / "biped.gltf"
     for preset in ("blender", "maya", "openxr"):
-        options = Options(style=PRESETS[preset])
+        options = OrientJointsOptions(style=PRESETS[preset])
         edit(path, path, lambda rig, report, o=options: orient_joints(rig, options=o), overwrite=True)
     assert sorted(p.suffix for p in tmp_path.iterdir()) == [".bin", ".bin", ".gltf"]
 
@@ -201,25 +201,27 @@ def test_the_output_has_the_format_of_the_input(samples: Path, tmp_path: Path) -
 @pytest.mark.parametrize("override", ["layer", "stage"])
 def test_an_override_is_measured_over_its_source(override: str, samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "over.usda"
-    outcome = edit(samples / "biped.usdz", out, orient, options=Options(override=override))
+    outcome = edit(samples / "biped.usdz", out, orient, options=ReadOptions(override=override))
     assert outcome.verification is not None
     assert outcome.verification.deviation < 4e-7
     assert "subLayers" in out.read_text() or override == "layer"
     with pytest.raises(DeviationError):
-        edit(samples / "biped.usda", tmp_path / "bad.usda", nudge, options=Options(override=override))
+        edit(samples / "biped.usda", tmp_path / "bad.usda", nudge, options=ReadOptions(override=override))
 
 
 def test_a_split_is_exact_in_gltf_and_refused_in_usd(samples: Path, tmp_path: Path) -> None:
     import numpy as np
 
-    from rigtri.operations.orient_joints.orient import Options as Orient
+    from rigtri.operations.orient_joints.orient import OrientJointsOptions
 
     def squash_and_split(rig: Rig, report: Report) -> Rig:
         joint = rig.find("forearm_L")
         scale, matrix = rig.scale.copy(), rig.matrix.copy()
         scale[joint], matrix[joint, :3, :3] = [1.0, 1.4, 0.8], np.diag([1.0, 1.4, 0.8])
         squashed = replace(rig, scale=scale, matrix=matrix)
-        return orient_joints(squashed, options=Orient(on_nonuniform_scale="split"), report=report)
+        return orient_joints(
+            squashed, options=OrientJointsOptions(on_nonuniform_scale="split"), report=report
+        )
 
     squashed = edit(samples / "biped.glb", tmp_path / "out.glb", squash_and_split, verify=False)
     assert any(entry.get("split") for entry in squashed.report.joints)
@@ -241,10 +243,10 @@ def test_a_resource_that_is_another_file_is_not_replaced_unasked(samples: Path, 
 
 
 def test_a_relinked_gltf_points_back_at_its_old_buffer(samples: Path, tmp_path: Path) -> None:
-    outcome = edit(samples / "biped.gltf", tmp_path / "out.gltf", orient, options=Options(relink=True))
+    outcome = edit(samples / "biped.gltf", tmp_path / "out.gltf", orient, options=ReadOptions(relink=True))
     assert outcome.verification is not None
     assert not (tmp_path / "biped.bin").exists()
-    assert len(read(tmp_path / "out.gltf", Options(allow_external_paths=True)).meshes())
+    assert len(read(tmp_path / "out.gltf", ReadOptions(allow_external_paths=True)).meshes())
 
 
 def test_the_part_of_a_run_that_was_killed_is_removed_by_the_next(samples: Path, tmp_path: Path) -> None:
@@ -259,12 +261,13 @@ def test_the_part_of_a_run_that_was_killed_is_removed_by_the_next(samples: Path,
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_pole_vector_may_be_moved_by_a_second_run(name: str, samples: Path, tmp_path: Path) -> None:
-    from rigtri.operations.add_polevector import Options as Pole
-    from rigtri.operations.add_polevector import add_polevector
+    from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 
     one, two = tmp_path / f"one{name}", tmp_path / f"two{name}"
-    edit(samples / name, one, lambda rig, report: add_polevector(rig, options=Pole(auto=True)))
-    further = Pole(auto=True, reach=1.2)
+    edit(
+        samples / name, one, lambda rig, report: add_polevector(rig, options=AddPolevectorOptions(auto=True))
+    )
+    further = AddPolevectorOptions(auto=True, reach=1.2)
     outcome = edit(one, two, lambda rig, report: add_polevector(rig, options=further))
     assert outcome.changed
     assert len(read(one).rig) == len(read(two).rig)

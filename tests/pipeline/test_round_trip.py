@@ -14,11 +14,9 @@ from rigtri.evaluation import sampling as pose
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as Controls
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options as Bake
-from rigtri.operations.bake.bake import bake
-from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -40,9 +38,9 @@ def written(source: Path, target: Path, to: str) -> None:
 
     def step(rig: Rig, report: Report) -> Rig:
         if to == "joints":
-            return bake(rig, options=Bake(to="joints", fps=24.0), report=report)
-        rig = add_controls(rig, options=Controls(whole_character=True), report=report)
-        return bake(rig, options=Bake(to="controls"), report=report)
+            return bake(rig, options=BakeOptions(to="joints", fps=24.0), report=report)
+        rig = add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
+        return bake(rig, options=BakeOptions(to="controls"), report=report)
 
     edit(source, target, step)
 
@@ -92,7 +90,7 @@ def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
 
     def step(rig: Rig, report: Report) -> Rig:
         reports.append(report)
-        return take_clips(rig, read(edited).rig, options=Options(clips=(clip,)), report=report)
+        return take_clips(rig, read(edited).rig, options=TakeClipsOptions(clips=(clip,)), report=report)
 
     edit(rigged, home, step)
     taken = {name for entry in reports[0].added for name in entry["changed"]}

@@ -20,7 +20,7 @@ from second_opinions import validator
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import edit
 from rigtri.pipeline.rigspec.build import build
@@ -133,9 +133,9 @@ def test_a_step_has_the_defaults_of_its_command(name: str) -> None:
 
 
 def read_nothing() -> Any:
-    from rigtri.formats import Options
+    from rigtri.formats import ReadOptions
 
-    return Options()
+    return ReadOptions()
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -674,7 +674,7 @@ def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None
     source.write_bytes((SAMPLES / "biped.glb").read_bytes())
     spec = load(write(tmp_path, "steps:\n- {do: orient-joints}\n- {do: orient-joints, aim: -x}\n"))
 
-    def doubting(path: Path, options: Options | None = None) -> Any:
+    def doubting(path: Path, options: ReadOptions | None = None) -> Any:
         document = read(path, options)
         notices = [Notice("mesh-unread", f"{path}: a mesh cannot be read")]
         patch.setattr(type(document), "warnings", property(lambda _: notices))

@@ -17,11 +17,10 @@ from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.pose_cache import Posed, sampled
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.maths.trigonometry import Floats
 from rigtri.operations.add_controls import add_controls
-from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.bake.bake import BakeOptions, bake
 
 MOMENTS = 60
 # Of the size: Blender's solver is iterative, and float32. docs/exactness.md has what was measured.
@@ -53,7 +52,7 @@ def rows(places: Floats) -> Floats:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_limbs_come_to_where_blender_puts_them(path: Path, tmp_path: Path) -> None:
     rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))
-    up = bake(rig, options=Options(to="controls"))
+    up = bake(rig, options=BakeOptions(to="controls"))
     timeline = timelines(up)[0]
     solver = Solver(up, keyed_in(up, timeline))
     times = pose.key_times(timeline.clip)

@@ -13,18 +13,16 @@ from places import ASSETS, FROZEN, NO_LIMB, leave_out, leave_out_refused, real_f
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats import Options as ReadOptions
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_sine, pole_position
 from rigtri.maths.vectors import angle, length, normalise
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options as PoleOptions
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import recognise
 from rigtri.report import Report
@@ -87,7 +85,7 @@ def test_nothing_moves_by_more_than_the_float32_floor(path: Path, tmp_path: Path
 @pytest.mark.parametrize("preset", ["article", "blender", "maya"])
 def test_a_second_run_changes_no_byte(path: Path, preset: str, tmp_path: Path) -> None:
     opened(path)
-    options = Options(style=PRESETS[preset])
+    options = OrientJointsOptions(style=PRESETS[preset])
     once, twice = tmp_path / path.name, tmp_path / f"again{path.suffix}"
     for source, target in ((path, once), (once, twice)):
         edit(
@@ -123,7 +121,7 @@ def test_every_turned_joint_aims_at_its_child_within_a_ten_thousandth_degree(pat
 def test_limbs_flex_about_plus_n(path: Path) -> None:
     rig = opened(path)
     at_rest = worlds(rig)
-    out = orient_joints(rig, options=Options(pose="nodes"))
+    out = orient_joints(rig, options=OrientJointsOptions(pose="nodes"))
     turned = {n for n in range(len(rig)) if np.any(out.rotation[n] != rig.rotation[n])}
     for limb in recognise(rig):
         a, b, c = limb.triple
@@ -163,9 +161,9 @@ def _with_rotation(rig: Rig, node: int, rotation: Any) -> Any:
 def test_the_axes_of_the_source_come_back_with_like(path: Path, tmp_path: Path) -> None:
     rig = opened(path)
     away, home = tmp_path / f"away{path.suffix}", tmp_path / f"home{path.suffix}"
-    options = Options(style=PRESETS["openxr"])
+    options = OrientJointsOptions(style=PRESETS["openxr"])
     edit(path, away, lambda r, report: orient_joints(r, options=options, report=report))
-    back = Options(like=rig)
+    back = OrientJointsOptions(like=rig)
     edit(away, home, lambda r, report: orient_joints(r, options=back, report=report), options=TRUSTING)
     joints = list(skeleton(rig).joints)
     before = nearest_rotation(worlds(rig)[joints])
@@ -178,7 +176,7 @@ def test_pole_vectors_lie_in_the_plane_of_their_limb(path: Path) -> None:
     limbs = recognise(rig)
     if not limbs:
         leave_out(path, NO_LIMB)
-    out = add_polevector(rig, options=PoleOptions(auto=True), report=report)
+    out = add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report)
     world = worlds(out)
     for limb, entry in zip(limbs, report.limbs, strict=True):
         if entry["source"] == "pose":

@@ -22,16 +22,15 @@ from rigtri.maths.quaternions import from_axis_angle, unit
 from rigtri.maths.triangle import bend_angle, pole_position
 from rigtri.maths.vectors import angle
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options as PoleOptions
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
 from rigtri.verification.compare.compare import Comparison, verify
 
-ALL = Options(selection=Selection(joints=("*",)))
+ALL = OrientJointsOptions(selection=Selection(joints=("*",)))
 # Keys and inverse binds are stored as float32; what that costs a figure two units high.
 FLOOR = 5e-7
 # Where the joints of the leg stand.
@@ -104,7 +103,7 @@ class Leg(Builder):
         turns = [from_axis_angle([1, 0, 0], turn) for turn in (0.0, 0.9, 0.1)]
         self.track(node, "rotation", [0.0, 0.5, 1.0], turns)
 
-    def turn(self, folder: Path, options: Options = ALL) -> tuple[Rig, Rig, Report, Comparison]:
+    def turn(self, folder: Path, options: OrientJointsOptions = ALL) -> tuple[Rig, Rig, Report, Comparison]:
         """Write it, turn it, and measure: both rigs, the report, and how far they are apart."""
         source, target, report = self.glb(folder / "leg.glb"), folder / "turned.glb", Report()
         edit(
@@ -160,7 +159,7 @@ def test_a_locator_below_a_scaled_root_has_the_size_of_the_world(scale: float, t
     _, after, _, found = leg.turn(tmp_path)
     assert found.deviation <= FLOOR
     limb = Limb(*(after.find(name) for name in ("thigh", "shin", "foot")))
-    out = add_polevector(after, options=PoleOptions(limbs=(limb,), reach=0.5))
+    out = add_polevector(after, options=AddPolevectorOptions(limbs=(limb,), reach=0.5))
     wanted = pole_position(*np.asarray(PLACES)[1:], reach=0.5)
     (locator,) = (node for node, note in out.notes.items() if note["type"] == "poleVector")
     assert_allclose(worlds(out)[locator, 3, :3], wanted, atol=1e-5)
@@ -258,7 +257,7 @@ def helpers() -> Leg:
 
 
 def test_control_bones_without_weight_stay_unless_named(tmp_path: Path) -> None:
-    before, after, report, found = helpers().turn(tmp_path, Options())
+    before, after, report, found = helpers().turn(tmp_path, OrientJointsOptions())
     assert found.deviation <= FLOOR
     said = {entry["joint"]: entry for entry in report.joints}
     for helper in ("kneeIK", "PoleTarget"):
@@ -268,7 +267,7 @@ def test_control_bones_without_weight_stay_unless_named(tmp_path: Path) -> None:
 
 
 def test_a_bare_leaf_end_gives_the_last_joint_its_direction(tmp_path: Path) -> None:
-    _, after, report, _ = helpers().turn(tmp_path, Options())
+    _, after, report, _ = helpers().turn(tmp_path, OrientJointsOptions())
     foot = next(entry for entry in report.joints if entry["joint"] == "foot")
     assert foot["status"] == "turned"
     assert_allclose(worlds(after)[after.find("foot"), 0, :3], [0, 0, 1], atol=1e-6)
@@ -288,7 +287,7 @@ def test_a_child_far_off_without_weight_is_no_continuation(tmp_path: Path) -> No
     slot = leg.below(3, name="weapon_slot", translation=[0.3, 0.1, 0])
     leg.gltf["skins"][0]["joints"].append(slot)
     leg.bind([*PLACES, [0.5, 0.3, 0]])
-    _, after, _, _ = leg.turn(tmp_path, Options())
+    _, after, _, _ = leg.turn(tmp_path, OrientJointsOptions())
     foot, shin = (worlds(after)[after.find(name), 0, :3] for name in ("foot", "shin"))
     assert np.degrees(angle(foot, shin)) < 60  # the parent's direction, not the slot's
     assert np.degrees(angle(foot, [0.3, 0.1, 0])) > 30
@@ -301,7 +300,7 @@ def test_several_roots_and_an_animated_root_are_turned_only_when_named(tmp_path:
     leg.gltf["skins"][0]["joints"].append(other)
     leg.bind([*PLACES, [1, 0, 0]])
     leg.track(0, "translation", [0, 1], [[0, 2, 0], [0, 2, 3]])
-    for options, moves in ((Options(), False), (ALL, True)):
+    for options, moves in ((OrientJointsOptions(), False), (ALL, True)):
         before, after, _, found = leg.turn(tmp_path, options)
         assert found.deviation <= FLOOR
         hips = before.find("hips"), after.find("hips")
@@ -320,7 +319,7 @@ def test_a_shin_whose_foot_hangs_under_the_root_aims_at_the_foot(tmp_path: Path)
     for node, name in ((1, "upperleg.l"), (2, "lowerleg.l"), (3, "foot.l")):
         nodes[node]["name"] = name
     leg.swing(2)
-    _, after, _, found = leg.turn(tmp_path, Options())
+    _, after, _, found = leg.turn(tmp_path, OrientJointsOptions())
     assert found.deviation <= FLOOR
     shin = worlds(after)[after.find("lowerleg.l")]
     bone = worlds(after)[after.find("foot.l"), 3, :3] - shin[3, :3]
@@ -369,7 +368,7 @@ def test_joints_are_found_by_name_index_and_path(tmp_path: Path) -> None:
         ("#2", 2),
         ("/Armature|Walk/mixamorig:Left Up.Leg/twice", 2),
     ):
-        before, after, _, _ = leg.turn(tmp_path, Options(selection=Selection(joints=(wanted,))))
+        before, after, _, _ = leg.turn(tmp_path, OrientJointsOptions(selection=Selection(joints=(wanted,))))
         turned = np.flatnonzero((before.rotation != after.rotation).any(axis=1)).tolist()
         assert node in [before.keys[k] for k in turned]
         assert set(turned) <= {before.keys.index(node), *before.below(before.keys.index(node))}

@@ -16,24 +16,16 @@ from rigtri.evaluation.sampling import worlds
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as Controls
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_polevector import Options as Poles
-from rigtri.operations.add_polevector import add_polevector
-from rigtri.operations.add_posereader.posereader import Goal, add_posereader
-from rigtri.operations.add_posereader.posereader import Options as Reader
-from rigtri.operations.add_rivet.rivet import Options as Rivet
-from rigtri.operations.add_rivet.rivet import add_rivet
-from rigtri.operations.add_twist.twist import Options as Twist
-from rigtri.operations.add_twist.twist import add_twist
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
+from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.constrain.constrain import Options as Constrain
-from rigtri.operations.constrain.constrain import constrain
-from rigtri.operations.make_limb import Options as Limb
-from rigtri.operations.make_limb import make_limb
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
+from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.operations.mirror.mirror import mirror
-from rigtri.operations.orient_joints.orient import Options as Orient
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -60,38 +52,42 @@ ELBOW = 1e-4
 
 
 def whole(rig: Rig, report: Report) -> Rig:
-    return add_controls(rig, options=Controls(whole_character=True), report=report)
+    return add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
 
 
 def everything(rig: Rig, report: Report) -> Rig:
     """Every operation that adds loose nodes, one after the other."""
     rig = whole(mirror(rig, report=report), report)
     for rule in (
-        Constrain("parent", "hand_L_ik_ctl", (("head", 1.0), ("hips", 0.5))),
-        Constrain("point", "forearm_L_pole", (("hips", 1.0),), skip=("ty",)),
-        Constrain("aim", "head_ctl", (("hand_R", 1.0),), aim=(0.0, 0.0, 1.0)),
+        ConstrainOptions("parent", "hand_L_ik_ctl", (("head", 1.0), ("hips", 0.5))),
+        ConstrainOptions("point", "forearm_L_pole", (("hips", 1.0),), skip=("ty",)),
+        ConstrainOptions("aim", "head_ctl", (("hand_R", 1.0),), aim=(0.0, 0.0, 1.0)),
     ):
         rig = constrain(rig, options=rule, report=report)
-    rig = add_rivet(rig, options=Rivet(mesh="body", triangles=(100,), names=("button",)), report=report)
+    rig = add_rivet(
+        rig, options=AddRivetOptions(mesh="body", triangles=(100,), names=("button",)), report=report
+    )
     goals = (Goal("up", direction=(0.0, 1.0, 0.0)), Goal("down", direction=(0.0, -1.0, 0.0)))
-    return add_posereader(rig, options=Reader("upper_arm_L", targets=goals, name="raised"), report=report)
+    return add_posereader(
+        rig, options=AddPosereaderOptions("upper_arm_L", targets=goals, name="raised"), report=report
+    )
 
 
 def poles(rig: Rig, report: Report) -> Rig:
-    return add_polevector(rig, options=Poles(auto=True), report=report)
+    return add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report)
 
 
 def poles_as_joints(rig: Rig, report: Report) -> Rig:
-    return add_polevector(rig, options=Poles(auto=True, kind="joint"), report=report)
+    return add_polevector(rig, options=AddPolevectorOptions(auto=True, kind="joint"), report=report)
 
 
 def tail(rig: Rig, report: Report) -> Rig:
     points = ((0.0, 0.9, -0.1), (0.0, 0.8, -0.4), (0.0, 0.9, -0.7))
-    return make_limb(rig, options=Limb(points=points, parent="hips", name="tail"), report=report)
+    return make_limb(rig, options=MakeLimbOptions(points=points, parent="hips", name="tail"), report=report)
 
 
 def twists(rig: Rig, report: Report) -> Rig:
-    return add_twist(rig, options=Twist(auto=True, count=2), report=report)
+    return add_twist(rig, options=AddTwistOptions(auto=True, count=2), report=report)
 
 
 def built(path: Path, step: Step, folder: Path) -> tuple[Path, Rig]:
@@ -238,7 +234,9 @@ def test_blender_s_own_ik_with_our_pole_vector_leaves_the_elbow_in_place(path: P
     """As a rigger does: joints with Blender's axes, an IK constraint, our locator as its pole."""
 
     def step(rig: Rig, report: Report) -> Rig:
-        return poles(orient_joints(rig, options=Orient(style=PRESETS["blender"]), report=report), report)
+        return poles(
+            orient_joints(rig, options=OrientJointsOptions(style=PRESETS["blender"]), report=report), report
+        )
 
     out, rig = built(path, step, tmp_path)
     (limbs,) = blender_ik(out, folder=tmp_path)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from recognition_bodies.skeletons import MAN, Joint, both, line, rig_with
 
-from rigtri.operations.add_polevector import Options, add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure
 from rigtri.recognition.layout import Layout
 from rigtri.recognition.recognise import recognise
@@ -148,7 +148,9 @@ def test_an_arm_with_named_fingers_is_one_although_nothing_else_of_a_body_is_the
 def test_joints_without_names_are_not_told_to_share_one() -> None:
     rig = rig_with(MAN)
     report = Report()
-    add_polevector(replace(rig, names=("",) * len(rig)), options=Options(auto=True), report=report)
+    add_polevector(
+        replace(rig, names=("",) * len(rig)), options=AddPolevectorOptions(auto=True), report=report
+    )
     assert report.limbs
     assert [notice.text for notice in report.warnings if notice.code == "limb-left-out"] == []
 

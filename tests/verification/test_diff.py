@@ -31,8 +31,7 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import multiply, to_axes, unit
 from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options as PoleOptions
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.verification.diff.axis_diff import axis_words, turn, turns
@@ -427,7 +426,7 @@ def test_new_pole_vectors_are_new_locators(samples: Path, tmp_path: Path) -> Non
         edit(
             samples / name,
             out,
-            lambda rig, report: add_polevector(rig, options=PoleOptions(auto=True), report=report),
+            lambda rig, report: add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report),
         )
         told = lines(diff(samples / name, out), "rig")
         assert any(line.startswith("hierarchy: + poleVector ") for line in told)

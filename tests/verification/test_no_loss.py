@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from usd_files import MESH, animation, save, scene, skeleton
 
 from rigtri.errors import DeviationError, UsageError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
@@ -54,13 +54,13 @@ def test_an_override_never_replaces_what_it_is_for(spelled, override: str, tmp_p
     target = spelled(source)
     before = contents(tmp_path)
     with pytest.raises(UsageError, match="the override is for"):
-        edit(source, target, orient, options=Options(override=override), overwrite=True)
+        edit(source, target, orient, options=ReadOptions(override=override), overwrite=True)
     assert contents(tmp_path) == before
 
 
 def test_bare_opinions_are_edited_in_place_but_never_over_their_source(tmp_path: Path) -> None:
     source, opinions = hero(tmp_path), tmp_path / "opinions.usda"
-    options = Options(override="layer")
+    options = ReadOptions(override="layer")
     edit(source, opinions, orient, options=options)
     edit(opinions, opinions, orient, options=options, overwrite=True)
     before = contents(tmp_path)

@@ -6,20 +6,22 @@ from pathlib import Path
 
 from rigtri.export.blender.script import Setup, blender_setup
 from rigtri.files.input_stream import opened
-from rigtri.formats import GLTF_SUFFIXES, Options, read
+from rigtri.formats import GLTF_SUFFIXES, ReadOptions, read
 from rigtri.report import Report
 
 
-def export_blender(path: Path | str, *, options: Options | None = None, report: Report | None = None) -> str:
+def export_blender(
+    path: Path | str, *, options: ReadOptions | None = None, report: Report | None = None
+) -> str:
     """The Python script that sets a file's controls up in Blender, as `rigtri export-blender` writes it.
 
     What Blender cannot do is a warning of the report. Raises FileError, and GeometryError where there is
     nothing to set up, and for controls and constraints that go round in a circle.
     """
-    return setup_for(path, options or Options(), report if report is not None else Report()).script
+    return setup_for(path, options or ReadOptions(), report if report is not None else Report()).script
 
 
-def setup_for(path: Path | str, options: Options, report: Report) -> Setup:
+def setup_for(path: Path | str, options: ReadOptions, report: Report) -> Setup:
     """The same script, with the plan that it holds."""
     with opened(path) as file:
         document = read(file, options)

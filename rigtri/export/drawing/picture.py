@@ -19,8 +19,7 @@ from rigtri.export.drawing.viewport import Window
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.pose import Options as PoseOptions
-from rigtri.operations.pose import pose_of
+from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
 
 # Pixels: what is free around a picture, the room of its title, a cell of the outline.
@@ -32,7 +31,7 @@ _FONTS = ((40, 12.0), (120, 10.0), (1_000_000, 8.0))
 
 
 @dataclass(frozen=True)
-class Options:
+class DrawOptions:
     """What of a rig is drawn, and how. view: one of `NAMED` or x,y,z. at: the pose, ``CLIP@TIME`` or rest.
 
     arrows: the length of axes as a share of the bone, 0 for none. size: width and height in pixels, as
@@ -47,7 +46,7 @@ class Options:
     mesh: bool = True
     size: tuple[int, int] | None = None
 
-    def checked(self) -> Options:
+    def checked(self) -> DrawOptions:
         """The same; UsageError for what is no picture."""
         if not 0 <= self.arrows <= 10:
             raise UsageError(f"arrows of {self.arrows:g} bones are no arrows: give a share from 0 to 10")
@@ -75,7 +74,7 @@ def draw(
     rig: Rig,
     *,
     against: Rig | None = None,
-    options: Options = Options(),
+    options: DrawOptions = DrawOptions(),
     title: str = "",
     title_against: str = "before",
     report: Report | None = None,
@@ -107,12 +106,12 @@ def draw(
 
 
 @np.errstate(all="ignore")
-def seen(rig: Rig, options: Options = Options(), report: Report | None = None) -> list[Mark]:
+def seen(rig: Rig, options: DrawOptions = DrawOptions(), report: Report | None = None) -> list[Mark]:
     """What `draw` would draw of one rig, as lines and arrows in space, for those who draw otherwise."""
     return _side(rig, options.checked(), "", report if report is not None else Report()).marks
 
 
-def _side(rig: Rig, options: Options, title: str, report: Report) -> _Side:
+def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
     posed = pose_of(rig, PoseOptions(at=options.at), report)
     scene = Scene.of(rig, posed, options.selection)
     timeline, time = moment(rig, options.at)
@@ -148,7 +147,7 @@ def crooked(scene: Scene) -> str:
     return f"bones along an axis of their joint: all {len(missed)}"
 
 
-def _panel(side: _Side, window: Window, options: Options, place: int) -> Iterator[str]:
+def _panel(side: _Side, window: Window, options: DrawOptions, place: int) -> Iterator[str]:
     """The elements of one side: outline, marks and names, clipped to their room, and the words over them."""
     loops = _outlines(side.patches, window)
     count = sum(mark.form == "dot" and bool(mark.name) for mark in side.marks)

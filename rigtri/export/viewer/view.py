@@ -12,7 +12,7 @@ from rigtri.evaluation.timelines import moment
 from rigtri.export.viewer.page import Shown, page
 from rigtri.export.viewer.page_data import clip_names, clip_place, facts
 from rigtri.files.input_stream import opened, title
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import tell_outside
 from rigtri.report import Report
@@ -45,7 +45,7 @@ def view(
     clip: str | None = None,
     pose: str | None = None,
     limit: float = 100.0,
-    options: Options | None = None,
+    options: ReadOptions | None = None,
     report: Report | None = None,
 ) -> str:
     """The HTML page that shows a file, as `rigtri view` writes it; to be written as UTF-8.
@@ -58,14 +58,14 @@ def view(
         [path] if against is None else [path, against],
         begin=Begin(clip, pose),
         limit=limit,
-        options=options or Options(),
+        options=options or ReadOptions(),
         report=report if report is not None else Report(),
     )
     return text
 
 
 def shown_page(
-    sources: Sequence[Path | str], *, begin: Begin, limit: float, options: Options, report: Report
+    sources: Sequence[Path | str], *, begin: Begin, limit: float, options: ReadOptions, report: Report
 ) -> tuple[str, list[Shown]]:
     """The page of a file, or of a file and what it was before; and what is in it of each.
 

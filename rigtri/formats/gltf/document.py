@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.formats.document import Companion, Embedded, Options
+from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import ClipReader, animated_nodes
 from rigtri.formats.gltf.buffers import Buffers
@@ -54,7 +54,7 @@ _AVATARS = {".vrm": ("VRM", "VRMC_vrm"), ".vrma": ("VRMC_vrm_animation",)}
 class GltfDocument:
     """A .glb, .gltf, .vrm or .vrma file. Its node keys are the node's index in the file."""
 
-    def __init__(self, container: Container, options: Options, like: GltfDocument | None = None) -> None:
+    def __init__(self, container: Container, options: ReadOptions, like: GltfDocument | None = None) -> None:
         self.container, self.options = container, options
         self.notices: list[Notice] = list(container.notices)
         gltf = Value(container.gltf, f"{container.path}:")
@@ -76,7 +76,7 @@ class GltfDocument:
     def read(
         cls,
         path: Path,
-        options: Options | None = None,
+        options: ReadOptions | None = None,
         content: bytes | None = None,
         like: GltfDocument | None = None,
     ) -> GltfDocument:
@@ -85,7 +85,7 @@ class GltfDocument:
         content: what a file at ``path`` would hold; what it refers to is looked for from there.
         like: what it was made of; both share the key times that are the same, and are then compared sooner.
         """
-        options = options or Options()
+        options = options or ReadOptions()
         container = open_container(path, lenient=options.lenient, content=content)
         try:
             return cls(container, options, like)

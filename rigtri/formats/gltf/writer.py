@@ -23,7 +23,7 @@ from rigtri.formats.gltf.skin_weight_writer import WeightWriter
 from rigtri.model.rig import Rig
 
 if TYPE_CHECKING:
-    from rigtri.formats.document import Options
+    from rigtri.formats.document import ReadOptions
     from rigtri.formats.gltf.accessors import Accessors
     from rigtri.formats.gltf.container import Container
     from rigtri.formats.gltf.node_reader import Rest
@@ -38,7 +38,7 @@ class Readable(Protocol):
 
     container: Container
     accessors: Accessors
-    options: Options
+    options: ReadOptions
     rest: Rest
     notices: list[Notice]
 

@@ -15,7 +15,7 @@ from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
 from rigtri.files.atomic_write import same_file
-from rigtri.formats.document import Companion, Embedded, Options
+from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd import (
     dependencies as needed,
 )
@@ -81,7 +81,7 @@ MARK = "rigtri"
 class UsdDocument:
     """A .usd, .usda, .usdc or .usdz file. Edits are opinions of its root layer."""
 
-    def __init__(self, source: Source, options: Options, layer: Any) -> None:
+    def __init__(self, source: Source, options: ReadOptions, layer: Any) -> None:
         """layer: the one to edit; the stage's root layer, or the opinions above the file they are for."""
         self._notices = list(source.warnings)
         # Of the source alone: a rig that held its document would keep the stage open in a ring.
@@ -91,9 +91,9 @@ class UsdDocument:
         self._source, self._options, self._layer = replace(source, rig=rig), options, layer
 
     @classmethod
-    def read(cls, path: Path, options: Options | None = None) -> UsdDocument:
+    def read(cls, path: Path, options: ReadOptions | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
-        options = options or Options()
+        options = options or ReadOptions()
         stage, layer, warnings = opened(path, allow_external=options.allow_external_paths)
         return cls(read_source(path, options, stage, warnings), options, layer)
 
@@ -195,7 +195,7 @@ class UsdDocument:
         return Usd.Stage.Open(layer)
 
     @property
-    def _trusting(self) -> Options:
+    def _trusting(self) -> ReadOptions:
         """Where the output lies in another folder, the source's files are outside it, but were allowed."""
         return replace(self._options, allow_external_paths=True)
 

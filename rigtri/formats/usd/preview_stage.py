@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 from pxr import Sdf
 
-from rigtri.formats.document import Options
+from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import layers
 from rigtri.formats.usd.edits import Edit
 from rigtri.formats.usd.reader import Source, read_source
 
 
-def edited(source: Source, edits: Sequence[Edit], options: Options) -> Source:
+def edited(source: Source, edits: Sequence[Edit], options: ReadOptions) -> Source:
     """``source`` read anew, with ``edits`` as opinions over it; its file stays as it is.
 
     Raises FileError where the result breaks UsdSkel's rules.

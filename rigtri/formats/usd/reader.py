@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats.document import Options
+from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import (
     animation_library as library,
 )
@@ -63,7 +63,7 @@ class Source:
         return self.stage.GetRootLayer()
 
 
-def read_source(path: Path, options: Options, stage: Any, warnings: Sequence[Notice] = ()) -> Source:
+def read_source(path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = ()) -> Source:
     """Read the rig of a file. FileError where UsdSkel's rules are broken or there is no skeleton.
 
     warnings: what was noticed when the stage was opened.
@@ -75,7 +75,7 @@ def read_source(path: Path, options: Options, stage: Any, warnings: Sequence[Not
 class _Reader:
     """One pass over a stage; nodes are collected in columns."""
 
-    def __init__(self, path: Path, stage: Any, options: Options, warnings: list[Notice]) -> None:
+    def __init__(self, path: Path, stage: Any, options: ReadOptions, warnings: list[Notice]) -> None:
         self.path, self.stage, self.options, self.warnings = path, stage, options, warnings
         self.names: list[str] = []
         self.parents: list[int] = []

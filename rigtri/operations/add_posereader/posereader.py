@@ -71,7 +71,7 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class Options:
+class AddPosereaderOptions:
     """A pose reader. ``name`` is what it is found by in a second run.
 
     driver: the joint that is read. axis: of the driver. frame: what it is seen from, its parent
@@ -96,7 +96,7 @@ class Options:
     within: float = 1e-4
     fps: float | None = None
 
-    def checked(self) -> Options:
+    def checked(self) -> AddPosereaderOptions:
         """These options. UsageError where they say nothing, or contradict each other."""
         if not self.driver:
             raise UsageError("say which joint is read: --driver JOINT")
@@ -142,8 +142,8 @@ class _Drive:
         return self.meshes[0]
 
 
-@operation(Options)
-def add_posereader(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(AddPosereaderOptions)
+def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -> Rig:
     """Read how much a joint is in some poses, and drive morph targets or values by it, in every clip.
 
     What it drives has other weights on purpose: ``report.driven`` names it, and the self-check
@@ -157,14 +157,14 @@ def add_posereader(rig: Rig, *, options: Options, report: Report) -> Rig:
     return remounted(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
 
 
-def options_of(note: Mapping[str, Any]) -> Options:
+def options_of(note: Mapping[str, Any]) -> AddPosereaderOptions:
     """What a pose reader's note says of how it was made.
 
     Goals have their names and nodes; directions and poses of a note are seen from the frame, and stay there.
     """
     outputs = note["outputs"]
     x, y, z = map(float, note["axis"])
-    return Options(
+    return AddPosereaderOptions(
         driver=note["driver"],
         axis=(x, y, z),
         frame=note["frame"] or "world",
@@ -200,7 +200,7 @@ class _Builder:
     def __init__(
         self,
         rig: Rig,
-        options: Options,
+        options: AddPosereaderOptions,
         report: Report,
         *,
         note: Mapping[str, Any] | None = None,

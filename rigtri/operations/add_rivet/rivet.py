@@ -46,7 +46,7 @@ Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Options:
+class AddRivetOptions:
     """Where rivets go. Each of ``triangles``, ``at`` and ``vertices`` is one rivet.
 
     mesh: the node that shows it, by name, path or label; ``NODE/1`` is its second primitive alone.
@@ -72,7 +72,7 @@ class Options:
         """How many rivets are asked for."""
         return len(self.triangles) + len(self.at) + len(self.vertices)
 
-    def checked(self) -> Options:
+    def checked(self) -> AddRivetOptions:
         """These options. UsageError where they say nothing, or what cannot be."""
         if not self.mesh:
             raise UsageError("say which mesh holds the rivet: --mesh NAME")
@@ -108,8 +108,8 @@ class _Seat:
     number: int
 
 
-@operation(Options)
-def add_rivet(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(AddRivetOptions)
+def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
     """Tie locators to triangles of a mesh and bake their motion in every clip.
 
     The frame of a rivet: x along the triangle's first edge, y its normal. A second run finds a
@@ -125,9 +125,9 @@ def add_rivet(rig: Rig, *, options: Options, report: Report) -> Rig:
     return rig
 
 
-def options_of(note: Mapping[str, Any]) -> Options:
+def options_of(note: Mapping[str, Any]) -> AddRivetOptions:
     """What a rivet's note says of how it was made; its place is left to the caller."""
-    return Options(
+    return AddRivetOptions(
         mesh=note["mesh"], names=(str(note["name"]),), within=float(note["within"]), fps=note.get("fps")
     )
 
@@ -156,7 +156,7 @@ def _told(numbers: Sequence[float]) -> str:
     return ",".join(f"{number:g}" for number in numbers)
 
 
-def _names(rig: Rig, options: Options, ground: _Ground) -> list[str]:
+def _names(rig: Rig, options: AddRivetOptions, ground: _Ground) -> list[str]:
     if len(options.names) == options.count:
         return list(options.names)
     base = options.names[0] if options.names else f"{rig.names[ground.meshes[0].node] or 'mesh'}_rivet"
@@ -192,7 +192,7 @@ class _Ground:
             raise GeometryError(f"No point of mesh '{self.name}' has a place at rest")
         return float(length(points.max(axis=0) - points.min(axis=0))) or 1.0
 
-    def seats(self, options: Options) -> list[_Seat]:
+    def seats(self, options: AddRivetOptions) -> list[_Seat]:
         middle = (1.0 / 3, 1.0 / 3, 1.0 / 3)
         given = [*options.barycentric, *[middle] * (len(options.triangles) - len(options.barycentric))]
         return [
@@ -259,7 +259,7 @@ class _Rivet:
     name: str
     seat: _Seat
     size: float
-    options: Options
+    options: AddRivetOptions
     report: Report
     clips: frozenset[int] | None = None
 

@@ -36,7 +36,7 @@ INFLUENCES = "influences"
 
 
 @dataclass(frozen=True)
-class Options:
+class AddTwistOptions:
     """Everything that `add_twist` can be told; the defaults are the command's.
 
     bones: (joint, child) each; whether the child's twist spreads up or the joint's own is taken away
@@ -60,7 +60,7 @@ class Options:
     keys: bool = True
     name: str = NAME
 
-    def checked(self) -> Options:
+    def checked(self) -> AddTwistOptions:
         """UsageError for what fits no twist joint."""
         if not (self.limbs or self.auto or self.bones):
             raise UsageError("say which: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto")
@@ -95,8 +95,8 @@ class _Bone:
         return self.joint if self.upper else self.to
 
 
-@operation(Options)
-def add_twist(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(AddTwistOptions)
+def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
     """Put twist joints along bones, with keys in every clip that turns their drivers.
 
     A second run finds them by the bone and their number and sets them anew. The record of each
@@ -113,7 +113,7 @@ def add_twist(rig: Rig, *, options: Options, report: Report) -> Rig:
     return remounted_on_spreads(rig, report) if options.split_weights else rig
 
 
-def _check_names(rig: Rig, bones: list[_Bone], options: Options) -> None:
+def _check_names(rig: Rig, bones: list[_Bone], options: AddTwistOptions) -> None:
     """UsageError where a user's rule gives two new twist joints one name, or that of another node."""
     names: set[str] = set()
     for of in bones:
@@ -126,11 +126,11 @@ def _check_names(rig: Rig, bones: list[_Bone], options: Options) -> None:
                 names.add(plain_name(name))
 
 
-def _name(rig: Rig, of: _Bone, number: int, options: Options) -> str:
+def _name(rig: Rig, of: _Bone, number: int, options: AddTwistOptions) -> str:
     return options.name.format(joint=rig.names[of.joint] or f"joint_{of.joint}", number=number)
 
 
-def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
+def _bones(rig: Rig, options: AddTwistOptions, report: Report) -> list[_Bone]:
     both = options.upper == options.lower
     limbs = [*options.limbs, *(recognise(rig) if options.auto else ())]
     if options.auto and not limbs:
@@ -154,7 +154,7 @@ def _bones(rig: Rig, options: Options, report: Report) -> list[_Bone]:
     return list(dict.fromkeys(found))
 
 
-def _build(rig: Rig, of: _Bone, options: Options, report: Report) -> Rig:
+def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig:
     if of.joint == of.to:
         raise UsageError(f"'{rig.title(of.joint)}' is both ends of the bone; a bone has two")
     along(rig, of.joint, of.to)  # UsageError where the one does not lie below the other
@@ -197,7 +197,7 @@ def _roomy(mesh: Mesh) -> bool:
     return bool(mesh.weights.shape[1] and not mesh.weights[:, -1].any())
 
 
-def _check_count(rig: Rig, of: _Bone, options: Options) -> None:
+def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
     known = _said(rig, of)
     numbers = [int(n["number"]) for n in rig.notes.values() if all(n.get(k) == v for k, v in known.items())]
     if numbers and max(numbers) > options.count:
@@ -213,7 +213,7 @@ def _said(rig: Rig, of: _Bone) -> dict[str, Any]:
 
 
 def _joint(
-    rig: Rig, of: _Bone, number: int, line: Floats, options: Options, report: Report
+    rig: Rig, of: _Bone, number: int, line: Floats, options: AddTwistOptions, report: Report
 ) -> tuple[Rig, int]:
     """One twist joint of a bone, found again or new, at its place and with its keys."""
     at = number / (options.count + 1)
@@ -251,7 +251,7 @@ def _joint(
 
 
 def _keys(
-    rig: Rig, node: int, note: Mapping[str, Any], options: Options, report: Report
+    rig: Rig, node: int, note: Mapping[str, Any], options: AddTwistOptions, report: Report
 ) -> tuple[Rig, list[dict[str, Any]]]:
     """Keys for a twist joint, and how well they follow, by clip."""
     if not options.keys:
@@ -275,7 +275,7 @@ def _keys(
     return rig, [{"clip": clip, "off": float(off)} for clip, (off, _) in found.items()]
 
 
-def _spreads(rig: Rig, of: _Bone, line: Floats, options: Options, report: Report) -> list[Spread]:
+def _spreads(rig: Rig, of: _Bone, line: Floats, options: AddTwistOptions, report: Report) -> list[Spread]:
     """How each skin that holds the bone's joint shares its weight."""
     known = _said(rig, of)
     places = {of.joint: 1.0 if of.upper else 0.0}

@@ -68,7 +68,7 @@ _PASSES = 6
 
 
 @dataclass(frozen=True)
-class Options:
+class BakeOptions:
     """Everything that `bake` can be told; the defaults are the command's.
 
     to: ``joints`` or ``controls``. clips: globs of the clips, all of them where there is none.
@@ -85,7 +85,7 @@ class Options:
     soft: float | None = None
     stretch: bool | None = None
 
-    def checked(self) -> Options:
+    def checked(self) -> BakeOptions:
         """These options. UsageError for what cannot be."""
         if self.to not in DIRECTIONS:
             raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
@@ -106,8 +106,8 @@ class Options:
         return self
 
 
-@operation(Options)
-def bake(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(BakeOptions)
+def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
     """Evaluate controls and constraints into joint keys, or give joints' motion to their controls.
 
     A control with keys in a clip moves its joints there; one without leaves them their own. What was
@@ -118,7 +118,7 @@ def bake(rig: Rig, *, options: Options, report: Report) -> Rig:
     return _Baker(_with_limits(rig, options.checked()), options, report).baked()
 
 
-def _with_limits(rig: Rig, options: Options) -> Rig:
+def _with_limits(rig: Rig, options: BakeOptions) -> Rig:
     """The rig with another soft or stretch for its IK controls."""
     if options.soft is None and options.stretch is None:
         return rig
@@ -134,7 +134,7 @@ def _with_limits(rig: Rig, options: Options) -> Rig:
 class _Baker:
     """One run: the rig as it changes."""
 
-    def __init__(self, rig: Rig, options: Options, report: Report) -> None:
+    def __init__(self, rig: Rig, options: BakeOptions, report: Report) -> None:
         self.rig, self.options, self.report, self.start = rig, options, report, rig
         self.solvers: dict[frozenset[int] | None, Solver] = {}
         self.reference = Reference(rig)

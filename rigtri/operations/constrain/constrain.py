@@ -52,7 +52,7 @@ UNTOLD = "constraint-not-vrm"
 
 
 @dataclass(frozen=True)
-class Options:
+class ConstrainOptions:
     """Everything that `constrain` can be told; the defaults are the command's.
 
     drivers: (node, weight). skip: channels (``tx`` … ``sz``) that stay the child's own, ``t``, ``r``,
@@ -86,7 +86,7 @@ class Options:
         whole = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}
         return frozenset(c for channel in self.skip for c in whole.get(channel, (channel,)))
 
-    def checked(self) -> Options:
+    def checked(self) -> ConstrainOptions:
         """UsageError for what makes no constraint."""
         if self.kind not in KINDS:
             raise UsageError(f"there is no constraint '{self.kind}'; choose of {', '.join(KINDS)}")
@@ -144,8 +144,8 @@ class Options:
             raise UsageError("--up-object goes with --world-up object or objectrotation, and they with it")
 
 
-@operation(Options)
-def constrain(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(ConstrainOptions)
+def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
     """Let a node follow others by a rule that is stored; nothing moves.
 
     A second run for the same child and kind, or one that sets the same channels, replaces the
@@ -172,7 +172,7 @@ def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Ri
     return stored
 
 
-def _asked(rig: Rig, options: Options) -> Rule:
+def _asked(rig: Rig, options: ConstrainOptions) -> Rule:
     """What the options say, with offsets still to be measured."""
     drivers = tuple(rig.find(name, "node") for name, _ in options.drivers)
     chain = _chain(rig, options) if options.kind == "polevector" else ()
@@ -205,7 +205,7 @@ def _asked(rig: Rig, options: Options) -> Rule:
     )
 
 
-def _chain(rig: Rig, options: Options) -> tuple[int, ...]:
+def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
     """The limb of a pole vector: named, or the one of an IK control or pole vector that has the child."""
     if options.limb is not None:
         triple = given(rig, *options.limb).triple

@@ -18,7 +18,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
 from rigtri.operations.mirror.mirrored_metadata import (
     ALIKE,
-    Options,
+    MirrorOptions,
     alike,
     direction,
     lone,
@@ -29,7 +29,7 @@ from rigtri.operations.mirror.mirrored_metadata import (
 from rigtri.report import Report
 
 
-def mirror_rules(rig: Rig, options: Options, report: Report) -> Rig:
+def mirror_rules(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Let the twins follow as this side does, by offsets that leave them where they are."""
     for node, note in of_side(rig, options, "constraint"):
         rule = rules_of(rig).get(node)
@@ -53,7 +53,7 @@ def mirror_rules(rig: Rig, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _mirrored(rig: Rig, rule: Rule, options: Options) -> Rule | None:
+def _mirrored(rig: Rig, rule: Rule, options: MirrorOptions) -> Rule | None:
     """The rule of the other side, with offsets still to be measured; None where a node has no twin."""
     child, chain = other(rig, rule.child), [other(rig, node) for node in rule.chain]
     drivers = [other(rig, node) for node in rule.drivers]
@@ -84,7 +84,7 @@ def _mirrored(rig: Rig, rule: Rule, options: Options) -> Rule | None:
     )
 
 
-def _joint_orient(rig: Rig, rule: Rule, child: int, options: Options) -> Floats:
+def _joint_orient(rig: Rig, rule: Rule, child: int, options: MirrorOptions) -> Floats:
     """The twin's own rest rotation or none, where the rule's is that, else the mirrored one, (4,)."""
     local, given = rest(rig), rule.joint_orient
     if _same(given, IDENTITY):

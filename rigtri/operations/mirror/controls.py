@@ -13,21 +13,26 @@ from rigtri.frames.mirror_modes import mirrored_axes
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.triangle import bend_sine
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options as ControlOptions
-from rigtri.operations.add_controls import add_controls
-from rigtri.operations.add_polevector import NO_PLANE
-from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_polevector import NO_PLANE, AddPolevectorOptions
 from rigtri.operations.control_drawing import KEYS
 from rigtri.operations.control_names import remembered
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.mirror.mirrored_metadata import Options, lone, of_side, other, twin_name, twin_note
+from rigtri.operations.mirror.mirrored_metadata import (
+    MirrorOptions,
+    lone,
+    of_side,
+    other,
+    twin_name,
+    twin_note,
+)
 from rigtri.operations.rigtri_nodes import add, find, group, noted, renamed, stand, stand_local, unposed
 from rigtri.operations.skin_joints import Kind, add_joint, beside, move_joint
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
 
-def mirror_controls(rig: Rig, options: Options, report: Report) -> Rig:
+def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Make the controls of the other side, or set their offsets anew, and mirror what was edited."""
     wanted: dict[int, tuple[Mapping[str, Any], dict[str, Any]]] = {}
     for node, note in of_side(rig, options, "control"):
@@ -52,7 +57,7 @@ def _one_control(
     node: int,
     note: Mapping[str, Any],
     there: Mapping[str, Any],
-    options: Options,
+    options: MirrorOptions,
     report: Report,
 ) -> Rig:
     kind, joint = str(note["kind"]), rig.is_joint[node]
@@ -60,14 +65,16 @@ def _one_control(
     alike = before is not None and rig.notes[before].get("shape") == note.get("shape")
     shapes: Any = {kind: note["shape"]} if "shape" in note and not alike else {}
     if kind == "fk":
-        made = ControlOptions(selection=Selection(joints=(there["joint"],)), shapes=shapes)
+        made = AddControlsOptions(selection=Selection(joints=(there["joint"],)), shapes=shapes)
     else:
         limb = given(rig, *there["chain"])
-        poles = PoleOptions(bends=_bends(rig, note, there, options))
+        poles = AddPolevectorOptions(bends=_bends(rig, note, there, options))
         wanted: Kind = "joint" if joint else "locator"
         ends = wanted if before is None else None
         soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
-        made = ControlOptions(ik=(limb,), shapes=shapes, poles=poles, ends=ends, soft=soft, stretch=stretch)
+        made = AddControlsOptions(
+            ik=(limb,), shapes=shapes, poles=poles, ends=ends, soft=soft, stretch=stretch
+        )
     rig = add_controls(rig, options=made, report=report)
     found = find(rig, type="control", kind=kind, joint=there["joint"])
     if found is None or rig.is_joint[found]:
@@ -78,7 +85,7 @@ def _one_control(
 
 
 def _bends(
-    rig: Rig, note: Mapping[str, Any], there: Mapping[str, Any], options: Options
+    rig: Rig, note: Mapping[str, Any], there: Mapping[str, Any], options: MirrorOptions
 ) -> dict[str, tuple[float, float, float]]:
     """Which way a straight limb bends, where its twin's pole vector knows."""
     pole = find(rig, type="poleVector", chain=note["chain"])
@@ -90,7 +97,7 @@ def _bends(
     return {there["chain"][1]: (x, y, z)}
 
 
-def _edited(rig: Rig, control: int, found: int, options: Options) -> Rig:
+def _edited(rig: Rig, control: int, found: int, options: MirrorOptions) -> Rig:
     """Give a control the mirrored motion of its twin, both against their offsets.
 
     With O and O' the offsets in the world while controls are zero, M the reflection and L what the
@@ -106,7 +113,7 @@ def _edited(rig: Rig, control: int, found: int, options: Options) -> Rig:
     return stand_local(rig, found, place)
 
 
-def mirror_poles(rig: Rig, options: Options, report: Report) -> Rig:
+def mirror_poles(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Stand the pole vectors of the other side where the mirror image of this side's is."""
     for node, note in of_side(rig, options, "poleVector"):
         there = twin_note(rig, note)

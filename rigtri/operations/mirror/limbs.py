@@ -15,10 +15,9 @@ from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.joint_names import twin
 from rigtri.model.rig import Rig
-from rigtri.operations.add_twist.twist import NAME, add_twist
-from rigtri.operations.add_twist.twist import Options as TwistOptions
+from rigtri.operations.add_twist.twist import NAME, AddTwistOptions, add_twist
 from rigtri.operations.mirror.mirrored_metadata import (
-    Options,
+    MirrorOptions,
     alike,
     direction,
     lone,
@@ -35,7 +34,7 @@ from rigtri.report import Report
 _LETTERS = "xyz"
 
 
-def mirror_limbs(rig: Rig, options: Options, report: Report) -> Rig:
+def mirror_limbs(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Stand the joints of the other side's limbs where the mirror image of this side's is."""
     for node, note in of_side(rig, options, "limb"):
         chain = [k for name in note["chain"] if (k := rig.known(name)) is not None]
@@ -46,7 +45,7 @@ def mirror_limbs(rig: Rig, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _limb(rig: Rig, chain: list[int], note: Mapping[str, Any], options: Options, report: Report) -> Rig:
+def _limb(rig: Rig, chain: list[int], note: Mapping[str, Any], options: MirrorOptions, report: Report) -> Rig:
     world = worlds(rig)[chain]
     places = options.across.points(world[:, 3, :3])
     axes = mirrored_axes(nearest_rotation(world), options.mode, options.across)
@@ -105,7 +104,7 @@ def _built(
 
 
 def _note(
-    rig: Rig, chain: list[int], joints: list[int], part: int, note: Mapping[str, Any], options: Options
+    rig: Rig, chain: list[int], joints: list[int], part: int, note: Mapping[str, Any], options: MirrorOptions
 ) -> dict[str, Any]:
     """What a joint is of which limb; that of the first says what make-limb would say of it."""
     suffix = "_R" if options.from_side == "left" else "_L"
@@ -127,7 +126,7 @@ def _note(
     return {key: value for key, value in found.items() if key not in dropped}
 
 
-def _named(rig: Rig, note: Mapping[str, Any], options: Options) -> dict[str, Any]:
+def _named(rig: Rig, note: Mapping[str, Any], options: MirrorOptions) -> dict[str, Any]:
     """The nodes and places that a limb was made at, on the other side; None: not there."""
     found: dict[str, Any] = {}
     if "locators" in note:
@@ -147,7 +146,7 @@ def _twin_address(rig: Rig, name: str) -> str | None:
     return None if there is None else rig.address(there)
 
 
-def _style(note: Mapping[str, Any], options: Options) -> dict[str, Any]:
+def _style(note: Mapping[str, Any], options: MirrorOptions) -> dict[str, Any]:
     """Which axes of the mirrored joints point where; None where none does, as with ``orientation``."""
     said = {"aim", "up", "upFrom"} & note.keys()
     if len(said) < 3 or options.mode == "orientation" or note["upFrom"] == "world":
@@ -192,7 +191,7 @@ def _record(rig: Rig, node: int, *, new: bool) -> dict[str, Any]:
     }
 
 
-def mirror_twists(rig: Rig, options: Options, report: Report) -> Rig:
+def mirror_twists(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Put the twist joints of one side along the other side's bones, with the same settings."""
     bones: dict[tuple[str, str], list[int]] = {}
     for node, note in of_side(rig, options, "twist"):
@@ -213,7 +212,7 @@ def mirror_twists(rig: Rig, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: Options, report: Report) -> Rig:
+def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: MirrorOptions, report: Report) -> Rig:
     by_number = {int(rig.notes[node]["number"]): node for node in nodes}
     first = rig.notes[by_number[min(by_number)]]
     count = int(first["count"])
@@ -233,7 +232,7 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: Options,
         for node in there:
             report.added.append({"node": rig.names[node], "type": "twist", "new": False})
         return rig
-    wanted = TwistOptions(
+    wanted = AddTwistOptions(
         bones=(bone,),
         count=count,
         weights=weights,

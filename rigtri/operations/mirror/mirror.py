@@ -24,19 +24,18 @@ from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, Selection,
 from rigtri.operations.mirror.constraints import mirror_rules
 from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
 from rigtri.operations.mirror.limbs import mirror_limbs, mirror_twists
-from rigtri.operations.mirror.mirrored_metadata import WHAT, Options, What, side
+from rigtri.operations.mirror.mirrored_metadata import WHAT, MirrorOptions, What, side
 from rigtri.operations.mirror.pose_readers import mirror_readers
 from rigtri.operations.mirror.rivets import mirror_rivets
 from rigtri.operations.options import operation
-from rigtri.operations.orient_joints.orient import Options as OrientOptions
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
 
-__all__ = ["WHAT", "Options", "What", "mirror"]
+__all__ = ["WHAT", "MirrorOptions", "What", "mirror"]
 
 
-@operation(Options)
-def mirror(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(MirrorOptions)
+def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     """Mirror axes, and what rigtri has built, from one side onto the other; create what is missing.
 
     What is there already is brought up to date; a second run changes nothing. Records go to
@@ -61,7 +60,7 @@ def mirror(rig: Rig, *, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _mirrored(rig: Rig, options: Options, report: Report) -> Rig:
+def _mirrored(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     steps = {
         "limbs": mirror_limbs,
         "joints": _joints,
@@ -78,7 +77,7 @@ def _mirrored(rig: Rig, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _tell_modes(rig: Rig, options: Options, report: Report) -> None:
+def _tell_modes(rig: Rig, options: MirrorOptions, report: Report) -> None:
     """Say which other modes lose no VRM node constraint, where some do not."""
     found = []
     for mode in MIRRORS:
@@ -92,12 +91,12 @@ def _tell_modes(rig: Rig, options: Options, report: Report) -> None:
         report.warn("mode-keeps-vrm", text)
 
 
-def _joints(rig: Rig, options: Options, report: Report) -> Rig:
+def _joints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Turn the joints of the other side onto the mirrored axes of this side's."""
     both = _both_sides(rig, options)
     if not both.named:
         return rig
-    oriented = OrientOptions(
+    oriented = OrientJointsOptions(
         keep=True,
         mirror=options.mode,
         from_side=options.from_side,
@@ -121,7 +120,7 @@ def _as_written(rig: Rig, before: Rig) -> Rig:
     return replace(rig, rotation=np.where(turned, meant_unit(rig.rotation), rig.rotation))
 
 
-def _both_sides(rig: Rig, options: Options) -> Selection:
+def _both_sides(rig: Rig, options: MirrorOptions) -> Selection:
     """The joints on either side that may turn, of those that the user has named; all unless any are."""
     tree = skeleton(rig, options.root)
     turning, kept = select(tree, reference(tree, options.pose), Selection())

@@ -51,7 +51,7 @@ ALIKE = 4e-6
 
 
 @dataclass(frozen=True)
-class Options:
+class MirrorOptions:
     """Everything that `mirror` can be told; the defaults are the command's.
 
     mode: what a mirrored frame is. from_side: the side that is copied. plane: of the character's own
@@ -109,7 +109,7 @@ def joints_of(note: Mapping[str, Any]) -> list[str]:
     return [*names, *([note["child"]] if "child" in note else ())]
 
 
-def of_side(rig: Rig, options: Options, kind: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
+def of_side(rig: Rig, options: MirrorOptions, kind: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
     """The nodes with notes of a type, about joints of the side that is copied alone."""
     for node, note in list(rig.notes.items()):
         if note.get("type") == kind:
@@ -156,7 +156,7 @@ def lone(rig: Rig, node: int, report: Report, what: str, why: str = "") -> None:
     report.warn("not-mirrored", f"{what} '{rig.title(node)}' is not mirrored: {reason}")
 
 
-def direction(rig: Rig, here: int, there: int, own: Floats, options: Options) -> Floats:
+def direction(rig: Rig, here: int, there: int, own: Floats, options: MirrorOptions) -> Floats:
     """A direction in the axes of a node, (3,), as the mirrored direction in the axes of its twin."""
     world = worlds(rig)
     axes, twins = nearest_rotation(world[[here, there]])

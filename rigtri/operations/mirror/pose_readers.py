@@ -16,10 +16,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.joint_names import twin
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.rig import Rig
-from rigtri.operations.add_posereader.posereader import Goal, add_posereader, options_of
-from rigtri.operations.add_posereader.posereader import Options as ReaderOptions
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader, options_of
 from rigtri.operations.mirror.mirrored_metadata import (
-    Options,
+    MirrorOptions,
     alike,
     direction,
     lone,
@@ -32,7 +31,7 @@ from rigtri.operations.rigtri_nodes import find
 from rigtri.report import Report
 
 
-def mirror_readers(rig: Rig, options: Options, report: Report) -> Rig:
+def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Read the twins' poses as this side's are read, and drive what is the twin of what these drive."""
     names = reader_names(rig, options.from_side)
     for node, note in of_side(rig, options, "poseReader"):
@@ -57,8 +56,8 @@ def mirror_readers(rig: Rig, options: Options, report: Report) -> Rig:
 
 
 def _wanted(
-    rig: Rig, node: int, note: Mapping[str, Any], name: str, options: Options, report: Report
-) -> ReaderOptions | None:
+    rig: Rig, node: int, note: Mapping[str, Any], name: str, options: MirrorOptions, report: Report
+) -> AddPosereaderOptions | None:
     """What add-posereader is to be told for the twin; None, and said so, where it cannot be."""
     here = rig.known(note["driver"])
     there = None if here is None else other(rig, here)
@@ -98,7 +97,7 @@ def _goals(
     note: Mapping[str, Any],
     drivers: tuple[int, int],
     frames: tuple[int, int],
-    options: Options,
+    options: MirrorOptions,
 ) -> tuple[Goal, ...] | None:
     found = []
     here, there = (_turn(rig, frame) for frame in frames)

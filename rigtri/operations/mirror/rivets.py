@@ -16,7 +16,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.joint_names import side as said
 from rigtri.model.rig import Rig
 from rigtri.operations.add_rivet.rivet import add_rivet, options_of
-from rigtri.operations.mirror.mirrored_metadata import Options, lone, other, twin_name
+from rigtri.operations.mirror.mirrored_metadata import MirrorOptions, lone, other, twin_name
 from rigtri.operations.rigtri_nodes import find
 from rigtri.report import Report
 
@@ -26,7 +26,7 @@ NEAR = 1e-2
 STANDS, CENTRE = 1e-5, 1e-4
 
 
-def mirror_rivets(rig: Rig, options: Options, report: Report) -> Rig:
+def mirror_rivets(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Tie the twins of this side's rivets to the other side of the surface."""
     for node, note in list(rig.notes.items()):
         if note.get("type") == "rivet":
@@ -34,7 +34,7 @@ def mirror_rivets(rig: Rig, options: Options, report: Report) -> Rig:
     return rig
 
 
-def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: Options, report: Report) -> Rig:
+def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: MirrorOptions, report: Report) -> Rig:
     mesh = rig.known(note["mesh"])
     seat = None if mesh is None else _seat(rig, mesh, note)
     if mesh is None or seat is None:

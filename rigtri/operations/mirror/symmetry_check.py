@@ -19,7 +19,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.joint_names import twin
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
-from rigtri.operations.mirror.mirrored_metadata import Options, other, side
+from rigtri.operations.mirror.mirrored_metadata import MirrorOptions, other, side
 from rigtri.operations.mirror.pose_reader_names import reader_twin
 
 # Degrees that tools leave of symmetric axes.
@@ -67,14 +67,14 @@ class Asymmetry:
         return sorted(found, key=lambda pair: (-pair.distance, -pair.degrees))
 
 
-def asymmetry(rig: Rig, *, options: Options | None = None) -> Asymmetry:
+def asymmetry(rig: Rig, *, options: MirrorOptions | None = None) -> Asymmetry:
     """Compare each joint and node of ours on one side with the mirror image of its twin.
 
     In the pose of the options (the bind pose by default) for joints, at rest for other nodes.
     Ends of others that carry nothing are left out: they have no axes to speak of, and glTF does not
     call them joints.
     """
-    options = options or Options()
+    options = options or MirrorOptions()
     tree = skeleton(rig, options.root)
     ref = reference(tree, options.pose)
     parted = parting(tree, ref, options.plane, options.from_side, options.plane_at)
@@ -102,7 +102,7 @@ def _is_bone(tree: Skeleton, joint: int) -> bool:
     return bool(tree.carries[joint] or tree.below[joint])
 
 
-def _pairs(rig: Rig, nodes: Iterable[int], options: Options) -> tuple[dict[int, int], list[int]]:
+def _pairs(rig: Rig, nodes: Iterable[int], options: MirrorOptions) -> tuple[dict[int, int], list[int]]:
     """Those on the side that is copied with their twins, and those of either that have none."""
     found: dict[int, int] = {}
     alone = []
@@ -128,7 +128,7 @@ def _twin(rig: Rig, node: int) -> int | None:
 
 
 def _compared(
-    rig: Rig, found: dict[int, int], world: Floats, size: float, options: Options, *, axes: bool = True
+    rig: Rig, found: dict[int, int], world: Floats, size: float, options: MirrorOptions, *, axes: bool = True
 ) -> list[Pair]:
     if not found:
         return []
@@ -145,7 +145,7 @@ def _compared(
     ]
 
 
-def _better(tree: Skeleton, ref: Reference, options: Options) -> tuple[Plane, float] | None:
+def _better(tree: Skeleton, ref: Reference, options: MirrorOptions) -> tuple[Plane, float] | None:
     """A plane that most pairs lie about, where they do not about the asked."""
     for plane in PLANES:
         parted = parting(tree, ref, plane, options.from_side)

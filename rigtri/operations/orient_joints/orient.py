@@ -21,18 +21,18 @@ from rigtri.operations.options import operation
 from rigtri.operations.orient_joints.constraint_policy import settle
 from rigtri.operations.orient_joints.frame_sources import stored_splits
 from rigtri.operations.orient_joints.messages import check, record, tell_fixed, tell_straight
-from rigtri.operations.orient_joints.plan import Options, Plan
+from rigtri.operations.orient_joints.plan import OrientJointsOptions, Plan
 from rigtri.operations.orient_joints.scale_policy import allowed_turns, splits
 from rigtri.report import Report
 
 # What products of float64 quaternions leave of a rotation that is undone.
 LAST_BITS = 1e-12
 
-__all__ = ["Options", "orient_joints"]
+__all__ = ["OrientJointsOptions", "orient_joints"]
 
 
-@operation(Options)
-def orient_joints(rig: Rig, *, options: Options, report: Report) -> Rig:
+@operation(OrientJointsOptions)
+def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> Rig:
     """Give joints the axes that ``options`` ask for; all that is bound to them follows.
 
     Joints below the noise of float32 storage are left bit-exact, so that a second

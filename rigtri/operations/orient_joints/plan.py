@@ -44,7 +44,7 @@ UNCHANGED_LIKE = 5e-7
 
 
 @dataclass(frozen=True)
-class Options:
+class OrientJointsOptions:
     """Everything that `orient_joints` can be told; the defaults are the command's.
 
     keep: joints have their axes already; only ``mirror`` turns those of the other side. plane: of the
@@ -89,7 +89,7 @@ class Plan:
 
     tree: Skeleton
     ref: Reference
-    options: Options
+    options: OrientJointsOptions
     report: Report
     turning: list[int]
     kept: dict[int, str]
@@ -103,7 +103,7 @@ class Plan:
     straight: dict[int, tuple[str, float]] = field(default_factory=dict)
 
     @staticmethod
-    def of(rig: Rig, options: Options, report: Report) -> Plan:
+    def of(rig: Rig, options: OrientJointsOptions, report: Report) -> Plan:
         # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
         elsewhere = options.like is not None or options.frames is not None
         tree = skeleton(rig, options.root, plain=elsewhere, joints=rig.parallel)
@@ -384,7 +384,7 @@ class Plan:
         return np.asarray(self._axes([other], turns)[0, letter] * sign)
 
 
-def _check_parallel(rig: Rig, options: Options) -> None:
+def _check_parallel(rig: Rig, options: OrientJointsOptions) -> None:
     """Let nothing through but zero rotations on every bone, where a format asks for that.
 
     Raises FileError for axes of any other kind, UsageError for a part of the joints.
@@ -402,7 +402,7 @@ def _check_parallel(rig: Rig, options: Options) -> None:
         raise UsageError(f"--pose {options.pose}: {rig.frozen}; rotations are zero in the pose of the nodes")
 
 
-def _facing(rig: Rig, options: Options) -> Floats | None:
+def _facing(rig: Rig, options: OrientJointsOptions) -> Floats | None:
     facing = options.facing if options.facing is not None else rig.facing
     if facing is None:
         return None

@@ -39,7 +39,7 @@ from rigtri.report import Report
 
 
 @dataclass(frozen=True)
-class Options:
+class TakeClipsOptions:
     """Everything that `take_clips` can be told; the defaults are the command's.
 
     clips: globs of the clips, by their names in either file; all where there is none. names: the clip
@@ -51,7 +51,7 @@ class Options:
     names: Mapping[str, str] = field(default_factory=dict)
     tolerance: float = 1e-5
 
-    def checked(self) -> Options:
+    def checked(self) -> TakeClipsOptions:
         """These options. UsageError for what cannot be."""
         refuse_single_name("--clip", self.clips)
         refuse_unworkable("--tolerance", self.tolerance)
@@ -60,8 +60,8 @@ class Options:
         return self
 
 
-@operation(Options)
-def take_clips(rig: Rig, edited: Rig, *, options: Options, report: Report) -> Rig:
+@operation(TakeClipsOptions)
+def take_clips(rig: Rig, edited: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     """Put the motion of ``edited`` into the clips of ``rig``; a track that it has not changed stays as it is.
 
     What was taken of each clip goes to ``report.added``.

@@ -12,7 +12,7 @@ from pathlib import Path
 from rigtri.errors import UsageError
 from rigtri.export.rig_json import SUFFIX, description
 from rigtri.files.staged_output import Written, write_text
-from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Options, read
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, read
 from rigtri.pipeline.batch.work import Ready
 from rigtri.pipeline.edit import Outcome
 from rigtri.pipeline.rigspec.build import build
@@ -105,7 +105,7 @@ def _unpacked(packed: bytes) -> SpecTask:
     return SpecTask(*pickle.loads(packed))
 
 
-def _write_sidecar(side: Path, written: Written, reading: Options) -> None:
+def _write_sidecar(side: Path, written: Written, reading: ReadOptions) -> None:
     """What rigtri has stored in an output, beside it: before it, so that no output is without."""
     rig = read(written.part, replace(reading, allow_external_paths=True)).rig
     write_text(side, json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
@@ -113,7 +113,7 @@ def _write_sidecar(side: Path, written: Written, reading: Options) -> None:
 
 
 @lru_cache
-def _behind(file: Path, reading: Options) -> tuple[Path, ...]:
+def _behind(file: Path, reading: ReadOptions) -> tuple[Path, ...]:
     """The files that a character is made of besides its own; none of anything else."""
     if file.suffix.lower() not in GLTF_SUFFIXES + USD_SUFFIXES:
         return ()

@@ -10,7 +10,7 @@ from rigtri.errors import GeometryError
 from rigtri.files import temp_dirs as scratch
 from rigtri.files.input_stream import called, opened, title
 from rigtri.files.staged_output import write_text
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.pipeline.rigspec.build import Built, build
 from rigtri.pipeline.rigspec.errors import SpecError
@@ -69,7 +69,7 @@ def propose(
     *,
     preset: str = "",
     own: Sequence[Scheme] = (),
-    options: Options | None = None,
+    options: ReadOptions | None = None,
 ) -> Proposal:
     """What `auto` would do with a file. preset: of the axes, "" for Maya's, or the world's for a VRM 0.
 
@@ -77,10 +77,10 @@ def propose(
     is without joints.
     """
     with opened(source) as at:
-        return _proposal(at, Path(source), preset, own, options or Options())
+        return _proposal(at, Path(source), preset, own, options or ReadOptions())
 
 
-def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], options: Options) -> Proposal:
+def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], options: ReadOptions) -> Proposal:
     need_extra()
     rig = read(at, options).rig
     layout = recognise(rig, own=own)
@@ -98,7 +98,7 @@ def auto(
     preset: str = "",
     own: Sequence[Scheme] = (),
     spec_out: Path | str | None = None,
-    options: Options | None = None,
+    options: ReadOptions | None = None,
     overwrite: bool = False,
     verify: bool = True,
     tolerance: float = TOLERANCE,
@@ -117,7 +117,7 @@ def auto(
     """
     place = None if spec_out is None or dry_run else Path(spec_out)
     with opened(source) as at, scratch.folder() as folder:
-        found = _proposal(at, Path(source), preset, own, options or Options())
+        found = _proposal(at, Path(source), preset, own, options or ReadOptions())
         seen(found)
         if not found.is_character:
             raise GeometryError(found.missing())

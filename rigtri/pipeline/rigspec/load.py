@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import check_plain
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.missing_names import unnamed
 from rigtri.pipeline.rigspec.planned_step import PlannedStep as PlannedStep
@@ -43,7 +43,7 @@ class Spec:
     paths: frozenset[str] = frozenset()
 
     @property
-    def reading(self) -> Options:
+    def reading(self) -> ReadOptions:
         """How files are read and written."""
         return self.model.reading()
 

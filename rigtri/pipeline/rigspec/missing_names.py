@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rigtri.errors import NameNotFoundError, RigtriError
 from rigtri.files.input_stream import opened
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.pipeline.rigspec.errors import Fault
 from rigtri.pipeline.rigspec.positions import Keys, Tree
@@ -42,7 +42,9 @@ def missing(tree: Tree, number: int, rig: Rig) -> Iterator[Fault]:
                 yield Fault(place, where, text)
 
 
-def unnamed(tree: Tree, steps: Iterable[PlannedStep], source: Path | str, reading: Options) -> list[Fault]:
+def unnamed(
+    tree: Tree, steps: Iterable[PlannedStep], source: Path | str, reading: ReadOptions
+) -> list[Fault]:
     """What a spec names and the character in ``source`` has not; none where that cannot be read.
 
     steps: those that are right. They are done one after the other, as names may be those of what a

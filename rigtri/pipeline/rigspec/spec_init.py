@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.files.input_stream import opened, title
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
@@ -25,12 +25,12 @@ MOST_SHOWN = 200
 REACHING = ("arm", "leg", "limb")
 
 
-def spec_init(path: Path | str, *, options: Options | None = None) -> str:
+def spec_init(path: Path | str, *, options: ReadOptions | None = None) -> str:
     """A spec in YAML to start from, with steps for the joints of a file, as `rigtri spec-init` writes it.
 
     Raises FileError for a file that cannot be read, or is without joints.
     """
-    options = options or Options()
+    options = options or ReadOptions()
     with opened(path) as file:
         return starter(read(file, options).rig, title(path), options=options)
 
@@ -42,7 +42,7 @@ def starter(
     *,
     preset: str = "",
     open_places: bool = False,
-    options: Options | None = None,
+    options: ReadOptions | None = None,
 ) -> str:
     """A spec in YAML for ``rig``, with its joints as a comment; what is uncertain is commented out.
 
@@ -50,7 +50,7 @@ def starter(
     uncertain stands in it as null, which `build` refuses until a joint is named there. options: how the
     file was read. Raises FileError for a file without joints.
     """
-    options = options or Options()
+    options = options or ReadOptions()
     tree = skeleton(rig, options.root)
     layout = recognise(rig) if layout is None else layout
     limbs = _Limbs(rig, layout, open_places)
@@ -74,7 +74,7 @@ def starter(
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _reading(options: Options) -> Iterator[str]:
+def _reading(options: ReadOptions) -> Iterator[str]:
     """How the file was read, where that was said."""
     if options.root is not None:
         yield f"root: {_quoted(options.root)}"

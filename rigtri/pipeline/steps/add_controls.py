@@ -6,8 +6,8 @@ from typing import Any
 
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import Options, add_controls
-from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.add_polevector import AddPolevectorOptions
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.up_direction import vector
 from rigtri.pipeline.steps.request import Request, Step
@@ -23,7 +23,7 @@ def step(request: Request) -> Step:
     colors = dict(_color(text) for text in request["colors"])
 
     def applied(rig: Rig, report: Report) -> Rig:
-        options = Options(
+        options = AddControlsOptions(
             selection=Selection(
                 joints=request["joints"],
                 chains=request["chains"],
@@ -43,7 +43,7 @@ def step(request: Request) -> Step:
             ends=request["kind"],
             soft=request["soft"],
             stretch=request["stretch"],
-            poles=PoleOptions(reach=request["reach"], facing=request["facing"]),
+            poles=AddPolevectorOptions(reach=request["reach"], facing=request["facing"]),
         )
         return add_controls(rig, options=options, report=report)
 

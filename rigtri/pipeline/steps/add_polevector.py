@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options, add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.orient_joints.up_direction import vector
 from rigtri.pipeline.steps.pole_options import placing
 from rigtri.pipeline.steps.request import Request, Step
@@ -20,7 +20,7 @@ def step(request: Request) -> Step:
     bends = dict(_bend(text) for text in request["bends"])
 
     def applied(rig: Rig, report: Report) -> Rig:
-        options = Options(
+        options = AddPolevectorOptions(
             **place,
             limbs=tuple(given(rig, *names) for names in request["limbs"]),
             chains=tuple((start, end, request["bend_joint"]) for start, end in request["chains"]),

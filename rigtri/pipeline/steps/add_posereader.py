@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from rigtri.model.rig import Rig
-from rigtri.operations.add_posereader.posereader import Goal, Options, add_posereader
+from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.report import Report
 
@@ -22,7 +22,7 @@ def step(request: Request) -> Step:
                 request.refuse({f"--{name}": name}, f"is for --reader {kind}")
 
     def applied(rig: Rig, report: Report) -> Rig:
-        options = Options(
+        options = AddPosereaderOptions(
             driver=request["driver"],
             axis=request["axis"],
             frame=request["frame"],

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from rigtri.model.rig import Rig
-from rigtri.operations.add_rivet.rivet import Options, add_rivet
+from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.report import Report
 
 
 def step(request: Request) -> Step:
     """A step that ties the rivets that ``request`` describes."""
-    options = Options(
+    options = AddRivetOptions(
         mesh=request["mesh"],
         triangles=request["triangles"],
         barycentric=request["barycentric"],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
-from rigtri.operations.add_twist.twist import Options, add_twist
+from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -20,7 +20,7 @@ def step(request: Request) -> Step:
     weights = _weights(request["weights"])
 
     def applied(rig: Rig, report: Report) -> Rig:
-        options = Options(
+        options = AddTwistOptions(
             limbs=tuple(given(rig, *names) for names in request["limbs"]),
             auto=request["auto"] == "auto",
             bones=tuple(zip(joints, children, strict=True)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rigtri.files.text_files import check_plain
 from rigtri.formats import read
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.bake import Options, bake
+from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.pipeline.steps.request import Request, Step, clip_names
@@ -14,7 +14,7 @@ from rigtri.report import Report
 
 def step(request: Request) -> Step:
     """A step that works controls out into joint keys, or the reverse; FileError for --rig that is none."""
-    options = Options(
+    options = BakeOptions(
         to=request["to"],
         clips=request["clips"],
         fps=request["fps"],

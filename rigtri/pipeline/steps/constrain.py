@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
-from rigtri.operations.constrain.constrain import Options, constrain
+from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.report import Report
 
@@ -24,7 +24,7 @@ def step(request: Request) -> Step:
     skip = tuple(part.strip() for part in request["skip"].split(",")) if request["skip"] else ()
 
     def applied(rig: Rig, report: Report) -> Rig:
-        options = Options(
+        options = ConstrainOptions(
             kind=request["kind"],
             child=request["child"] or "",
             drivers=tuple(_driver(rig, text) for text in request["drivers"]),

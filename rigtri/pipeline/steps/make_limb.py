@@ -6,9 +6,9 @@ from typing import Any
 
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options as PoleOptions
+from rigtri.operations.add_polevector import AddPolevectorOptions
 from rigtri.operations.axis_presets import PRESETS, Style
-from rigtri.operations.make_limb import Options, make_limb
+from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.pipeline.steps.pole_options import placing
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.report import Report
@@ -35,11 +35,11 @@ def step(request: Request) -> Step:
     return applied
 
 
-def _options(request: Request) -> Options:
-    poles = PoleOptions(**placing(request), name=request["pole_name"], kind=request["kind"])
+def _options(request: Request) -> MakeLimbOptions:
+    poles = AddPolevectorOptions(**placing(request), name=request["pole_name"], kind=request["kind"])
     if not request["pole"]:
         request.refuse(_POLE_ONLY, "is for the pole vector, and --no-pole leaves it out")
-    return Options(
+    return MakeLimbOptions(
         locators=request["locators"],
         points=request["points"],
         planar=request["planar"],

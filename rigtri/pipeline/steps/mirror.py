@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.mirror.mirror import WHAT, Options, mirror
+from rigtri.operations.mirror.mirror import WHAT, MirrorOptions, mirror
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.report import Report
 
 
-def asked(request: Request) -> Options:
+def asked(request: Request) -> MirrorOptions:
     """The options of `mirror`, and of what compares both sides."""
-    return Options(
+    return MirrorOptions(
         mode=request["mode"],
         from_side=request["from_side"],
         plane=request["plane"],

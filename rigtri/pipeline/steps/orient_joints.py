@@ -12,7 +12,7 @@ from rigtri.formats import read
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS, Style
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -42,7 +42,7 @@ def step(request: Request) -> Step:
     like = _like(request["like"]) if request["like"] else None
 
     def applied(rig: Rig, report: Report) -> Rig:
-        options = Options(
+        options = OrientJointsOptions(
             style=style,
             selection=_selection(request),
             chain_styles=chain_styles,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from rigtri.model.rig import Rig
-from rigtri.operations.pose import Options, take_pose
+from rigtri.operations.pose import PoseOptions, take_pose
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.report import Report
 
 
-def asked(request: Request) -> Options:
+def asked(request: Request) -> PoseOptions:
     """The options of `take_pose`, and of what prints a pose."""
-    return Options(at=request["at"], evaluate=request["evaluate"])
+    return PoseOptions(at=request["at"], evaluate=request["evaluate"])
 
 
 def step(request: Request) -> Step:

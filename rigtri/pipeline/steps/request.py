@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rigtri.errors import UsageError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -23,7 +23,7 @@ class Request:
 
     values: Mapping[str, Any]
     given: frozenset[str]
-    reading: Options
+    reading: ReadOptions
 
     def __getitem__(self, name: str) -> Any:
         return self.values[name]

@@ -8,7 +8,7 @@ from rigtri.files.input_stream import opened
 from rigtri.files.text_files import check_plain
 from rigtri.formats import read
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.take_clips import Options, take_clips
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.pipeline.steps.request import Request, Step, clip_names
 from rigtri.report import Report
 
@@ -17,7 +17,7 @@ def step(request: Request) -> Step:
     """Raises UsageError for names that name no clip, FileError where the other file is not there."""
     names = clip_names(request["names"])
     source = check_plain(request["edited"], "--from") if request["edited"] != "-" else "-"
-    options = Options(clips=request["clips"], names=names, tolerance=request["tolerance"])
+    options = TakeClipsOptions(clips=request["clips"], names=names, tolerance=request["tolerance"])
 
     def applied(rig: Rig, report: Report) -> Rig:
         with opened(source) as path:

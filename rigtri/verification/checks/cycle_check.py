@@ -7,7 +7,7 @@ from pathlib import Path
 from rigtri.errors import RigtriError
 from rigtri.evaluation.solver import refuse_circles
 from rigtri.evaluation.step_order import CircleError
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.verification.checks.findings import Findings
 
@@ -21,7 +21,7 @@ def check_circles(path: Path, rule: str, findings: Findings, *, allow_external: 
     A file that cannot be read as a rig, or whose notes are broken, has findings of other rules.
     """
     try:
-        rig = read(path, Options(allow_external_paths=allow_external, empty=True)).rig
+        rig = read(path, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
         refuse_circles(rig)
     except CircleError as circle:
         noted = [node for node in circle.nodes if node in rig.notes]

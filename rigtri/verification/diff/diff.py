@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.errors import FileError
-from rigtri.formats import Document, Options, read
+from rigtri.formats import Document, ReadOptions, read
 from rigtri.verification.compare.compare import Comparison
 from rigtri.verification.compare.compare import verify as compare
 from rigtri.verification.diff.change import Change
@@ -89,7 +89,7 @@ def diff(
     only: Terms | None = None,
     tolerance: float = 0.0,
     verify: bool = True,
-    options: Options | None = None,
+    options: ReadOptions | None = None,
 ) -> Difference:
     """Say what of the second file is not what it was in the first.
 
@@ -98,7 +98,7 @@ def diff(
     Files of two formats are compared in rig terms. Where the rig of one cannot be read, the rest
     is compared and ``notices`` has the reason. Raises FileError where nothing can be compared.
     """
-    before, after, options = Path(before), Path(after), options or Options()
+    before, after, options = Path(before), Path(after), options or ReadOptions()
     for path in (before, after):
         if not path.is_file():
             raise FileError(
@@ -119,7 +119,7 @@ def diff(
     return Difference(rig, None if file is None else tuple(file), looks, tuple(notices))
 
 
-def _file_terms(before: Path, after: Path, options: Options, tolerance: float) -> list[Change] | None:
+def _file_terms(before: Path, after: Path, options: ReadOptions, tolerance: float) -> list[Change] | None:
     found = file_changes(before, after, options, tolerance)
     if found == [] and not tolerance and not filecmp.cmp(before, after, shallow=False):
         # Comments, blanks, layout: nothing that a reader of the format tells us.
@@ -138,7 +138,7 @@ def _first_other_byte(before: Path, after: Path) -> int:
 
 
 def _documents(
-    before: Path, after: Path, options: Options, notices: list[str], *, required: bool
+    before: Path, after: Path, options: ReadOptions, notices: list[str], *, required: bool
 ) -> tuple[Document, Document] | None:
     """Both files as rigs; None, with the reason in ``notices``, where one has none."""
     try:

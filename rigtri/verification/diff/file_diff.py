@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Options
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions
 from rigtri.verification.diff.change import Change
 
 
-def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change] | None:
+def file_changes(
+    before: Path, after: Path, options: ReadOptions, tolerance: float = 0.0
+) -> list[Change] | None:
     """How two files of one format differ as files; None where their formats are two.
 
     FileError where one of them cannot be taken apart.

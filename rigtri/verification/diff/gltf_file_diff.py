@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import open_container
@@ -28,7 +28,7 @@ from rigtri.verification.diff.change import Change, furthest, same_numbers
 from rigtri.verification.diff.json_diff import json_changes, spelling_changes, tokens
 
 
-def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change]:
+def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: float = 0.0) -> list[Change]:
     """Everything in which the second file is not the first. FileError where one is no glTF at all."""
     one, other = _Side(before, options), _Side(after, options)
     pair = _Pair(one, other, tolerance)
@@ -50,7 +50,7 @@ def file_changes(before: Path, after: Path, options: Options, tolerance: float =
 class _Side:
     """A file taken apart; what cannot be read of its data is None."""
 
-    def __init__(self, path: Path, options: Options) -> None:
+    def __init__(self, path: Path, options: ReadOptions) -> None:
         self.path, self.options = path, options
         self.container = open_container(path, lenient=True)
         content = self.container.chunks[0][1] if self.container.is_glb else self.container.source

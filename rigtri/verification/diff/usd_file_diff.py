@@ -14,7 +14,7 @@ from typing import Any
 from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.formats.usd import layers
 from rigtri.formats.usd import usdz as package
 from rigtri.formats.usd.stage import open_stage, quiet
@@ -22,7 +22,7 @@ from rigtri.verification.diff.change import Change, arrow, order_of
 from rigtri.verification.diff.usd_layer_diff import layer_changes
 
 
-def file_changes(before: Path, after: Path, options: Options, tolerance: float = 0.0) -> list[Change]:
+def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: float = 0.0) -> list[Change]:
     """Everything in which the second file is not the first. FileError where one is no USD at all."""
     allow = options.allow_external_paths
     stages = [open_stage(path, allow_external=allow)[0] for path in (before, after)]

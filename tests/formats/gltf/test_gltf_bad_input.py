@@ -16,7 +16,7 @@ from rigs import lawful
 from test_vrm import vrm_0, vrm_1
 
 from rigtri.errors import FileError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe, scale_allows
 from rigtri.maths.quaternions import IDENTITY, unit
@@ -163,7 +163,7 @@ def test_broken_keys_name_animation_and_channel(rows: Any, key: str, words: str,
 def test_lenient_accepts_equal_times(tmp_path: Path) -> None:
     builder = small()
     path = spoiled(builder, accessor(builder, [0, 0], "input"), tmp_path)
-    GltfDocument.read(path, Options(lenient=True))
+    GltfDocument.read(path, ReadOptions(lenient=True))
 
 
 @pytest.mark.parametrize(
@@ -183,7 +183,7 @@ def test_broken_inverse_binds_name_the_joint(row: Any, words: str, tmp_path: Pat
     with pytest.raises(FileError, match=words):
         GltfDocument.read(path)
     if "lenient" in words:
-        document = GltfDocument.read(path, Options(lenient=True))
+        document = GltfDocument.read(path, ReadOptions(lenient=True))
         assert [notice.code for notice in document.warnings] == ["bind-flat"]
 
 

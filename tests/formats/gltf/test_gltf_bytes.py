@@ -11,7 +11,7 @@ import pytest
 from gltf_files import UNKNOWN_CHUNK, character, glb_bytes, glb_json, small
 
 from rigtri.errors import FileError, UsageError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.container import Piece, open_container
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.float32_rounding import Singles, round_spline, round_tracks
@@ -85,7 +85,7 @@ def test_more_bytes_than_the_glb_claims_need_lenient(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes() + b"more")
     with pytest.raises(FileError, match=f"offset {size}.*--lenient"):
         GltfDocument.read(path)
-    lenient = GltfDocument.read(path, Options(lenient=True))
+    lenient = GltfDocument.read(path, ReadOptions(lenient=True))
     assert [notice.code for notice in lenient.warnings] == ["glb-length"]
 
 

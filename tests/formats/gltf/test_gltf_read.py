@@ -12,12 +12,12 @@ from gltf_files import Builder, character, small
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.formats.gltf.document import GltfDocument
 
 
 def opened(builder: Builder, folder: Path, **options: Any) -> GltfDocument:
-    return GltfDocument.read(builder.glb(folder / "a.glb"), Options(**options))
+    return GltfDocument.read(builder.glb(folder / "a.glb"), ReadOptions(**options))
 
 
 @pytest.mark.parametrize(

@@ -12,13 +12,13 @@ import pytest
 from gltf_files import small
 
 from rigtri.errors import FileError
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
 from rigtri.verification.checks import check
 
-ALLOWED = Options(allow_external_paths=True)
+ALLOWED = ReadOptions(allow_external_paths=True)
 
 
 def nothing(rig: Rig, report: Report) -> Rig:
@@ -38,20 +38,20 @@ def referring(folder: Path, *, buffer: str | None = None, image: str | None = No
     return path
 
 
-def moved(source: Path, folder: Path, options: Options) -> Outcome:
+def moved(source: Path, folder: Path, options: ReadOptions) -> Outcome:
     folder.mkdir()
     return edit(source, folder / "out.gltf", nothing, options=options)
 
 
-@pytest.mark.parametrize("options", [ALLOWED, Options()], ids=["allowed", "not"])
-def test_what_cannot_be_copied_along_is_advised_to_be_relinked(options: Options, tmp_path: Path) -> None:
+@pytest.mark.parametrize("options", [ALLOWED, ReadOptions()], ids=["allowed", "not"])
+def test_what_cannot_be_copied_along_is_advised_to_be_relinked(options: ReadOptions, tmp_path: Path) -> None:
     source = referring(tmp_path / "in", image="../secret.png")
     (tmp_path / "secret.png").write_bytes(b"image")
     with pytest.raises(FileError, match=r"images\.0\.uri: '\.\./secret.* --resources relink") as e:
         moved(source, tmp_path / "out", options)
     assert "--allow-external-paths" not in str(e.value)
     assert list((tmp_path / "out").iterdir()) == []
-    relinked = Options(allow_external_paths=options.allow_external_paths, relink=True)
+    relinked = ReadOptions(allow_external_paths=options.allow_external_paths, relink=True)
     moved(source, tmp_path / "other", relinked)
     uri = json.loads((tmp_path / "other" / "out.gltf").read_text("utf-8"))["images"][0]["uri"]
     assert (tmp_path / "other" / uri).resolve() == tmp_path / "secret.png"
@@ -72,8 +72,10 @@ def test_a_missing_file_is_named_as_the_file_names_it(tmp_path: Path) -> None:
         read(referring(tmp_path / "in", buffer="sub/../gone.bin"), ALLOWED)
 
 
-@pytest.mark.parametrize("options", [Options(), Options(relink=True)], ids=["copied", "relinked"])
-def test_a_missing_image_is_told_where_a_file_moves_and_only_there(options: Options, tmp_path: Path) -> None:
+@pytest.mark.parametrize("options", [ReadOptions(), ReadOptions(relink=True)], ids=["copied", "relinked"])
+def test_a_missing_image_is_told_where_a_file_moves_and_only_there(
+    options: ReadOptions, tmp_path: Path
+) -> None:
     source = referring(tmp_path / "in", image="skin%20of.png")
     (warning,) = moved(source, tmp_path / "out", options).report.warnings
     assert warning.code == "file-missing"
@@ -107,7 +109,7 @@ def test_check_and_edits_say_the_same_of_an_image_that_cannot_be_had(image: str,
     source = referring(tmp_path / "in", image=image)
     os.mkfifo(tmp_path / "in" / "pipe.png")
     (tmp_path / "in" / "link.png").symlink_to("pipe.png")
-    (warning,) = moved(source, tmp_path / "out", Options()).report.warnings
+    (warning,) = moved(source, tmp_path / "out", ReadOptions()).report.warnings
     assert warning.text.startswith(f"images.0.uri: {IMAGES[image]}")
     (finding,) = [item for item in check(source) if item.id == "gltf.file.missing"]
     assert (finding.severity, finding.pointer) == ("warning", "/images/0/uri")
@@ -120,7 +122,7 @@ def test_steps_down_and_up_again_stay_inside(uri: str, tmp_path: Path) -> None:
     source = referring(tmp_path / "in")
     name = json.loads(source.read_text("utf-8"))["buffers"][0]["uri"]
     source = referring(tmp_path / "in", buffer=uri.format(name))
-    moved(source, tmp_path / "out", Options())
+    moved(source, tmp_path / "out", ReadOptions())
     assert len(read(tmp_path / "out" / "out.gltf").rig) == len(read(source).rig)
     assert not [item for item in check(source) if item.severity == "error"]
 

@@ -18,7 +18,7 @@ from second_opinions import khronos_errors
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats import Companion, Options
+from rigtri.formats import Companion, ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe, scale_allows
 from rigtri.maths.quaternions import IDENTITY, conjugate, unit
@@ -213,12 +213,12 @@ def test_in_another_folder_the_resources_come_along(tmp_path: Path) -> None:
 
 def test_relinked_uris_lead_back_to_the_old_resources(tmp_path: Path) -> None:
     small().gltf_file(tmp_path / "a.gltf")
-    document = GltfDocument.read(tmp_path / "a.gltf", Options(relink=True))
+    document = GltfDocument.read(tmp_path / "a.gltf", ReadOptions(relink=True))
     target = tmp_path / "deep" / "a.gltf"
     target.parent.mkdir()
     assert not document.write(document.rig, target, target)
     assert glb_json(target)["buffers"][0]["uri"] == "../the%20data.bin"
-    again = GltfDocument.read(target, Options(allow_external_paths=True))
+    again = GltfDocument.read(target, ReadOptions(allow_external_paths=True))
     assert len(again.meshes()) == 1
 
 

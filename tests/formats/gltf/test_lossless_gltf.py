@@ -17,9 +17,8 @@ from typing import Any, NamedTuple
 import pytest
 from places import SAMPLES
 
-from rigtri.formats import Options
-from rigtri.operations.add_polevector import Options as PoleOptions
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.formats import ReadOptions
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 
@@ -258,7 +257,9 @@ def lost(before: Any, after: Any, pointer: str = "") -> list[str]:
 
 EDITS: dict[str, Callable[[Any, Any], Any]] = {
     "orient-joints": lambda rig, report: orient_joints(rig, report=report),
-    "add-polevector": lambda rig, report: add_polevector(rig, options=PoleOptions(auto=True), report=report),
+    "add-polevector": lambda rig, report: add_polevector(
+        rig, options=AddPolevectorOptions(auto=True), report=report
+    ),
 }
 
 
@@ -278,7 +279,7 @@ def test_what_rigtri_does_not_know_survives(kind: str, style: str, action: str, 
     seed = 31 * sorted(STYLES).index(style) + len(kind)
     path, gaps = planted(kind, STYLES[style], seed, tmp_path)
     out = path.with_stem("out")
-    edit(path, out, EDITS[action], options=Options(unknown_node_ext="ignore"))
+    edit(path, out, EDITS[action], options=ReadOptions(unknown_node_ext="ignore"))
     before, after = text_of(path), text_of(out)
     assert before != after
     assert lost(members(before), members(after)) == []

@@ -16,21 +16,19 @@ from rigtri.formats.gltf.references import used_accessors
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
-from rigtri.operations.mirror.mirror import Options as Mirroring
-from rigtri.operations.mirror.mirror import mirror
-from rigtri.operations.orient_joints.orient import Options as Orienting
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.mirror.mirror import MirrorOptions, mirror
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 
 def _mirror(rig: Rig, report: Report) -> Rig:
-    return mirror(rig, options=Mirroring(from_side="left"), report=report)
+    return mirror(rig, options=MirrorOptions(from_side="left"), report=report)
 
 
 def _orient(rig: Rig, report: Report) -> Rig:
-    return orient_joints(rig, options=Orienting(), report=report)
+    return orient_joints(rig, options=OrientJointsOptions(), report=report)
 
 
 def _strip(rig: Rig, report: Report) -> Rig:
@@ -39,13 +37,15 @@ def _strip(rig: Rig, report: Report) -> Rig:
 
 def _reader(rig: Rig, report: Report) -> Rig:
     goal = posereader.Goal("side", direction=(-0.3, 0.8, 0.1))
-    wanted = posereader.Options(driver="lower", targets=(goal,), morphs=(("side", "Skin", "bulge"),))
+    wanted = posereader.AddPosereaderOptions(
+        driver="lower", targets=(goal,), morphs=(("side", "Skin", "bulge"),)
+    )
     return posereader.add_posereader(rig, options=wanted, report=report)
 
 
 def _rivet(name: str) -> Step:
     def step(rig: Rig, report: Report) -> Rig:
-        wanted = rivet.Options(mesh="Skin", triangles=(0,), names=(name,))
+        wanted = rivet.AddRivetOptions(mesh="Skin", triangles=(0,), names=(name,))
         return rivet.add_rivet(rig, options=wanted, report=report)
 
     return step

@@ -15,8 +15,7 @@ import pytest
 import usd_files
 from pxr import Sdf, Usd, UsdUtils
 
-from rigtri.operations.add_polevector import Options as PoleOptions
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import Limb
@@ -319,7 +318,9 @@ def _same(path: str, key: str, value: Any, now: Any) -> bool:
 EDITS: dict[str, Callable[[Any, Any], Any]] = {
     "orient-joints": lambda rig, report: orient_joints(rig, report=report),
     "add-polevector": lambda rig, report: add_polevector(
-        rig, options=PoleOptions(limbs=(Limb(rig.find("a"), rig.find("b"), rig.find("c")),)), report=report
+        rig,
+        options=AddPolevectorOptions(limbs=(Limb(rig.find("a"), rig.find("b"), rig.find("c")),)),
+        report=report,
     ),
 }
 

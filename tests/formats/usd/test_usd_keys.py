@@ -15,7 +15,7 @@ from usd_files import MESH, animation, deviation, read, save, scene, skeleton, w
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import placed, timelines, without_steps
-from rigtri.formats import Options as ReadOptions
+from rigtri.formats import ReadOptions
 from rigtri.formats import read as open_file
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats

@@ -15,14 +15,12 @@ from second_opinions import usd_errors
 from usd_files import deviation, save
 
 from rigtri.errors import FileError, GeometryError, RigtriError, UsageError
-from rigtri.formats import Options, read
+from rigtri.formats import ReadOptions, read
 from rigtri.formats.usd.joint_tokens import split_token, unsplit
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import Options as Pole
-from rigtri.operations.add_polevector import add_polevector
+from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.orient import Options as Orient
-from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -36,9 +34,11 @@ AFTER = [*TOKENS[:2], "root/shoulder/elbow_orient", ELBOW, f"{ELBOW}/wrist", f"{
 
 def split(source: Path, target: Path, **options: Any) -> Outcome:
     def step(rig: Rig, report: Report) -> Rig:
-        return orient_joints(rig, options=Orient(on_nonuniform_scale="split"), report=report)
+        return orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale="split"), report=report)
 
-    return edit(source, target, step, options=Options(**{"allow_rename": True, **options}), overwrite=True)
+    return edit(
+        source, target, step, options=ReadOptions(**{"allow_rename": True, **options}), overwrite=True
+    )
 
 
 def refused(source: Path, **options: Any) -> str:
@@ -189,7 +189,7 @@ def test_a_joint_that_the_animation_leaves_at_rest_gets_no_column(tmp_path: Path
 def test_a_locator_is_found_again_after_its_joints_were_renamed(tmp_path: Path) -> None:
     def pole(rig: Rig, report: Report) -> Rig:
         limbs = (given(rig, "shoulder", "elbow", "wrist"),)
-        return add_polevector(rig, options=Pole(limbs=limbs), report=report)
+        return add_polevector(rig, options=AddPolevectorOptions(limbs=limbs), report=report)
 
     source, placed = usd(tmp_path / "in.usda", LIMB), tmp_path / "placed.usda"
     out, again = tmp_path / "out.usda", tmp_path / "again.usda"
@@ -271,11 +271,11 @@ def test_a_skeleton_inside_an_instance_is_refused_with_layer_and_path(tmp_path: 
     source, target = save(tmp_path, "\n".join(lines), "shot.usda"), tmp_path / "out.usda"
 
     def step(rig: Rig, report: Report) -> Rig:
-        options = Orient(on_nonuniform_scale="split", selection=Selection(joints=("elbow",)))
+        options = OrientJointsOptions(on_nonuniform_scale="split", selection=Selection(joints=("elbow",)))
         return orient_joints(rig, options=options, report=report)
 
     with pytest.raises(RigtriError, match=r"/World/One/.*inside an instance.*asset\.usda"):
-        edit(source, target, step, options=Options(allow_rename=True))
+        edit(source, target, step, options=ReadOptions(allow_rename=True))
     assert not target.exists()
 
 
@@ -365,12 +365,12 @@ def sheared(missing: str = "") -> str:
 @pytest.mark.parametrize("policy", ["snap", "split"])
 def test_a_joint_sheared_at_rest_turns_where_its_clip_says_all(policy: Any, tmp_path: Path) -> None:
     def step(rig: Rig, report: Report) -> Rig:
-        return orient_joints(rig, options=Orient(on_nonuniform_scale=policy), report=report)
+        return orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale=policy), report=report)
 
     source, out, again = save(tmp_path, sheared()), tmp_path / "out.usda", tmp_path / "again.usda"
-    edit(source, out, step, options=Options(allow_rename=True))
+    edit(source, out, step, options=ReadOptions(allow_rename=True))
     assert verify(read(source), read(out)).deviation < 1e-7
-    edit(out, again, step, options=Options(allow_rename=True))
+    edit(out, again, step, options=ReadOptions(allow_rename=True))
     assert again.read_bytes() == out.read_bytes()
 
 

@@ -12,7 +12,7 @@ from pxr import Sdf
 from usd_files import MESH, animation, deviation, save, scene, skeleton, turned
 
 from rigtri.errors import UsageError
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -41,7 +41,7 @@ def shot(folder: Path) -> Path:
 
 
 def streamed(source: Path, capsysbinary: pytest.CaptureFixture[bytes], override: str = "") -> str:
-    outcome = edit(source, "-", turn, options=Options(override=override))
+    outcome = edit(source, "-", turn, options=ReadOptions(override=override))
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-6
     return capsysbinary.readouterr().out.decode()
@@ -93,7 +93,7 @@ def test_an_override_of_standard_input_can_name_no_source(
     text = scene(skeleton(), animation(), MESH).encode()
     for override in ("stage", "layer"):
         monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(text)))
-        options = Options(override=override)
+        options = ReadOptions(override=override)
         if override == "layer":
             assert edit("-", tmp_path / "out.usda", turn, options=options).verification is not None
             continue

@@ -15,7 +15,7 @@ from test_gltf_bad_input import places
 from rigtri.errors import RigtriError
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.operations.axis_presets import Style
-from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
 from rigtri.verification.compare.compare import self_check
 
@@ -59,7 +59,7 @@ def test_every_value_of_a_block_may_be_wrong(
         path.write_bytes(glb_bytes(gltf, bytes(builder.binary)))
         try:
             document = GltfDocument.read(path)
-            rig = orient_joints(document.rig, options=Options(style=style), report=Report())
+            rig = orient_joints(document.rig, options=OrientJointsOptions(style=style), report=Report())
             document.write(rig, out, out)
         except RigtriError:
             outcomes["refused"] += 1

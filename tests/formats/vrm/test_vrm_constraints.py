@@ -25,7 +25,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS, Style
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.constraint_policy import bonds
-from rigtri.operations.orient_joints.orient import Options, orient_joints
+from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.orient_joints.scale_policy import cardinal_turns
 from rigtri.report import Report
 
@@ -72,7 +72,7 @@ def stored(seed: int, *, cardinal: tuple[str, ...] = ()) -> dict[str, object]:
 @pytest.mark.parametrize("seed", range(6))
 def test_constraints_move_everything_as_before_whatever_turn_is_asked_for(seed: int, tmp_path: Path) -> None:
     rig = opened(avatar(seed), tmp_path)
-    after = orient_joints(rig, options=Options(frames=stored(seed, cardinal=tuple(CONSTRAINTS))))
+    after = orient_joints(rig, options=OrientJointsOptions(frames=stored(seed, cardinal=tuple(CONSTRAINTS))))
     assert deviation(rig, after) < 1e-9
     # Nothing of this is empty: what is driven moves, and the free joints have turned.
     at = [Driven(rig, key, WEIGHTS).world(NODES["sleeve_end"])[1] for key in (0, 1)]
@@ -84,7 +84,7 @@ def test_constraints_move_everything_as_before_whatever_turn_is_asked_for(seed: 
 def test_constraints_mean_the_same_under_every_preset(preset: str, tmp_path: Path) -> None:
     rig = opened(avatar(1), tmp_path)
     for selection in (Selection(), ALL):
-        after = orient_joints(rig, options=Options(style=PRESETS[preset], selection=selection))
+        after = orient_joints(rig, options=OrientJointsOptions(style=PRESETS[preset], selection=selection))
         assert deviation(rig, after) < 1e-9
 
 
@@ -101,7 +101,7 @@ def test_a_turn_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_path: Pat
 
 def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    after = orient_joints(rig, options=Options(selection=ALL), report=report)
+    after = orient_joints(rig, options=OrientJointsOptions(selection=ALL), report=report)
     turns = turns_between(rig, after)
     source = turns[NODES["upper_arm"]]
     assert turned(turns_of(rig, after)[NODES["upper_arm"]])
@@ -116,7 +116,9 @@ def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_pa
 
 def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    after = orient_joints(rig, options=Options(selection=Selection(joints=("upper_arm",))), report=report)
+    after = orient_joints(
+        rig, options=OrientJointsOptions(selection=Selection(joints=("upper_arm",))), report=report
+    )
     turns = turned(turns_of(rig, after))
     # The lower arm too: what rolls below it goes by the upper arm's axes.
     assert {name for name in NODES if turns[NODES[name]]} == {"upper_arm", "sleeve", "cuff", "lower_arm"}
@@ -125,7 +127,7 @@ def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) ->
 
 def test_what_is_driven_does_not_turn_its_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    options = Options(selection=Selection(joints=("sleeve", "hand")))
+    options = OrientJointsOptions(selection=Selection(joints=("sleeve", "hand")))
     after = orient_joints(rig, options=options, report=report)
     assert {name for name in NODES if turned(turns_of(rig, after))[NODES[name]]} == {"hand"}
     reasons = {entry["joint"]: entry.get("reason", "") for entry in report.joints}
@@ -152,11 +154,11 @@ def test_a_driven_node_that_is_no_joint_follows_and_one_that_leads_stays(tmp_pat
 def test_a_second_run_changes_no_byte_and_like_brings_the_rules_home(preset: str, tmp_path: Path) -> None:
     source = avatar(5).glb(tmp_path / "a.vrm")
     once, twice, home = (tmp_path / f"{name}.vrm" for name in ("once", "twice", "home"))
-    options = Options(style=PRESETS[preset], selection=ALL)
+    options = OrientJointsOptions(style=PRESETS[preset], selection=ALL)
     for before, after, how in (
         (source, once, options),
         (once, twice, options),
-        (once, home, Options(like=GltfDocument.read(source).rig)),
+        (once, home, OrientJointsOptions(like=GltfDocument.read(source).rig)),
     ):
         document = GltfDocument.read(before)
         document.write(orient_joints(document.rig, options=how), after, after)
@@ -167,7 +169,9 @@ def test_a_second_run_changes_no_byte_and_like_brings_the_rules_home(preset: str
 
 def test_an_excluded_joint_holds_the_source_it_copies(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    after = orient_joints(rig, options=Options(selection=Selection(exclude=("cuff",))), report=report)
+    after = orient_joints(
+        rig, options=OrientJointsOptions(selection=Selection(exclude=("cuff",))), report=report
+    )
     turns = turned(turns_of(rig, after))
     assert not turns[[NODES[n] for n in ("upper_arm", "sleeve", "cuff", "lower_arm")]].any()
     assert turns[[NODES["hand"], NODES["spine"]]].all()
@@ -178,7 +182,9 @@ def test_an_excluded_joint_holds_the_source_it_copies(tmp_path: Path) -> None:
 def test_a_roll_axis_is_told_in_the_new_frame(tmp_path: Path) -> None:
     source, out = avatar(4).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
     document = GltfDocument.read(source)
-    options = Options(style=Style("x", "y"), selection=Selection(joints=("arm_twist", "lower_arm")))
+    options = OrientJointsOptions(
+        style=Style("x", "y"), selection=Selection(joints=("arm_twist", "lower_arm"))
+    )
     document.write(orient_joints(document.rig, options=options), out, out)
     constraint = glb_json(out)["nodes"][NODES["arm_twist"]]["extensions"]["VRMC_node_constraint"]
     # Its bone ran along Y, and now runs along X; weight and source are what they were.
@@ -191,14 +197,16 @@ def test_an_aim_axis_keeps_its_sign_in_the_new_frame(tmp_path: Path) -> None:
     # A quarter about X: the old −Z is the new −Y's opposite … by hand: new Y = old Z, new Z = old −Y.
     quarter = from_axis_angle([1.0, 0, 0], np.pi / 2)
     frames = {"rigtri": "frames", "v": 1, "joints": {"gaze": quarter.tolist()}}
-    document.write(orient_joints(document.rig, options=Options(frames=frames)), out, out)
+    document.write(orient_joints(document.rig, options=OrientJointsOptions(frames=frames)), out, out)
     constraint = glb_json(out)["nodes"][NODES["gaze"]]["extensions"]["VRMC_node_constraint"]
     assert constraint["constraint"]["aim"]["aimAxis"] == "NegativeY"
 
 
 def test_only_the_destination_of_an_aim_is_held(tmp_path: Path) -> None:
     rig, report = opened(avatar(5), tmp_path), Report()
-    after = orient_joints(rig, options=Options(frames=stored(5, cardinal=("arm_twist",))), report=report)
+    after = orient_joints(
+        rig, options=OrientJointsOptions(frames=stored(5, cardinal=("arm_twist",))), report=report
+    )
     turns = turned(turns_of(rig, after))
     assert not turns[NODES["gaze"]]
     assert turns[[NODES["head"], NODES["hand"]]].all()
@@ -210,7 +218,7 @@ def test_noise_of_storage_does_not_hold_a_joint(tmp_path: Path) -> None:
     rig = opened(avatar(5), tmp_path)
     noisy = multiply(cardinal_turns()[5], from_axis_angle([0.6, 0.0, 0.8], 1e-6))
     frames = {"rigtri": "frames", "v": 1, "joints": {"gaze": noisy.tolist()}}
-    after = orient_joints(rig, options=Options(frames=frames))
+    after = orient_joints(rig, options=OrientJointsOptions(frames=frames))
     assert turned(turns_of(rig, after))[NODES["gaze"]]
     assert deviation(rig, after) < 1e-9
 
@@ -218,9 +226,9 @@ def test_noise_of_storage_does_not_hold_a_joint(tmp_path: Path) -> None:
 def test_on_constraint_error_names_the_joint_and_what_to_do(tmp_path: Path) -> None:
     rig = opened(avatar(3), tmp_path)
     with pytest.raises(GeometryError, match=r"'sleeve'.*rotation.*--exclude.*--on-constraint freeze"):
-        orient_joints(rig, options=Options(on_constraint="error"))
+        orient_joints(rig, options=OrientJointsOptions(on_constraint="error"))
     free = opened(avatar(3, without=tuple(CONSTRAINTS)), tmp_path)
-    orient_joints(free, options=Options(on_constraint="error"))
+    orient_joints(free, options=OrientJointsOptions(on_constraint="error"))
 
 
 def test_the_least_is_frozen(tmp_path: Path) -> None:
@@ -253,7 +261,7 @@ def test_a_joint_whose_constraint_reads_its_rotation_is_not_split(tmp_path: Path
     builder = avatar(1)
     builder.gltf["nodes"][NODES["hand"]]["scale"] = [1, 1.5, 1]
     document = GltfDocument.read(builder.glb(tmp_path / "a.vrm"))
-    after = orient_joints(document.rig, options=Options(on_nonuniform_scale="split"))
+    after = orient_joints(document.rig, options=OrientJointsOptions(on_nonuniform_scale="split"))
     assert len([name for name in after.names if name.endswith("_orient")]) == 0
 
 
@@ -263,7 +271,7 @@ def test_a_node_that_a_split_inserts_leaves_constraints_where_they_were(tmp_path
     del builder.gltf["extensions"]["VRMC_vrm"]  # which wants no such scales, and no splits
     source, out = builder.glb(tmp_path / "a.glb"), tmp_path / "b.glb"
     document = GltfDocument.read(source)
-    after = orient_joints(document.rig, options=Options(on_nonuniform_scale="split"))
+    after = orient_joints(document.rig, options=OrientJointsOptions(on_nonuniform_scale="split"))
     assert "hair_orient" in after.names
     document.write(after, out, out)
     again = GltfDocument.read(out).rig

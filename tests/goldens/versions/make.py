@@ -17,8 +17,7 @@ def main() -> None:
     from builds import STEPS
 
     from rigtri.model.rig import VERSION, Rig
-    from rigtri.operations.add_posereader.posereader import Goal, add_posereader
-    from rigtri.operations.add_posereader.posereader import Options as Reading
+    from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
     from rigtri.operations.rigtri_nodes import noted
     from rigtri.pipeline.edit import edit
     from rigtri.report import Report
@@ -27,7 +26,9 @@ def main() -> None:
         for name in ("controls", "poles", "limbs", "split weights", "rivet", "posereader", "constrain"):
             rig = STEPS[name](rig, report)
         goals = (Goal("down", direction=(0.0, -1.0, 0.0)),)  # drives nothing, so that it has a node
-        rig = add_posereader(rig, options=Reading(driver="head", targets=goals, name="plain"), report=report)
+        rig = add_posereader(
+            rig, options=AddPosereaderOptions(driver="head", targets=goals, name="plain"), report=report
+        )
         # As orient-joints marks a joint whose up direction nothing tells; this figure has none such.
         return noted(rig, rig.find("head"), {"v": 1, "type": "frame", "up": "world", "invented": True})
 

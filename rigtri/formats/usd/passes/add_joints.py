@@ -17,7 +17,7 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError, UsageError
-from rigtri.formats.document import Options
+from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import metadata_attributes as notes
 from rigtri.formats.usd.edits import Edit, define, kind, parts, set_value
 from rigtri.formats.usd.preview_stage import edited
@@ -37,7 +37,7 @@ _LISTS = ("joints", "bindTransforms", "restTransforms", "jointNames")
 _OURS = "rigtri:added"
 
 
-def extended(source: Source, rig: Rig, options: Options) -> tuple[Source, Rig, list[Edit]]:
+def extended(source: Source, rig: Rig, options: ReadOptions) -> tuple[Source, Rig, list[Edit]]:
     """The source with the joints that ``rig`` puts into its skeletons, the rig in its terms, and the edits.
 
     FileError where a skeleton cannot be edited.

@@ -19,7 +19,7 @@ from pxr import Sdf, Vt
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import each_once, sample
 from rigtri.evaluation.timelines import without_steps
-from rigtri.formats.document import Options
+from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.animation_binding import bind
 from rigtri.formats.usd.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.edits import Edit, apply_schema, define, kind, parts, set_value
@@ -45,7 +45,7 @@ _ROUNDING = 1e-9
 Said = dict[tuple[int, Path], Track]
 
 
-def driven(source: Source, rig: Rig, options: Options) -> tuple[Source, Rig, list[Edit]]:
+def driven(source: Source, rig: Rig, options: ReadOptions) -> tuple[Source, Rig, list[Edit]]:
     """The source with samples where ``rig`` has keys, the rig with as many for each joint, and the edits.
 
     FileError where an animation cannot be edited.

@@ -16,7 +16,7 @@ import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.document import Options
+from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import instance_edits as instances
 from rigtri.formats.usd import writer
 from rigtri.formats.usd.composition_check import Expected, agree
@@ -70,7 +70,7 @@ class _Turns:
     def settings(self, trial: Trial, state: State) -> list[Setting]:
         """What must be set so that a state is turned, too."""
         trial.choose(state.chosen)
-        source = read_source(self.source.path, Options(), trial.stage)
+        source = read_source(self.source.path, ReadOptions(), trial.stage)
         before = source.rig
         turn = np.broadcast_to(IDENTITY, (len(before), 4)).copy()
         for node, key in enumerate(before.keys):

@@ -16,7 +16,7 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds
-from rigtri.formats.document import Options
+from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.edits import Edit, kind, parts, set_value
 from rigtri.formats.usd.joint_influences import influence_edits, stale_names, why_bound_otherwise
@@ -55,7 +55,7 @@ class Split:
 
 
 def widened(
-    source: Source, rig: Rig, options: Options, warnings: list[Notice]
+    source: Source, rig: Rig, options: ReadOptions, warnings: list[Notice]
 ) -> tuple[Source, Rig, list[Edit]]:
     """The source with the joints that ``rig`` adds, the rig in its terms, and the edits between the two.
 

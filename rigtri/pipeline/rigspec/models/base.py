@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.pipeline.rigspec.models.values import Flag
 from rigtri.pipeline.steps.request import Request
 
@@ -32,6 +32,6 @@ class StepModel(BaseModel):
             name: getattr(self, name) for name in type(self).model_fields if name not in ("do", "optional")
         }
 
-    def request(self, shared: dict[str, Any], reading: Options) -> Request:
+    def request(self, shared: dict[str, Any], reading: ReadOptions) -> Request:
         """What this step asks of its operation; shared: values that the whole spec has."""
         return Request(shared | self.values(), frozenset(self.model_fields_set), reading)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rigtri.formats import Options
+from rigtri.formats import ReadOptions
 from rigtri.pipeline.rigspec.models.controls import (
     AddControls,
     AddPolevector,
@@ -83,9 +83,9 @@ class SpecModel(BaseModel):
         (), description="What is done, in this order.", json_schema_extra={"minItems": 1}
     )
 
-    def reading(self) -> Options:
+    def reading(self) -> ReadOptions:
         """How files are read and written."""
-        return Options(
+        return ReadOptions(
             lenient=self.lenient,
             allow_external_paths=self.allow_external_paths,
             root=self.root,
