@@ -21,7 +21,7 @@ from rigtri.evaluation.pose_cache import sampled
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import single, timelines
 from rigtri.formats import read
-from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.quaternions import from_axis_angle, make_continuous, multiply
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
@@ -29,7 +29,7 @@ from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.take_clips.retargeting import PATHS, one_way_round
+from rigtri.operations.take_clips.retargeting import PATHS
 
 PEER = Path(__file__).with_name("bake_blender.py")
 BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"
@@ -108,7 +108,7 @@ def measured(joints: int, frames: int, bound: float = 1e-6) -> Took:
         """A key at every frame for the place, turn and size of all nodes, as nla.bake makes them."""
         now = solver.solved(parts)
         return [
-            Track(node, path, "LINEAR", times, single(one_way_round(v) if path == "rotation" else v))
+            Track(node, path, "LINEAR", times, single(make_continuous(v) if path == "rotation" else v))
             for node in solver.sets
             for path, v in zip(PATHS, now[node], strict=True)
         ]

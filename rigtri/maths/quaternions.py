@@ -13,8 +13,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rigtri.maths import vectors
 from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos, sine
-from rigtri.maths.vectors import as_vectors, by_component, cross, dot, length, normalise
+from rigtri.maths.vectors import as_vectors, by_component, cross, length, normalise
 
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 # Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
@@ -51,6 +52,19 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
 def conjugate(q: ArrayLike) -> Floats:
     """The opposite turns, (..., 4), for unit quaternions."""
     return np.asarray(as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0]))
+
+
+def dot(a: ArrayLike, b: ArrayLike) -> Floats:
+    """Dot products of quaternions, (..., 4) · (..., 4) → (...).
+
+    Of unit ones the cosine of half the angle from one rotation to the other; negative where the
+    two lie on opposite sides, so that the short way goes to −b.
+
+    >>> float(dot([0, 0, 0, 1], [0, 0, 1, 0]))
+    0.0
+    """
+    products = as_quaternions(a) * as_quaternions(b)
+    return products[..., 0] + products[..., 1] + products[..., 2] + products[..., 3]
 
 
 def norm(q: ArrayLike) -> Floats:
@@ -150,11 +164,11 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
     a, b = normalise(a), normalise(b)
     a, b = np.broadcast_arrays(a, b)
     halfway = a + b
-    opposite = dot(halfway, halfway) < 1e-24  # 1e-12 rad from opposite: the cross product is noise
+    opposite = vectors.dot(halfway, halfway) < 1e-24  # 1e-12 rad from opposite: the cross product is noise
     # The unit axis least parallel to a: crossing with it never degenerates.
     aside = cross(a, np.eye(3)[np.argmin(np.abs(a), axis=-1)])
     half = normalise(np.where(opposite[..., np.newaxis], aside, halfway))
-    turn = np.concatenate([cross(a, half), dot(a, half)[..., np.newaxis]], axis=-1)
+    turn = np.concatenate([cross(a, half), vectors.dot(a, half)[..., np.newaxis]], axis=-1)
     flip = np.concatenate([half, np.zeros((*half.shape[:-1], 1))], axis=-1)
     return np.where(opposite[..., np.newaxis], flip, turn)
 
@@ -163,6 +177,19 @@ def turn_angle(q: ArrayLike) -> Floats:
     """How far unit quaternions turn, (..., 4) → (...), in radians, 0 to π."""
     q = as_quaternions(q)
     return 2.0 * arc_tangent(length(q[..., :3]), np.abs(q[..., 3]))
+
+
+def make_continuous(q: ArrayLike) -> Floats:
+    """Rotations in a row, (k, 4), each with the sign that keeps it next to the one before.
+
+    q and −q are one rotation; between keys of opposite signs a player would go the long way round.
+
+    >>> make_continuous([[0, 0, 0, 1], [0, 0, 0, -1]]).tolist()
+    [[0.0, 0.0, 0.0, 1.0], [-0.0, -0.0, -0.0, 1.0]]
+    """
+    q = as_quaternions(q)
+    signs = np.cumprod(np.concatenate([[1.0], np.where(dot(q[1:], q[:-1]) < 0, -1.0, 1.0)]))
+    return np.asarray(q * signs[:, np.newaxis])
 
 
 def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
@@ -198,8 +225,7 @@ def slerp_rows(a: Floats, b: Floats, rows: NDArray[np.int64], share: Floats) -> 
 
 def _shorter(a: Floats, b: Floats) -> tuple[Floats, Floats]:
     """``b`` or its opposite, the same turn, whichever is nearer to ``a``; the angle to it."""
-    products = a * b
-    cosine = products[..., 0] + products[..., 1] + products[..., 2] + products[..., 3]
+    cosine = dot(a, b)
     if (cosine < 0).any():
         b = np.where(cosine[..., np.newaxis] < 0, -b, b)
     return b, 2.0 * arc_tangent(norm(b - a), norm(a + b))

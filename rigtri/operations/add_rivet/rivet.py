@@ -25,7 +25,7 @@ from rigtri.evaluation.timelines import (
     times_within,
 )
 from rigtri.limits import refuse_points, refuse_unworkable
-from rigtri.maths.quaternions import conjugate, from_axes, slerp, to_axes, turn_angle
+from rigtri.maths.quaternions import conjugate, from_axes, make_continuous, slerp, to_axes, turn_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
@@ -334,7 +334,7 @@ class _Rivet:
         way: Interpolation = "STEP" if holds or len(times) == 1 else "LINEAR"
         return [
             Track(node, "translation", way, times, values[:, :3]),
-            Track(node, "rotation", way, times, _one_way_round(values[:, 3:])),
+            Track(node, "rotation", way, times, make_continuous(values[:, 3:])),
         ]
 
     def _whole(self, values: Floats, timeline: Timeline, times: Floats) -> Floats:
@@ -391,11 +391,3 @@ class _Rivet:
                 "deviation": worst / self.size,
             }
         )
-
-
-def _one_way_round(turns: Floats) -> Floats:
-    """Quaternions, (k, 4), of the signs that keep each next to the one before."""
-    both = turns[1:] * turns[:-1]
-    ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
-    signs = np.cumprod(np.concatenate([[1.0], np.where(ahead < 0, -1.0, 1.0)]))
-    return np.asarray(turns * signs[:, np.newaxis])

@@ -37,7 +37,7 @@ from rigtri.evaluation.timelines import (
 from rigtri.evaluation.twist_joints import is_twist, twists
 from rigtri.evaluation.zero_pose import Reference
 from rigtri.limits import refuse_single_name, refuse_unworkable
-from rigtri.maths.quaternions import unit
+from rigtri.maths.quaternions import make_continuous, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import rules_of
 from rigtri.model.records import Interpolation, Path, Track
@@ -347,7 +347,7 @@ class _Baker:
         found = []
         for path, values, still in zip(_PATHS, parts, rest, strict=True):
             bound = self._bound(node, path)
-            values = single(_one_way_round(values) if path == "rotation" else values)
+            values = single(make_continuous(values) if path == "rotation" else values)
             if path != "rotation" and timeline.track(node, path) is None:
                 noise = NOTHING * (1.0 if path == "scale" else self.size)
                 if np.abs(values - still).max() <= min(noise, max(bound, 1e-30)):
@@ -467,11 +467,3 @@ def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, b
     keys = needed(times, values, bound)
     way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
     return Track(node, path, way, times if len(keys) == len(times) else times[keys], values[keys])
-
-
-def _one_way_round(turns: Floats) -> Floats:
-    """Quaternions, (k, 4), of the signs that keep each next to the one before."""
-    both = turns[1:] * turns[:-1]
-    ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
-    signs = np.cumprod(np.concatenate([[1.0], np.where(ahead < 0, -1.0, 1.0)]))
-    return np.asarray(turns * signs[:, np.newaxis])

@@ -8,10 +8,9 @@ import numpy as np
 
 from rigtri.evaluation.key_reduction import needed
 from rigtri.evaluation.sampling import sample
-from rigtri.maths.quaternions import unit
+from rigtri.maths.quaternions import make_continuous, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Booleans, Integers, Path, Track
-from rigtri.operations.take_clips.retargeting import one_way_round
 
 
 def merged(was: Track, now: Track, changed: Booleans, *, missed: float, bound: float) -> Track:
@@ -57,7 +56,7 @@ def _stretch(
         high = times[-1]
         values[-1] = sample(was, times[-1:])[0]
     if now.path == "rotation":
-        values = one_way_round(values)
+        values = make_continuous(values)
     inside = (was.times > low + missed) & (was.times < high - missed)
     keys = _needed(now.path, times, values, bound) if now.interpolation == "LINEAR" else np.arange(len(times))
     ends = [t for t in (low, high) if np.isfinite(t) and bool((np.abs(was.times - t) <= missed).any())]

@@ -24,7 +24,7 @@ from rigtri.maths.matrices import (
     transform_directions,
     transform_points,
 )
-from rigtri.maths.quaternions import from_axes, unit
+from rigtri.maths.quaternions import from_axes, make_continuous, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.similarity_fit import SAME_SIZE, SAME_TURN
 from rigtri.maths.trigonometry import Floats
@@ -110,7 +110,7 @@ class Transfer:
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
         way: Interpolation = "STEP" if held else "LINEAR"
         return tuple(
-            Track(node, path, way, times, one_way_round(values) if path == "rotation" else values)
+            Track(node, path, way, times, make_continuous(values) if path == "rotation" else values)
             for path, values in zip(PATHS, parts, strict=True)
             if np.isfinite(values).all()
         )
@@ -228,11 +228,3 @@ def _mapped(track: Track, node: int, left: Floats, right: Floats) -> Track:
 def _axes(matrix: Floats) -> Floats:
     """The turn of a matrix, as unit rows, (3, 3)."""
     return np.asarray(matrix[:3, :3] / length(matrix[:3, :3])[:, np.newaxis])
-
-
-def one_way_round(turns: Floats) -> Floats:
-    """Quaternions, (k, 4), of the signs that keep each next to the one before."""
-    both = turns[1:] * turns[:-1]
-    ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
-    signs = np.cumprod(np.concatenate([[1.0], np.where(ahead < 0, -1.0, 1.0)]))
-    return np.asarray(turns * signs[:, np.newaxis])

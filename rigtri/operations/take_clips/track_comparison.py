@@ -12,12 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.sampling import sample
-from rigtri.maths.quaternions import conjugate, norm, slerp, turn_angle, unit
+from rigtri.maths.quaternions import conjugate, make_continuous, norm, slerp, turn_angle, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.records import Booleans, Track, key_values
-from rigtri.operations.take_clips.retargeting import one_way_round
 
 # Seconds by which a frame of a DCC may miss the time of a key.
 MISSED = 1e-4
@@ -191,7 +190,7 @@ def _on_one_side(track: Track) -> Track:
     if track.path != "rotation":
         return track
     keys = key_values(track)
-    flipped = (one_way_round(keys) != keys).any(axis=1)
+    flipped = (make_continuous(keys) != keys).any(axis=1)
     return replace(track, values=np.where(flipped[:, None, None], -track.values, track.values))
 
 
@@ -212,7 +211,7 @@ def _swing(was: Track) -> Floats:
     """
     values = key_values(was)
     turn = was.path == "rotation"
-    values = one_way_round(unit(values)) if turn else values
+    values = make_continuous(unit(values)) if turn else values
     gaps = np.diff(was.times)[:, np.newaxis]
     chords = np.diff(values, axis=0)
     slopes = _smooth(gaps, chords / gaps)
