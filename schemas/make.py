@@ -18,7 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from rigtri.formats.usd.metadata_attributes import api_name
+from rigtri.formats.usd.reading.metadata_attributes import api_name
 
 HERE = Path(__file__).resolve().parent
 # Types of notes that stand on prims; those of joints are texts on a Skeleton.
@@ -81,7 +81,7 @@ def _resolved(about: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _type_of(key: str, said: dict[str, Any]) -> tuple[str, str]:
-    """The attribute's name and USD type, as `rigtri.formats.usd.metadata_attributes` writes it."""
+    """The attribute's name and USD type, as `rigtri.formats.usd.reading.metadata_attributes` writes it."""
     if key == "type":
         return key, "token"
     if key == "v":

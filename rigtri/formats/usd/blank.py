@@ -6,9 +6,9 @@ from pathlib import Path
 
 from pxr import Sdf, UsdGeom
 
-from rigtri.formats.usd import layers
 from rigtri.formats.usd import usdz as package
-from rigtri.formats.usd.edits import define
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.opinions.edits import define
 
 ROOT = "/Root"
 

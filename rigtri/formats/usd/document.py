@@ -16,59 +16,31 @@ from pxr import Sdf, Usd
 from rigtri.errors import FileError, UsageError
 from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
-from rigtri.formats.usd import (
-    dependencies as needed,
-)
-from rigtri.formats.usd import (
-    drop_redundant_opinions as repeated,
-)
-from rigtri.formats.usd import (
-    external_paths as external,
-)
-from rigtri.formats.usd import (
-    instance_edits as instances,
-)
-from rigtri.formats.usd import (
-    layers,
-    writer,
-)
-from rigtri.formats.usd import (
-    mesh_reader as meshes,
-)
-from rigtri.formats.usd import (
-    skin_weight_writer as weights,
-)
-from rigtri.formats.usd import (
-    usdz as package,
-)
-from rigtri.formats.usd.composition_check import Expected
-from rigtri.formats.usd.control_shapes import read_lines
-from rigtri.formats.usd.edits import Edit, kind, parts
+from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd import writer
+from rigtri.formats.usd.composition import dependencies as needed
+from rigtri.formats.usd.composition import external_paths as external
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.stage import open_stage, quiet
+from rigtri.formats.usd.composition.variable_expressions import variables_of
 from rigtri.formats.usd.embed import embedded
-from rigtri.formats.usd.passes import (
-    add_joints as joints,
-)
-from rigtri.formats.usd.passes import (
-    remove_joint_columns as joint_tracks,
-)
-from rigtri.formats.usd.passes import (
-    retime_samples as joint_keys,
-)
-from rigtri.formats.usd.passes import (
-    route_tracks as new_keys,
-)
-from rigtri.formats.usd.passes import (
-    route_variants as variant_edits,
-)
-from rigtri.formats.usd.passes import (
-    split_joints as splits,
-)
-from rigtri.formats.usd.reader import Source, read_source
-from rigtri.formats.usd.scene_facts import read_scenery
-from rigtri.formats.usd.stage import open_stage, quiet
+from rigtri.formats.usd.opinions import drop_redundant_opinions as repeated
+from rigtri.formats.usd.opinions import instance_edits as instances
+from rigtri.formats.usd.opinions.composition_check import Expected
+from rigtri.formats.usd.opinions.control_shapes import read_lines
+from rigtri.formats.usd.opinions.edits import Edit, kind, parts
+from rigtri.formats.usd.passes import add_joints as joints
+from rigtri.formats.usd.passes import drop_columns as joint_tracks
+from rigtri.formats.usd.passes import retime_samples as joint_keys
+from rigtri.formats.usd.passes import route_tracks as new_keys
+from rigtri.formats.usd.passes import route_variants as variant_edits
+from rigtri.formats.usd.passes import split_joints as splits
+from rigtri.formats.usd.passes import write_skin_weights as weights
+from rigtri.formats.usd.reading import mesh_reader as meshes
+from rigtri.formats.usd.reading.reader import Source, read_source
+from rigtri.formats.usd.reading.scene_facts import read_scenery
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text.statements import UnknownTextError
-from rigtri.formats.usd.variable_expressions import variables_of
 from rigtri.model.records import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery

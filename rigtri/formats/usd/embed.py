@@ -10,8 +10,8 @@ from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
 from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.image_types import KINDS, shows
-from rigtri.formats.usd import layers
-from rigtri.formats.usd.external_paths import lies_outside
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.external_paths import lies_outside
 
 
 def embedded(stage: Any, path: Path, *, allow_external: bool) -> Embedded:

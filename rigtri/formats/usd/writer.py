@@ -14,27 +14,19 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import (
-    metadata_attributes as notes,
-)
-from rigtri.formats.usd import (
-    xform_keys as prim_keys,
-)
-from rigtri.formats.usd import (
-    xform_ops as xform,
-)
-from rigtri.formats.usd import (
-    xform_writer as locators,
-)
-from rigtri.formats.usd.animation_binding import bind
-from rigtri.formats.usd.animation_reader import HELD, Animation, Property
-from rigtri.formats.usd.edits import Edit, apply_schema, kind, parts, set_value
-from rigtri.formats.usd.half_rounding import put
+from rigtri.formats.usd.composition.animation_binding import bind
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.opinions import xform_ops as xform
+from rigtri.formats.usd.opinions.edits import Edit, apply_schema, kind, parts, set_value
+from rigtri.formats.usd.opinions.half_rounding import put
+from rigtri.formats.usd.passes import key_xforms as prim_keys
 from rigtri.formats.usd.passes import route_tracks as new_keys
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.skeleton_reader import Skeleton
-from rigtri.formats.usd.time_samples import time_samples
-from rigtri.formats.usd.unify_rounding import united
+from rigtri.formats.usd.passes import write_rigtri_prims as locators
+from rigtri.formats.usd.passes.unify_rounding import united
+from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading.animation_reader import HELD, Animation, Property
+from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip

@@ -15,9 +15,9 @@ from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions
-from rigtri.formats.usd import layers
 from rigtri.formats.usd import usdz as package
-from rigtri.formats.usd.stage import open_stage, quiet
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.stage import open_stage, quiet
 from rigtri.verification.diff.change import Change, arrow, order_of
 from rigtri.verification.diff.usd_layer_diff import layer_changes
 

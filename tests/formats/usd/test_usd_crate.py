@@ -13,9 +13,9 @@ import pytest
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stderr_silence import silent
 from rigtri.formats.usd.crate import lz4
 from rigtri.formats.usd.crate import tables as crate
-from rigtri.formats.usd.stderr_silence import silent
 
 VERSIONS = [f"0.{minor}.0" for minor in range(4, 14)]
 

@@ -10,8 +10,8 @@ from pxr import Usd
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import composition_limits as extent
-from rigtri.formats.usd import external_paths as external
+from rigtri.formats.usd.composition import composition_limits as extent
+from rigtri.formats.usd.composition import external_paths as external
 
 HERO = scene(skeleton(), animation(), MESH)
 

@@ -13,9 +13,9 @@ from pxr import Sdf, Usd, UsdSkel, UsdUtils
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, skinned, write
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import layers
-from rigtri.formats.usd.composition_check import Expected
-from rigtri.formats.usd.edits import set_value
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.opinions.composition_check import Expected
+from rigtri.formats.usd.opinions.edits import set_value
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.verification.compare.compare import self_check

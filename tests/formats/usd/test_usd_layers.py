@@ -11,8 +11,8 @@ from pxr import Sdf, Usd
 from usd_files import MESH, ONE, animation, deviation, read, save, scene, skeleton, skinned, turned, write
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import layers
-from rigtri.formats.usd.time_samples import time_samples
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.time_samples import time_samples
 
 QUARTER = "[(1, 0, 0, 0), (0.6, 0, 0.8, 0), (1, 0, 0, 0)]"
 OTHER = "[(0.8, 0, 0.6, 0), (1, 0, 0, 0), (0.6, 0, 0.8, 0)]"

@@ -14,7 +14,7 @@ from second_opinions import usd_errors
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, write
 
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats.usd import metadata_attributes as notes
+from rigtri.formats.usd.reading import metadata_attributes as notes
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
 

@@ -16,7 +16,7 @@ from usd_files import deviation, save
 
 from rigtri.errors import FileError, GeometryError, RigtriError, UsageError
 from rigtri.formats import ReadOptions, read
-from rigtri.formats.usd.joint_tokens import split_token, unsplit
+from rigtri.formats.usd.reading.joint_tokens import split_token, unsplit
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.joint_selection import Selection

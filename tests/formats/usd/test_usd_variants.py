@@ -13,7 +13,7 @@ from pxr import Usd
 from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import layers
+from rigtri.formats.usd.composition import layers
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import self_check
 

@@ -18,13 +18,13 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError, UsageError
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd import metadata_attributes as notes
-from rigtri.formats.usd.edits import Edit, define, kind, parts, set_value
-from rigtri.formats.usd.preview_stage import edited
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.skeleton_reader import Skeleton
-from rigtri.formats.usd.stage import why_instanced
-from rigtri.formats.usd.variants import Trial
+from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.variants import Trial
+from rigtri.formats.usd.opinions.edits import Edit, define, kind, parts, set_value
+from rigtri.formats.usd.opinions.preview_stage import edited
+from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Booleans, Integers, Skin

@@ -20,13 +20,13 @@ from rigtri.errors import FileError
 from rigtri.evaluation.sampling import each_once, sample
 from rigtri.evaluation.timelines import without_steps
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd.animation_binding import bind
-from rigtri.formats.usd.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
-from rigtri.formats.usd.edits import Edit, apply_schema, define, kind, parts, set_value
-from rigtri.formats.usd.preview_stage import edited
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.stage import why_instanced
-from rigtri.formats.usd.variants import Trial
+from rigtri.formats.usd.composition.animation_binding import bind
+from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.variants import Trial
+from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, kind, parts, set_value
+from rigtri.formats.usd.opinions.preview_stage import edited
+from rigtri.formats.usd.reading.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
+from rigtri.formats.usd.reading.reader import Source
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Path, Track
 from rigtri.model.rig import Rig

@@ -17,14 +17,14 @@ from pxr import Sdf, Usd, Vt
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import PLAYED, SAME_VALUE, without_steps
-from rigtri.formats.usd import xform_sampling as prim_clip
-from rigtri.formats.usd.animation_reader import Animation
-from rigtri.formats.usd.edits import Edit, set_value
-from rigtri.formats.usd.mesh_reader import default_weights
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.stage import DEFAULT
-from rigtri.formats.usd.time_samples import time_samples
-from rigtri.formats.usd.value_types import usable
+from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.composition.value_types import usable
+from rigtri.formats.usd.opinions.edits import Edit, set_value
+from rigtri.formats.usd.reading import xform_sampling as prim_clip
+from rigtri.formats.usd.reading.animation_reader import Animation
+from rigtri.formats.usd.reading.mesh_reader import default_weights
+from rigtri.formats.usd.reading.reader import Source
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Booleans, Clip, Interpolation, Track
 from rigtri.model.rig import Rig

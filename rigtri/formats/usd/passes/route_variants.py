@@ -17,13 +17,13 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd import instance_edits as instances
 from rigtri.formats.usd import writer
-from rigtri.formats.usd.composition_check import Expected, agree
-from rigtri.formats.usd.edits import Edit, Setting, kind, parts
-from rigtri.formats.usd.reader import Source, read_source
-from rigtri.formats.usd.skeleton_reader import Skeleton
-from rigtri.formats.usd.variants import VALUES, State, Trial, why_unselected
+from rigtri.formats.usd.composition.variants import VALUES, State, Trial, why_unselected
+from rigtri.formats.usd.opinions import instance_edits as instances
+from rigtri.formats.usd.opinions.composition_check import Expected, agree
+from rigtri.formats.usd.opinions.edits import Edit, Setting, kind, parts
+from rigtri.formats.usd.reading.reader import Source, read_source
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.frames.reframe import reframe, scale_allows
 from rigtri.frames.scale_tolerance import against_parent
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes

@@ -17,15 +17,15 @@ from pxr import Sdf, Vt
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd.animation_reader import NOTHING, Animation, Property
-from rigtri.formats.usd.edits import Edit, kind, parts, set_value
-from rigtri.formats.usd.joint_influences import influence_edits, stale_names, why_bound_otherwise
-from rigtri.formats.usd.joint_tokens import holder_token, split_token
-from rigtri.formats.usd.preview_stage import edited
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.skeleton_reader import Skeleton
-from rigtri.formats.usd.stage import why_instanced
-from rigtri.formats.usd.variants import why_split
+from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.variants import why_split
+from rigtri.formats.usd.opinions.edits import Edit, kind, parts, set_value
+from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
+from rigtri.formats.usd.opinions.preview_stage import edited
+from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
+from rigtri.formats.usd.reading.joint_tokens import holder_token, split_token
+from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import decompose, from_frame, inverse, local, turn_before
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.formats.usd.animation_reader import NON_UNIT, PROPERTIES
-from rigtri.formats.usd.stage import DEFAULT
-from rigtri.formats.usd.time_samples import array_edits
+from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.time_samples import array_edits
+from rigtri.formats.usd.reading.animation_reader import NON_UNIT, PROPERTIES
 from rigtri.frames.reframe import SAME_SCALE
 from rigtri.maths.quaternions import norm
 from rigtri.verification.checks.findings import listed

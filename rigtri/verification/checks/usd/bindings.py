@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdSkel
 
-from rigtri.formats.usd.animation_binding import idle_above
-from rigtri.formats.usd.mesh_reader import at_start
-from rigtri.formats.usd.skeleton_reader import singular
-from rigtri.formats.usd.value_types import BIND, INDICES, WEIGHTS
+from rigtri.formats.usd.composition.animation_binding import idle_above
+from rigtri.formats.usd.composition.value_types import BIND, INDICES, WEIGHTS
+from rigtri.formats.usd.reading.mesh_reader import at_start
+from rigtri.formats.usd.reading.skeleton_reader import singular
 from rigtri.verification.checks.findings import listed
 from rigtri.verification.checks.usd.scene import BINDING, Scene, points_of
 

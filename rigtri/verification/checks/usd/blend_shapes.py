@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.formats.usd.mesh_reader import at_start
+from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.verification.checks.usd.scene import Scene, points_of
 
 NAMES, TARGETS = "skel:blendShapes", "skel:blendShapeTargets"

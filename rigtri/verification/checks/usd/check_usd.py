@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.document import opened
-from rigtri.formats.usd.joint_tokens import unsplit
-from rigtri.formats.usd.metadata_attributes import JOINT_NOTES, read_joints, read_prim
-from rigtri.formats.usd.stage import quiet
+from rigtri.formats.usd.reading.joint_tokens import unsplit
+from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
 from rigtri.verification.checks import metadata_check as judged
 from rigtri.verification.checks.cycle_check import check_circles
 from rigtri.verification.checks.findings import Findings

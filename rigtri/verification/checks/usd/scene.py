@@ -10,9 +10,9 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.mesh_reader import ALL_PRIMS, at_start
-from rigtri.formats.usd.stage import DEFAULT, quiet
-from rigtri.formats.usd.value_types import TYPES, wrong_type
+from rigtri.formats.usd.composition.stage import DEFAULT, quiet
+from rigtri.formats.usd.composition.value_types import TYPES, wrong_type
+from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, at_start
 from rigtri.verification.checks.findings import Findings
 
 _WORDS = (Vt.TokenArray, Vt.StringArray)

@@ -11,9 +11,15 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, UsdSkel
 
-from rigtri.formats.usd.skeleton_reader import PERSPECTIVE, Skeleton, nearest_listed, singular, unbounded
-from rigtri.formats.usd.stage import DEFAULT
-from rigtri.formats.usd.variants import Trial, split_by, unselected
+from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.variants import Trial, split_by, unselected
+from rigtri.formats.usd.reading.skeleton_reader import (
+    PERSPECTIVE,
+    Skeleton,
+    nearest_listed,
+    singular,
+    unbounded,
+)
 from rigtri.frames.reframe import SAME_SCALE
 from rigtri.maths.matrices import SKEW, determinant, identity, skew
 from rigtri.maths.trigonometry import Floats

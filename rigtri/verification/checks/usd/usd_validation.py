@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import UsdValidation
 
-from rigtri.formats.usd.stage import quiet
+from rigtri.formats.usd.composition.stage import quiet
 from rigtri.verification.checks.findings import Finding, Findings, Severity
 
 _KINDS: dict[Any, Severity] = {

@@ -15,9 +15,9 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT, quiet
-from rigtri.formats.usd.time_samples import time_samples
-from rigtri.formats.usd.value_types import usable
+from rigtri.formats.usd.composition.stage import DEFAULT, quiet
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.composition.value_types import usable
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Booleans, Integers, Mesh, Surface, Track
 

@@ -8,13 +8,13 @@ from typing import Any
 from pxr import Sdf, Usd, UsdSkel, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.edits import Edit, set_value
-from rigtri.formats.usd.joint_tokens import split_token
-from rigtri.formats.usd.mesh_reader import ALL_PRIMS
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.stage import DEFAULT, why_instanced, why_locked
-from rigtri.formats.usd.value_types import usable
-from rigtri.formats.usd.variants import choices
+from rigtri.formats.usd.composition.stage import DEFAULT, why_instanced, why_locked
+from rigtri.formats.usd.composition.value_types import usable
+from rigtri.formats.usd.composition.variants import choices
+from rigtri.formats.usd.opinions.edits import Edit, set_value
+from rigtri.formats.usd.reading.joint_tokens import split_token
+from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS
+from rigtri.formats.usd.reading.reader import Source
 from rigtri.report import Notice
 
 ORDER, INDICES = "skel:joints", "primvars:skel:jointIndices"

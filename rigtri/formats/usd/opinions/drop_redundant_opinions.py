@@ -7,10 +7,10 @@ from typing import Any
 
 from pxr import Sdf
 
-from rigtri.formats.usd import layers
-from rigtri.formats.usd.edits import Edit, Setting
-from rigtri.formats.usd.stage import DEFAULT
-from rigtri.formats.usd.time_samples import time_samples
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.opinions.edits import Edit, Setting
 
 _SAID = ("typeName", "variability", "custom", "elementSize", "interpolation", "customData")
 

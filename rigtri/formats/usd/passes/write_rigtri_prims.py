@@ -10,13 +10,13 @@ from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats.usd import metadata_attributes as notes
-from rigtri.formats.usd.control_shapes import NAME, drawing
-from rigtri.formats.usd.edits import Edit, apply_schema, define, kind, parts, set_value
+from rigtri.formats.usd.composition.stage import why_locked
+from rigtri.formats.usd.opinions.control_shapes import NAME, drawing
+from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, kind, parts, set_value
+from rigtri.formats.usd.opinions.xform_ops import OPS, SAME_TURN, stand
 from rigtri.formats.usd.passes.add_joints import own_skeleton
-from rigtri.formats.usd.reader import GROUP, Source
-from rigtri.formats.usd.stage import why_locked
-from rigtri.formats.usd.xform_ops import OPS, SAME_TURN, stand
+from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading.reader import GROUP, Source
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.records import Skin, Track
 from rigtri.model.rig import ADDED, Rig

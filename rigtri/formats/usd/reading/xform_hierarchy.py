@@ -15,10 +15,10 @@ from pxr import Usd, UsdGeom
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats.usd.edits import kind
-from rigtri.formats.usd.mesh_reader import at_start
-from rigtri.formats.usd.stage import why_locked
-from rigtri.formats.usd.xform_ops import FRAME, PARENT_INVERSE
+from rigtri.formats.usd.composition.stage import why_locked
+from rigtri.formats.usd.opinions.edits import kind
+from rigtri.formats.usd.opinions.xform_ops import FRAME, PARENT_INVERSE
+from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, multiply, rotate
 from rigtri.maths.trigonometry import Floats

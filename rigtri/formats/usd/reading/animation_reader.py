@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
-from rigtri.formats.usd.time_samples import time_samples
-from rigtri.formats.usd.value_types import WrongTypeError
+from rigtri.formats.usd.composition.stage import DEFAULT, numbers, tokens_of
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.composition.value_types import WrongTypeError
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Interpolation, Path, Track

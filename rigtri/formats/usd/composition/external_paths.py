@@ -17,10 +17,10 @@ from typing import Any
 from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import nesting_limit as nesting
 from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd.composition import nesting_limit as nesting
+from rigtri.formats.usd.composition.variable_expressions import Variables, evaluated, variables_of
 from rigtri.formats.usd.crate import tables as crate
-from rigtri.formats.usd.variable_expressions import Variables, evaluated, variables_of
 
 # How deep packages may stand in each other.
 NESTED = 4

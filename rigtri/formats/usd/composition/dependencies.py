@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rigtri.formats.usd import external_paths as external
-from rigtri.formats.usd import layers
-from rigtri.formats.usd.variable_expressions import evaluated, variables_of
+from rigtri.formats.usd.composition import external_paths as external
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.variable_expressions import evaluated, variables_of
 
 
 def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:

@@ -16,10 +16,10 @@ from pxr import Gf, Sdf, UsdGeom, Vt
 
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import without_steps
-from rigtri.formats.usd.edits import Edit, set_value
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.stage import tokens_of, why_locked
-from rigtri.formats.usd.xform_ops import OPS, stand, stand_order, sure_turns
+from rigtri.formats.usd.composition.stage import tokens_of, why_locked
+from rigtri.formats.usd.opinions.edits import Edit, set_value
+from rigtri.formats.usd.opinions.xform_ops import OPS, stand, stand_order, sure_turns
+from rigtri.formats.usd.reading.reader import Source
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Path, Track

@@ -14,7 +14,7 @@ from typing import Any
 from pxr import Sdf, UsdSkel
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.edits import Edit
+from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.report import Notice
 
 SOURCE = "skel:animationSource"

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.formats.usd.animation_reader import Animation, Property
-from rigtri.formats.usd.skeleton_reader import Skeleton, joint_parents
-from rigtri.formats.usd.stage import why_locked
+from rigtri.formats.usd.composition.stage import why_locked
+from rigtri.formats.usd.reading.animation_reader import Animation, Property
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats

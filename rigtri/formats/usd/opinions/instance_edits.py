@@ -18,8 +18,8 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
-from rigtri.formats.usd import layers
-from rigtri.formats.usd.edits import Edit
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.report import Notice
 
 # The custom data of our classes: what a later edit may write into.

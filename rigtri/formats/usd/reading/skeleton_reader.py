@@ -14,7 +14,7 @@ import numpy as np
 from pxr import Sdf, UsdSkel, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.stage import DEFAULT, numbers, tokens_of
+from rigtri.formats.usd.composition.stage import DEFAULT, numbers, tokens_of
 from rigtri.maths.matrices import determinant, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length

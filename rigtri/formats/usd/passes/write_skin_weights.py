@@ -13,11 +13,11 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.edits import Edit, kind, parts, set_value
-from rigtri.formats.usd.joint_influences import INDICES, ORDER
-from rigtri.formats.usd.mesh_reader import seen_at_start
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.stage import DEFAULT, why_instanced, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, why_instanced, why_locked
+from rigtri.formats.usd.opinions.edits import Edit, kind, parts, set_value
+from rigtri.formats.usd.opinions.joint_influences import INDICES, ORDER
+from rigtri.formats.usd.reading.mesh_reader import seen_at_start
+from rigtri.formats.usd.reading.reader import Source
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Fold, Integers, Spread

@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.files import temp_dirs as scratch
-from rigtri.formats.usd.variable_expressions import evaluated, is_one, prefixed, variables_of
+from rigtri.formats.usd.composition.variable_expressions import evaluated, is_one, prefixed, variables_of
 
 Rename = Callable[[str], str]
 

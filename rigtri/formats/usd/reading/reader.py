@@ -13,27 +13,17 @@ from pxr import Usd, UsdGeom
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd import (
-    animation_library as library,
-)
-from rigtri.formats.usd import (
-    joint_tokens as tokens,
-)
-from rigtri.formats.usd import (
-    mesh_reader as meshes,
-)
-from rigtri.formats.usd import (
-    metadata_attributes as notes,
-)
-from rigtri.formats.usd import (
-    xform_sampling as prim_clip,
-)
-from rigtri.formats.usd.animation_binding import bound_animation
-from rigtri.formats.usd.animation_reader import Animation, clips, read_animation
-from rigtri.formats.usd.skeleton_reader import Skeleton, read_skeleton
-from rigtri.formats.usd.stage import DEFAULT, quiet
-from rigtri.formats.usd.value_types import ignored
-from rigtri.formats.usd.xform_hierarchy import read_stand, rooted
+from rigtri.formats.usd.composition.animation_binding import bound_animation
+from rigtri.formats.usd.composition.stage import DEFAULT, quiet
+from rigtri.formats.usd.composition.value_types import ignored
+from rigtri.formats.usd.reading import animation_library as library
+from rigtri.formats.usd.reading import joint_tokens as tokens
+from rigtri.formats.usd.reading import mesh_reader as meshes
+from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading import xform_sampling as prim_clip
+from rigtri.formats.usd.reading.animation_reader import Animation, clips, read_animation
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
+from rigtri.formats.usd.reading.xform_hierarchy import read_stand, rooted
 from rigtri.maths.matrices import compose, decompose, identity, inverse
 from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.model.records import Clip, Interpolation, Skin, Track

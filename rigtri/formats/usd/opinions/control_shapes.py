@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
-from rigtri.formats.usd.edits import Edit, define, kind, parts, set_value
+from rigtri.formats.usd.opinions.edits import Edit, define, kind, parts, set_value
 from rigtri.model.control_shapes import Lines, Shape
 
 NAME = "shape"

@@ -13,9 +13,9 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.animation_binding import idle_above
-from rigtri.formats.usd.skeleton_reader import Skeleton
-from rigtri.formats.usd.stage import DEFAULT
+from rigtri.formats.usd.composition.animation_binding import idle_above
+from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 
 # What of a skeleton and its animation decides how they look.
 VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")

@@ -17,17 +17,11 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import (
-    codeless_schemas as schemas,
-)
-from rigtri.formats.usd import (
-    composition_limits as extent,
-)
-from rigtri.formats.usd import (
-    external_paths as external,
-)
-from rigtri.formats.usd.stderr_silence import silent
-from rigtri.formats.usd.value_types import demand
+from rigtri.formats.usd import codeless_schemas as schemas
+from rigtri.formats.usd.composition import composition_limits as extent
+from rigtri.formats.usd.composition import external_paths as external
+from rigtri.formats.usd.composition.stderr_silence import silent
+from rigtri.formats.usd.composition.value_types import demand
 from rigtri.report import Notice
 
 DEFAULT = Usd.TimeCode.Default()

@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.formats.usd.edits import parts
-from rigtri.formats.usd.skeleton_reader import Skeleton
+from rigtri.formats.usd.opinions.edits import parts
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Integers, Path, Skin, Track
 from rigtri.model.rig import Rig

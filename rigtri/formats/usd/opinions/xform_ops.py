@@ -17,8 +17,8 @@ import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.edits import Edit, Setting, kind, set_value
-from rigtri.formats.usd.stage import DEFAULT, tokens_of, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, tokens_of, why_locked
+from rigtri.formats.usd.opinions.edits import Edit, Setting, kind, set_value
 from rigtri.maths.matrices import (
     SKEW,
     compose,

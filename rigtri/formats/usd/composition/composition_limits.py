@@ -18,7 +18,7 @@ from typing import Any
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.variable_expressions import Variables, evaluated, is_one, variables_of
+from rigtri.formats.usd.composition.variable_expressions import Variables, evaluated, is_one, variables_of
 
 # Prims of a stage, those in instances for each of them: rigtri reads them one by one.
 MOST_PRIMS = 5_000_000

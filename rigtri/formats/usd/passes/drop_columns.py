@@ -11,10 +11,10 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.animation_reader import PROPERTIES, Animation, Property
-from rigtri.formats.usd.edits import Edit, kind, parts, set_value
-from rigtri.formats.usd.reader import Source
-from rigtri.formats.usd.stage import why_instanced
+from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.opinions.edits import Edit, kind, parts, set_value
+from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Animation, Property
+from rigtri.formats.usd.reading.reader import Source
 from rigtri.model.records import Booleans, Clip, Track
 from rigtri.model.rig import Rig
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom
 
-from rigtri.formats.usd.stage import DEFAULT
+from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.model.scene_facts import Scenery
 
 EARLIEST = Usd.TimeCode.EarliestTime()

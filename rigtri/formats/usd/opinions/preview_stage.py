@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pxr import Sdf
 
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd import layers
-from rigtri.formats.usd.edits import Edit
-from rigtri.formats.usd.reader import Source, read_source
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.opinions.edits import Edit
+from rigtri.formats.usd.reading.reader import Source, read_source
 
 
 def edited(source: Source, edits: Sequence[Edit], options: ReadOptions) -> Source:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.edits import Edit, Setting, arrays
-from rigtri.formats.usd.stage import DEFAULT
-from rigtri.formats.usd.time_samples import time_samples
-from rigtri.formats.usd.variants import VALUES, State, Trial
+from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.composition.variants import VALUES, State, Trial
+from rigtri.formats.usd.opinions.edits import Edit, Setting, arrays
 
 # Values that differ by less, as a share of the largest, differ by float32 rounding.
 _SAME = 1e-6
