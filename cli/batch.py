@@ -191,7 +191,7 @@ def _found(
     inputs: tuple[str, ...], values: dict[str, Any], out_dir: Path | str | None, tasks: Tasks
 ) -> Found:
     """The entries, which can go together; the spec is right for the first of them."""
-    from rigtri.pipeline.batch import output_checks as targets
+    from rigtri.pipeline.batch import output_checks
     from rigtri.pipeline.batch.inputs import entries
 
     job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
@@ -199,11 +199,11 @@ def _found(
     task = tasks(found.entries[0].variables)
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
-    targets.check(found.entries, layers=task.layers, beside=task.beside, relink=task.relink)
+    output_checks.check(found.entries, layers=task.layers, beside=task.beside, relink=task.relink)
     kept = {"--log": values["log"], "--manifest": _manifest(values, out_dir)}
     lists = [word[1:] for word in inputs if word.startswith("@") and word != "@-"]
     reads = [*task.sources, *task.files(), *([job] if job else []), *map(Path, lists)]
-    targets.check_apart(found.entries, {flag: Path(path) for flag, path in kept.items() if path}, reads)
+    output_checks.check_apart(found.entries, {flag: Path(path) for flag, path in kept.items() if path}, reads)
     return found
 
 

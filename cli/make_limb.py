@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 
 from .asked import given_options, refuse_given, request
 from .editing import run_edit
@@ -142,7 +142,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
     asked = step(request(values))
     given = given_options(ctx)
-    with scratch.folder() as folder:
+    with temp_dirs.folder() as folder:
         if values["source"] is None:
             values["source"] = _blank(Path(folder), values)
         else:

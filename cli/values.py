@@ -60,10 +60,10 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     """A direction: x,y,z or an axis name."""
     if value is None:
         return None
-    from rigtri.operations.orient_joints import up_direction as ups
+    from rigtri.operations.orient_joints import up_direction
 
     try:
-        return ups.direction(value)
+        return up_direction.direction(value)
     except ValueError as error:
         raise click.BadParameter(str(error), ctx, param) from error
 

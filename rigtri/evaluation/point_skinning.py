@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.matrices import from_frame, identity, inverse, multiply, nearest_rotation, transform_points
 from rigtri.maths.quaternions import conjugate, from_axes, rotate, unit
@@ -36,7 +36,7 @@ class Carried:
     @cached_property
     def _joints(self) -> Integers:
         """The joints, as places in the skin, that move any of the points, (j,)."""
-        weights = pose.shares(self.mesh)[self.rows]
+        weights = sampling.shares(self.mesh)[self.rows]
         return np.unique(self.mesh.joints[self.rows][weights != 0])
 
     @cached_property
@@ -83,7 +83,7 @@ class Carried:
     def at_rest(self) -> Floats:
         """The points at rest, (p, 3)."""
         rig, place = self._part
-        world = pose.worlds(rig, pose.rest(rig, normalised=self._unit))[np.newaxis]
+        world = sampling.worlds(rig, sampling.rest(rig, normalised=self._unit))[np.newaxis]
         weights = np.broadcast_to(self.mesh.morph_weights, (1, len(self.mesh.morph_weights)))
         return np.asarray(self._seen(world, place, weights)[0])
 
@@ -95,12 +95,12 @@ class Carried:
             for t in timeline.clip.tracks
             if t.path != "weights" and t.node in place
         ]
-        motion = pose.Motion(rig, replace(timeline.clip, tracks=tuple(tracks)))
+        motion = sampling.Motion(rig, replace(timeline.clip, tracks=tuple(tracks)))
         size = max(1, _BLOCK // max(len(rig), 1))
         blocks = [times[start : start + size] for start in range(0, len(times), size)]
         found = [
             self._seen(
-                pose.worlds(rig, motion.locals_at(some, normalised=self._unit)),
+                sampling.worlds(rig, motion.locals_at(some, normalised=self._unit)),
                 place,
                 self._morph(timeline, some),
             )
@@ -111,7 +111,7 @@ class Carried:
     def _morph(self, timeline: Timeline, times: Floats) -> Floats:
         track = self._weights(timeline)
         if track is not None:
-            return pose.sample(track, times)
+            return sampling.sample(track, times)
         return np.broadcast_to(self.mesh.morph_weights, (len(times), len(self.mesh.morph_weights)))
 
     def _seen(self, world: Floats, place: dict[int, int], morph: Floats) -> Floats:
@@ -136,7 +136,7 @@ class Carried:
         joints = skin.joints[self._joints]
         there = world[:, [place[node] for node in joints.tolist()]]
         matrices = multiply(multiply(mesh.bind, skin.inverse_bind[self._joints]), there)
-        weights = pose.shares(mesh)[self.rows]
+        weights = sampling.shares(mesh)[self.rows]
         column_of = np.searchsorted(self._joints, np.where(weights != 0, mesh.joints[self.rows], -1))
         column_of = np.where(weights != 0, column_of, 0)
         if mesh.dual_quaternion:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.export.drawing.view import View, view_of
 from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import norm
@@ -100,7 +100,7 @@ class _Seen:
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
-        self.world = pose.worlds(rig)
+        self.world = sampling.worlds(rig)
         self.position = self.world[:, 3, :3]
         with np.errstate(invalid="ignore", divide="ignore"):
             self.axes = normalise(self.world[:, :3, :3])
@@ -276,7 +276,7 @@ def _skin_words(skin: Skin, number: int) -> list[str]:
 
 
 def _clip_words(clip: Clip, number: int) -> list[str]:
-    times = pose.key_times(clip)
+    times = sampling.key_times(clip)
     kinds = dict.fromkeys(track.interpolation for track in clip.tracks)
     keys = sum(len(track.times) for track in clip.tracks)
     return [
@@ -342,7 +342,7 @@ def _skin_json(rig: Rig, skin: Skin) -> dict[str, Any]:
 
 
 def _clip_json(rig: Rig, clip: Clip) -> dict[str, Any]:
-    times = pose.key_times(clip)
+    times = sampling.key_times(clip)
     return {
         "name": clip.name,
         "tracks": len(clip.tracks),

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from rigtri.errors import RigtriError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.files.text_files import check_plain
 
 # The first bytes of a stream tell its format, and with it the suffix that `read` goes by.
@@ -39,7 +39,7 @@ def _on_disk(source: Path | str) -> Iterator[Path]:
         return
     start = sys.stdin.buffer.read(16)
     suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")
-    with scratch.folder() as folder:
+    with temp_dirs.folder() as folder:
         path = Path(folder, f"stdin{suffix}")
         with path.open("wb") as file:
             file.write(start)

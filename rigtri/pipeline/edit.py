@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.copy_ahead import Ahead
 from rigtri.files.input_stream import called, opened
@@ -337,7 +337,7 @@ def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
     if not elsewhere:
         yield final.parent
         return
-    with scratch.folder() as folder:
+    with temp_dirs.folder() as folder:
         yield Path(folder)
 
 

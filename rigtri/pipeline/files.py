@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rigtri import formats
 from rigtri.errors import UsageError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
 from rigtri.model.rig import Rig
@@ -95,7 +95,7 @@ def _file(origin: Origin) -> Iterator[Path]:
     if origin.content is None:
         yield origin.path
         return
-    with scratch.folder() as folder:
+    with temp_dirs.folder() as folder:
         path = Path(folder, origin.path.name)
         path.write_bytes(origin.content)
         yield path

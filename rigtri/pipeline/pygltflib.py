@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
@@ -50,7 +50,7 @@ def to_pygltflib(rig: Rig, **keywords: Any) -> GLTF2:
     origin = rig.origin
     if not isinstance(origin, Origin) or origin.path.suffix.lower() not in (".glb", ".vrm", ".vrma"):
         raise UsageError("to_pygltflib takes rigs of from_pygltflib, and those that were read from a .glb")
-    with scratch.folder() as folder:
+    with temp_dirs.folder() as folder:
         target = Path(folder, origin.path.name)
         write(rig, target, **keywords)
         made = GLTF2.load_binary(target)

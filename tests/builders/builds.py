@@ -13,9 +13,7 @@ import numpy as np
 from rigtri.errors import GeometryError, RigtriError
 from rigtri.evaluation.sampling import worlds
 from rigtri.model.rig import Rig
-from rigtri.operations import add_controls as controls
-from rigtri.operations import add_polevector as polevector
-from rigtri.operations import make_limb as limb
+from rigtri.operations import add_controls, add_polevector, make_limb
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
 from rigtri.operations.add_twist import twist
@@ -42,26 +40,28 @@ def _every(rig: Rig) -> list[int]:
 
 def _controls(rig: Rig, report: Report) -> Rig:
     try:
-        return controls.add_controls(
-            rig, options=controls.AddControlsOptions(whole_character=True), report=report
+        return add_controls.add_controls(
+            rig, options=add_controls.AddControlsOptions(whole_character=True), report=report
         )
     except GeometryError:  # a straight limb that nothing tells of
-        wanted = controls.AddControlsOptions(selection=Selection(joints=("*",)))
-        return controls.add_controls(rig, options=wanted, report=report)
+        wanted = add_controls.AddControlsOptions(selection=Selection(joints=("*",)))
+        return add_controls.add_controls(rig, options=wanted, report=report)
 
 
 def _control_joints(rig: Rig, report: Report) -> Rig:
-    wanted = controls.AddControlsOptions(selection=Selection(joints=("*",)), ik_auto=True, ends="joint")
-    return controls.add_controls(rig, options=wanted, report=report)
+    wanted = add_controls.AddControlsOptions(selection=Selection(joints=("*",)), ik_auto=True, ends="joint")
+    return add_controls.add_controls(rig, options=wanted, report=report)
 
 
 def _poles(rig: Rig, report: Report) -> Rig:
-    return polevector.add_polevector(rig, options=polevector.AddPolevectorOptions(auto=True), report=report)
+    return add_polevector.add_polevector(
+        rig, options=add_polevector.AddPolevectorOptions(auto=True), report=report
+    )
 
 
 def _pole_joints(rig: Rig, report: Report) -> Rig:
-    wanted = polevector.AddPolevectorOptions(auto=True, kind="joint")
-    return polevector.add_polevector(rig, options=wanted, report=report)
+    wanted = add_polevector.AddPolevectorOptions(auto=True, kind="joint")
+    return add_polevector.add_polevector(rig, options=wanted, report=report)
 
 
 def _limbs(rig: Rig, report: Report) -> Rig:
@@ -71,9 +71,9 @@ def _limbs(rig: Rig, report: Report) -> Rig:
     size = float(np.ptp(places, axis=0).max()) or 1.0
     steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
     x, y, z = ((float(a), float(b), float(c)) for a, b, c in places[parent] + steps)
-    below = limb.MakeLimbOptions(points=(x, y, z), name="added", parent=rig.address(parent))
-    rig = limb.make_limb(rig, options=below, report=report)
-    return limb.make_limb(rig, options=replace(below, name="free", parent=None), report=report)
+    below = make_limb.MakeLimbOptions(points=(x, y, z), name="added", parent=rig.address(parent))
+    rig = make_limb.make_limb(rig, options=below, report=report)
+    return make_limb.make_limb(rig, options=replace(below, name="free", parent=None), report=report)
 
 
 def _twist(rig: Rig, report: Report) -> Rig:
@@ -148,8 +148,8 @@ def _mirror(rig: Rig, report: Report) -> Rig:
     left = [rig.names[k] for k in _joints(rig) if rig.names[k].endswith(("_L", ".L", "_l", "Left"))]
     if not left:
         raise GeometryError("no names tell of a left side")
-    rig = controls.add_controls(
-        rig, options=controls.AddControlsOptions(selection=Selection(joints=(left[0],))), report=report
+    rig = add_controls.add_controls(
+        rig, options=add_controls.AddControlsOptions(selection=Selection(joints=(left[0],))), report=report
     )
     wanted = mirror.MirrorOptions(what=("controls", "polevectors"))
     return mirror.mirror(rig, options=wanted, report=report)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from test_bake import BOUND, apart, rigged
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.model.constraints import rules_of
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
@@ -52,6 +52,6 @@ def test_controls_are_found_before_what_follows_them(rules: list[tuple[str, str,
     else:
         assert not heard
         assert told["wave"] < BOUND
-        assert apart(rig, home, "wave", pose.key_times(rig.clip("wave"))) < BOUND
+        assert apart(rig, home, "wave", sampling.key_times(rig.clip("wave"))) < BOUND
     # The rig's own evaluation finds what was found here.
-    assert apart(up, home, "wave", pose.key_times(rig.clip("wave"))) <= max(told["wave"], 1e-5) * 1.01
+    assert apart(up, home, "wave", sampling.key_times(rig.clip("wave"))) <= max(told["wave"], 1e-5) * 1.01

@@ -10,7 +10,7 @@ from characters import ARM, HIPS, SPINE, character
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, rig_of
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Mesh, Track
@@ -27,17 +27,17 @@ def one_track(path: str, interpolation: str, values: object, times: tuple[float,
 def test_one_time_and_many_are_the_same_call(seed: int) -> None:
     rig = random_rig(seed)
     times = np.linspace(-0.5, 1.5, 9)
-    together = pose.locals_at(rig, rig.clips[0], times)
+    together = sampling.locals_at(rig, rig.clips[0], times)
     for k, time in enumerate(times):
-        assert_array_equal(pose.locals_at(rig, rig.clips[0], time)[0], together[k])
+        assert_array_equal(sampling.locals_at(rig, rig.clips[0], time)[0], together[k])
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_motion_gives_what_the_clip_gives(seed: int) -> None:
     rig = random_rig(seed)
     times = np.linspace(0, 1, 7)
-    motion = pose.Motion(rig, rig.clips[0])
-    assert_array_equal(motion.locals_at(times), pose.locals_at(rig, rig.clips[0], times))
+    motion = sampling.Motion(rig, rig.clips[0])
+    assert_array_equal(motion.locals_at(times), sampling.locals_at(rig, rig.clips[0], times))
     assert_array_equal(motion.locals_at(times[3:]), motion.locals_at(times)[3:])
 
 
@@ -46,7 +46,7 @@ def test_tracks_that_share_their_times_move_as_if_they_did_not() -> None:
     (clip,) = held.rig.clips
     apart = replace(clip, tracks=tuple(replace(t, times=t.times.copy()) for t in clip.tracks))
     times = np.linspace(-1, 3, 11)
-    assert_array_equal(pose.locals_at(held.rig, clip, times), pose.locals_at(held.rig, apart, times))
+    assert_array_equal(sampling.locals_at(held.rig, clip, times), sampling.locals_at(held.rig, apart, times))
 
 
 def test_the_order_of_tracks_does_not_matter() -> None:
@@ -54,30 +54,30 @@ def test_the_order_of_tracks_does_not_matter() -> None:
     (clip,) = held.rig.clips
     back = replace(clip, tracks=clip.tracks[::-1])
     times = np.linspace(0, 2, 5)
-    assert_array_equal(pose.locals_at(held.rig, clip, times), pose.locals_at(held.rig, back, times))
+    assert_array_equal(sampling.locals_at(held.rig, clip, times), sampling.locals_at(held.rig, back, times))
 
 
 def test_what_no_track_drives_stays_at_rest() -> None:
     held = character()
-    local = pose.locals_at(held.rig, held.rig.clips[0], [0.3, 1.0])
+    local = sampling.locals_at(held.rig, held.rig.clips[0], [0.3, 1.0])
     driven = {track.node for track in held.rig.clips[0].tracks if track.path != "weights"}
     still = [node for node in range(len(held.rig)) if node not in driven]
-    assert_array_equal(local[0, still], pose.rest(held.rig)[still])
+    assert_array_equal(local[0, still], sampling.rest(held.rig)[still])
 
 
 def test_values_are_held_before_the_first_and_after_the_last_key() -> None:
     track = one_track("translation", "LINEAR", [[1, 0, 0], [3, 0, 0]])
-    assert_allclose(pose.sample(track, [0.0, 1.0, 2.0, 3.0, 9.0])[:, 0], [1, 1, 2, 3, 3])
+    assert_allclose(sampling.sample(track, [0.0, 1.0, 2.0, 3.0, 9.0])[:, 0], [1, 1, 2, 3, 3])
 
 
 def test_step_waits_for_the_next_key() -> None:
     track = one_track("translation", "STEP", [[1, 0, 0], [3, 0, 0]])
-    assert_allclose(pose.sample(track, [0.0, 2.999, 3.0, 4.0])[:, 0], [1, 1, 3, 3])
+    assert_allclose(sampling.sample(track, [0.0, 2.999, 3.0, 4.0])[:, 0], [1, 1, 3, 3])
 
 
 def test_rotations_turn_along_the_shorter_arc() -> None:
     track = one_track("rotation", "LINEAR", [IDENTITY, -QUARTER])
-    (halfway,) = pose.sample(track, 2.0)
+    (halfway,) = sampling.sample(track, 2.0)
     expected = from_axis_angle([0, 0, 1], np.pi / 4)
     assert_allclose(np.abs(halfway @ expected), 1.0, atol=1e-12)
 
@@ -86,37 +86,37 @@ def test_a_cubic_spline_passes_through_its_keys_along_its_tangents() -> None:
     # p(t) = t² on [1, 3]: values 1 and 9, slopes 2 and 6; a cubic holds a parabola exactly.
     keys = [[[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[6, 0, 0], [9, 0, 0], [0, 0, 0]]]
     track = one_track("translation", "CUBICSPLINE", keys)
-    assert_allclose(pose.sample(track, [1.0, 1.5, 2.0, 3.0])[:, 0], [1, 2.25, 4, 9])
+    assert_allclose(sampling.sample(track, [1.0, 1.5, 2.0, 3.0])[:, 0], [1, 2.25, 4, 9])
 
 
 def test_one_key_is_the_same_at_all_times() -> None:
     track = one_track("translation", "LINEAR", [[5, 6, 7]], times=(2.0,))
-    assert_allclose(pose.sample(track, [-1.0, 2.0, 8.0]), [[5, 6, 7]] * 3)
+    assert_allclose(sampling.sample(track, [-1.0, 2.0, 8.0]), [[5, 6, 7]] * 3)
 
 
 def test_a_rotation_that_is_not_unit_scales_only_when_taken_raw() -> None:
     rig = rig_of(["a"], [-1], np.zeros((1, 3)), 2.0 * QUARTER[np.newaxis])
-    assert_allclose(pose.rest(rig)[0, 0, :3], [0, 1, 0], atol=1e-12)
-    assert np.abs(pose.rest(rig, normalised=False)[0, :3, :3]).max() > 2
+    assert_allclose(sampling.rest(rig)[0, 0, :3], [0, 1, 0], atol=1e-12)
+    assert np.abs(sampling.rest(rig, normalised=False)[0, :3, :3]).max() > 2
 
 
 def test_key_times_come_sorted_and_each_once() -> None:
     held = character()
-    assert_allclose(pose.key_times(held.rig.clips[0]), [0, 0.25, 0.5, 1, 1.25, 2])
-    assert len(pose.key_times(Clip("empty", ()))) == 0
+    assert_allclose(sampling.key_times(held.rig.clips[0]), [0, 0.25, 0.5, 1, 1.25, 2])
+    assert len(sampling.key_times(Clip("empty", ()))) == 0
 
 
 def test_a_child_moves_with_its_parent() -> None:
     rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
     turning = Clip("turn", (one_track("rotation", "LINEAR", [IDENTITY, QUARTER]),))
-    world = pose.worlds(rig, pose.locals_at(rig, turning, 3.0))
+    world = sampling.worlds(rig, sampling.locals_at(rig, turning, 3.0))
     assert_allclose(world[0, :, 3, :3], [[0, 0, 0], [0, 1, 0], [0, 2, 0]], atol=1e-12)
 
 
 def test_skin_matrices_are_the_identity_in_the_bind_pose() -> None:
     rig = chain((0, 0, 0), (1, 2, 0), (2, 0, 3))
     assert_allclose(
-        pose.skin_matrices(rig.skins[0], pose.worlds(rig)), np.tile(np.eye(4), (3, 1, 1)), atol=1e-12
+        sampling.skin_matrices(rig.skins[0], sampling.worlds(rig)), np.tile(np.eye(4), (3, 1, 1)), atol=1e-12
     )
 
 
@@ -124,7 +124,7 @@ def bent() -> tuple[Rig, Floats]:
     """Two joints at 0 and 1 on x; the second turned by a quarter about z."""
     rig = chain((0, 0, 0), (1, 0, 0))
     turning = Clip("turn", (replace(one_track("rotation", "LINEAR", [IDENTITY, QUARTER]), node=1),))
-    return rig, pose.worlds(rig, pose.locals_at(rig, turning, 3.0))
+    return rig, sampling.worlds(rig, sampling.locals_at(rig, turning, 3.0))
 
 
 def skinned(weights: list[float], **more: bool) -> Mesh:
@@ -143,21 +143,23 @@ def skinned(weights: list[float], **more: bool) -> Mesh:
 )
 def test_points_follow_their_joints_by_weight(weights: list[float], place: list[float]) -> None:
     rig, world = bent()
-    assert_allclose(pose.deformed(skinned(weights), rig, world, np.zeros((1, 0)))[0, 0], place, atol=1e-12)
+    assert_allclose(
+        sampling.deformed(skinned(weights), rig, world, np.zeros((1, 0)))[0, 0], place, atol=1e-12
+    )
 
 
 def test_dual_quaternions_keep_the_distance_that_linear_blending_loses() -> None:
     rig, world = bent()
-    (point,) = pose.deformed(skinned([0.5, 0.5], dual_quaternion=True), rig, world, np.zeros((1, 0)))[0]
+    (point,) = sampling.deformed(skinned([0.5, 0.5], dual_quaternion=True), rig, world, np.zeros((1, 0)))[0]
     assert_allclose(point, [1 + np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
 
 
 def test_dual_quaternions_carry_scale_and_mirroring() -> None:
     rig = replace(random_rig(0), clips=())
     body = replace(character().drawn[0], node=0, joints=np.full((40, 1), 2), weights=np.ones((40, 1)))
-    world = pose.worlds(rig)[np.newaxis]
+    world = sampling.worlds(rig)[np.newaxis]
     both = (
-        pose.deformed(replace(body, dual_quaternion=dual), rig, world, np.zeros((1, 0)))
+        sampling.deformed(replace(body, dual_quaternion=dual), rig, world, np.zeros((1, 0)))
         for dual in (False, True)
     )
     assert_allclose(*both, atol=1e-9)
@@ -167,9 +169,9 @@ def test_dual_quaternions_carry_scale_and_mirroring() -> None:
 def test_both_ways_of_skinning_agree_for_one_joint(seed: int) -> None:
     held = character(seed)
     body = replace(held.drawn[0], joints=held.drawn[0].joints[:, :1], weights=np.ones((40, 1)))
-    world = pose.worlds(held.rig, pose.locals_at(held.rig, held.rig.clips[0], [0.1, 0.7]))
+    world = sampling.worlds(held.rig, sampling.locals_at(held.rig, held.rig.clips[0], [0.1, 0.7]))
     both = (
-        pose.deformed(replace(body, dual_quaternion=dual), held.rig, world, np.zeros((2, 0)))
+        sampling.deformed(replace(body, dual_quaternion=dual), held.rig, world, np.zeros((2, 0)))
         for dual in (False, True)
     )
     assert_allclose(*both, atol=1e-9)
@@ -179,10 +181,10 @@ def test_morphs_follow_their_track() -> None:
     held = character()
     face = held.drawn[2]
     times = np.array([0.0, 0.625, 5.0])
-    morph = pose.morph_weights(face, held.rig.clips[0], times)
+    morph = sampling.morph_weights(face, held.rig.clips[0], times)
     assert_allclose(morph[:, 0], [0, 0.5, 1])
     world = np.broadcast_to(np.eye(4), (3, 8, 4, 4))
-    points = pose.deformed(face, held.rig, world, morph)
+    points = sampling.deformed(face, held.rig, world, morph)
     assert_allclose(points[1], face.points + 0.5 * face.morphs[0])
 
 
@@ -191,7 +193,7 @@ def test_not_a_number_in_a_weight_stays_with_its_point() -> None:
     weights = held.drawn[0].weights.copy()
     weights[7, 0] = np.nan
     body = replace(held.drawn[0], weights=weights)
-    points = pose.deformed(body, held.rig, pose.worlds(held.rig)[np.newaxis], np.zeros((1, 0)))
+    points = sampling.deformed(body, held.rig, sampling.worlds(held.rig)[np.newaxis], np.zeros((1, 0)))
     assert_array_equal(np.flatnonzero(np.isnan(points[0]).any(axis=1)), [7])
 
 
@@ -199,11 +201,11 @@ def test_in_the_bind_pose_points_are_where_the_mesh_has_them() -> None:
     held = character()
     rig = held.rig
     tracks = (replace(rig.clips[0].tracks[1], values=unit(np.ones((4, 4)))),)
-    moved = pose.worlds(rig, pose.locals_at(rig, Clip("x", tracks), 0.0))[0]
-    assert not np.allclose(moved[[HIPS, SPINE, ARM]], pose.worlds(rig)[[HIPS, SPINE, ARM]])
-    at_bind = pose.bind_worlds(rig, rig.skins[0])
+    moved = sampling.worlds(rig, sampling.locals_at(rig, Clip("x", tracks), 0.0))[0]
+    assert not np.allclose(moved[[HIPS, SPINE, ARM]], sampling.worlds(rig)[[HIPS, SPINE, ARM]])
+    at_bind = sampling.bind_worlds(rig, rig.skins[0])
     assert_allclose(
-        pose.deformed(held.drawn[0], rig, at_bind[np.newaxis], np.zeros((1, 0)))[0], held.drawn[0].points
+        sampling.deformed(held.drawn[0], rig, at_bind[np.newaxis], np.zeros((1, 0)))[0], held.drawn[0].points
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from places import SAMPLES, slow
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.solver import Solver
@@ -158,9 +158,9 @@ def test_joints_to_controls_to_joints_gives_the_motion_back_whatever_the_softnes
     joints = np.flatnonzero(rig.is_joint)
     for name in ("walk", "wave"):
         clip = rig.clip(name)
-        times = pose.key_times(clip)
+        times = sampling.key_times(clip)
         before, after = (
-            pose.worlds(one, pose.locals_at(one, one.clip(name), times))[:, joints, 3, :3]
+            sampling.worlds(one, sampling.locals_at(one, one.clip(name), times))[:, joints, 3, :3]
             for one in (rig, home)
         )
         size = np.linalg.norm(np.ptp(rig.world[joints, 3, :3], axis=0))

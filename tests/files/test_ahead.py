@@ -17,14 +17,14 @@ from gltf_files import small
 
 from rigtri.cli.main import program
 from rigtri.evaluation.sampling import each_once
-from rigtri.files import copy_ahead as ahead
+from rigtri.files import copy_ahead
 from rigtri.files.atomic_write import beside
 
 
 @pytest.fixture(autouse=True)
 def all_large(monkeypatch: pytest.MonkeyPatch) -> None:
     """Treat files of any size as large."""
-    monkeypatch.setattr(ahead, "FROM", 1)
+    monkeypatch.setattr(copy_ahead, "FROM", 1)
 
 
 @pytest.fixture
@@ -45,13 +45,13 @@ def test_an_edit_to_another_folder_takes_the_copy_that_was_begun(
     source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     taken: list[bool] = []
-    take = ahead.Ahead.take
+    take = copy_ahead.Ahead.take
 
-    def noted(self: ahead.Ahead, file: Path, part: Path) -> bool:
+    def noted(self: copy_ahead.Ahead, file: Path, part: Path) -> bool:
         taken.append(take(self, file, part))
         return taken[-1]
 
-    monkeypatch.setattr(ahead.Ahead, "take", noted)
+    monkeypatch.setattr(copy_ahead.Ahead, "take", noted)
     target = tmp_path / "there" / "b.gltf"
     assert run(source, "-o", target).exit_code == 0
     assert taken == [True]
@@ -67,7 +67,7 @@ def test_without_a_head_start_the_output_is_the_same(
     first = {path.name: path.read_bytes() for path in target.parent.iterdir()}
     for path in target.parent.iterdir():
         path.unlink()
-    monkeypatch.setattr(ahead, "FROM", 1 << 40)
+    monkeypatch.setattr(copy_ahead, "FROM", 1 << 40)
     assert run(source, "-o", target).exit_code == 0
     assert {path.name: path.read_bytes() for path in target.parent.iterdir()} == first
 
@@ -82,7 +82,7 @@ def test_an_edit_that_fails_leaves_no_copy(wrong: list[str], source: Path, tmp_p
 def test_nothing_is_copied_that_the_output_does_not_need(
     more: list[str], source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ahead.Ahead, "begin", lambda *_: pytest.fail("a copy was begun"))
+    monkeypatch.setattr(copy_ahead.Ahead, "begin", lambda *_: pytest.fail("a copy was begun"))
     assert run(source, "-o", tmp_path / "there" / "b.gltf", *more).exit_code == 0
 
 
@@ -101,13 +101,13 @@ def test_names_that_lead_out_of_the_folder_are_not_copied_ahead(tmp_path: Path) 
     (folder / "link.bin").symlink_to(tmp_path / "secret.bin")
     for uri in ("../secret.bin", "link.bin", str(tmp_path / "secret.bin"), "..%2Fsecret.bin", "b.gltf"):
         (folder / "a.gltf").write_text(f'{{"buffers": [{{"uri": "{uri}"}}]}}', "utf-8")
-        with ahead.begun(folder / "a.gltf", there / "b.gltf"):
+        with copy_ahead.begun(folder / "a.gltf", there / "b.gltf"):
             assert names(there) == []
 
 
 def test_a_source_that_changed_meanwhile_is_copied_anew(source: Path, tmp_path: Path) -> None:
     file, target = tmp_path / "the data.bin", tmp_path / "there" / "b.gltf"
-    with ahead.begun(source, target) as copies:
+    with copy_ahead.begun(source, target) as copies:
         file.write_bytes(b"longer than it was before" * 100)
         part = beside(target.parent / file.name)
         assert not copies.take(file, part)
@@ -127,8 +127,8 @@ def test_what_the_kernel_cannot_copy_is_copied_all_the_same(
         monkeypatch.delattr(os, "copy_file_range", raising=False)
     else:
         monkeypatch.setattr(os, "copy_file_range", refuse, raising=False)
-    monkeypatch.setattr(ahead, "STEP", 1 << 12)
-    assert ahead.copied(tmp_path / "a", tmp_path / "b")
+    monkeypatch.setattr(copy_ahead, "STEP", 1 << 12)
+    assert copy_ahead.copied(tmp_path / "a", tmp_path / "b")
     assert (tmp_path / "b").read_bytes() == (tmp_path / "a").read_bytes()
 
 
@@ -136,7 +136,7 @@ def test_a_copy_that_is_stopped_says_so(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(bytes(100))
     stop = threading.Event()
     stop.set()
-    assert not ahead.copied(tmp_path / "a", tmp_path / "b", stop)
+    assert not copy_ahead.copied(tmp_path / "a", tmp_path / "b", stop)
 
 
 def test_a_head_start_does_not_wait_for_numpy() -> None:

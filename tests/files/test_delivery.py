@@ -21,7 +21,7 @@ import pytest
 from places import slow
 
 from rigtri.errors import DeviationError, FileError, UsageError
-from rigtri.files import atomic_write as delivery
+from rigtri.files import atomic_write
 from rigtri.files.staged_output import write_text
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
@@ -401,9 +401,9 @@ def test_a_sync_that_fails_while_the_result_is_looked_at_comes_again_and_is_told
 
 
 def test_a_dead_process_with_our_own_number_left_what_bears_it(tmp_path: Path) -> None:
-    part = delivery.beside(tmp_path / "out.glb")
+    part = atomic_write.beside(tmp_path / "out.glb")
     part.write_bytes(b"half")
-    assert delivery.stale_parts(tmp_path / "out.glb") == [(part, os.getpid())]
+    assert atomic_write.stale_parts(tmp_path / "out.glb") == [(part, os.getpid())]
 
 
 def test_an_override_beside_its_source_is_delivered_the_same_way(samples: Path, tmp_path: Path) -> None:

@@ -21,9 +21,7 @@ from gltf_files import Builder, character, glb_json, small
 
 from rigtri.errors import FileError
 from rigtri.formats import read
-from rigtri.formats.gltf import mesh_reader as meshes
-from rigtri.formats.gltf import mmap as mapped
-from rigtri.formats.gltf import writer
+from rigtri.formats.gltf import mesh_reader, mmap, writer
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
@@ -70,8 +68,8 @@ def holed_glb(path: Path, b: Builder, total: int) -> Path:
 @pytest.fixture
 def all_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
     """Treat files of any size as large."""
-    monkeypatch.setattr(mapped, "MAP_FROM", 1)
-    monkeypatch.setattr(mapped, "WORTHWHILE", 1)
+    monkeypatch.setattr(mmap, "MAP_FROM", 1)
+    monkeypatch.setattr(mmap, "WORTHWHILE", 1)
     monkeypatch.setattr(writer, "BUFFERING", 16)  # what is smaller is written in one go
 
 
@@ -224,7 +222,7 @@ def test_memory_does_not_grow_with_what_is_not_edited(tmp_path: Path) -> None:
 def crowded(path: Path, monkeypatch: pytest.MonkeyPatch, **constants: int) -> GltfDocument:
     """A document that takes even a small file for one with too many points to read."""
     for name, value in ({"MOST_POINTS": 0, "BLOCK": 5, "SAMPLE": 64} | constants).items():
-        monkeypatch.setattr(meshes, name, value)
+        monkeypatch.setattr(mesh_reader, name, value)
     return GltfDocument.read(path)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 
 HOLD = "import sys; from rigtri import scratch; print(scratch.folder().name, flush=True); sys.stdin.read()"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
@@ -48,10 +48,10 @@ def test_the_next_process_removes_what_a_killed_one_has_left_and_nothing_of_othe
 def test_a_file_system_without_locks_is_used_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(scratch, "fcntl", None)
+    monkeypatch.setattr(temp_dirs, "fcntl", None)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     (tmp_path / "rigtri-tmp-of-another").mkdir()
-    monkeypatch.setattr(scratch._Own, "root", "")
-    with scratch.folder() as name:
+    monkeypatch.setattr(temp_dirs._Own, "root", "")
+    with temp_dirs.folder() as name:
         assert Path(name).parent.parent == tmp_path
     assert len(list(tmp_path.iterdir())) == 2

@@ -27,7 +27,7 @@ from rigtri.files.worker_process import Confined, CrashError, tell
 from rigtri.formats import ReadOptions
 from rigtri.formats import read as read_any
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd import usdz
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
@@ -404,7 +404,7 @@ def test_a_link_in_a_package_leads_nowhere(tmp_path: Path) -> None:
     link.external_attr = 0o120777 << 16
     path = zipped(("a.usda", LAYER.encode()), (link, b"/etc/passwd"), path=tmp_path / "a.usdz")
     with pytest.raises(FileError, match=r"'picture\.png' is a link"):
-        package.read(path)
+        usdz.read(path)
 
 
 def test_a_misaligned_package_with_a_comment_is_read_and_comes_out_aligned(tmp_path: Path) -> None:
@@ -412,7 +412,7 @@ def test_a_misaligned_package_with_a_comment_is_read_and_comes_out_aligned(tmp_p
     with zipfile.ZipFile(path, "a") as file:
         file.comment = b"PK\5 no directory"
     edit(path, tmp_path / "out.usdz", lambda rig, report: orient_joints(rig, report=report))
-    assert [entry.start % 64 for entry in package.read(tmp_path / "out.usdz").entries] == [0, 0]
+    assert [entry.start % 64 for entry in usdz.read(tmp_path / "out.usdz").entries] == [0, 0]
 
 
 # --- what a terminal gets

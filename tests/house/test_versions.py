@@ -16,7 +16,7 @@ from second_opinions import validator
 from rigtri import diff, verify
 from rigtri.formats import read
 from rigtri.model.rig import KNOWN, Rig
-from rigtri.operations import add_controls as controls
+from rigtri.operations import add_controls
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.rigtri_nodes import noted
 from rigtri.operations.strip import strip
@@ -33,8 +33,8 @@ def stripped(rig: Rig, report: Report) -> Rig:
 
 
 def built(rig: Rig, report: Report) -> Rig:
-    wanted = controls.AddControlsOptions(selection=Selection(joints=("hand_L",)))
-    return controls.add_controls(rig, options=wanted, report=report)
+    wanted = add_controls.AddControlsOptions(selection=Selection(joints=("hand_L",)))
+    return add_controls.add_controls(rig, options=wanted, report=report)
 
 
 def test_every_version_has_its_kept_files() -> None:

@@ -15,7 +15,7 @@ from places import KINDS, SAMPLES, USD, asset_files, leave_out_refused, sample_f
 from second_opinions import validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.active_controls import keyed_in
 from rigtri.evaluation.pose_cache import sampled
 from rigtri.evaluation.solver import Solver
@@ -60,7 +60,8 @@ def apart(a: Rig, b: Rig, clip: str, times: Floats) -> float:
     """How far joints are apart in a clip, as a share of the size."""
     joints = np.flatnonzero(a.is_joint)
     worlds = [
-        pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), times))[:, joints, 3, :3] for rig in (a, b)
+        sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))[:, joints, 3, :3]
+        for rig in (a, b)
     ]
     return float(np.linalg.norm(worlds[0] - worlds[1], axis=-1).max()) / size(a)
 
@@ -88,7 +89,7 @@ def animated(rig: Rig, node: int, path: Any, values: Any, times: Any = (0.0, 1.0
 def test_joints_to_controls_to_joints_gives_the_motion_back(clip: str) -> None:
     rig = rigged()
     home = bake(bake(rig, options=BakeOptions(to="controls")), options=BakeOptions())
-    assert apart(rig, home, clip, pose.key_times(rig.clip(clip))) < BOUND
+    assert apart(rig, home, clip, sampling.key_times(rig.clip(clip))) < BOUND
 
 
 def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None:
@@ -105,7 +106,7 @@ def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None
 
     clips = tuple(replace(clip, tracks=tuple(map(shifted, clip.tracks))) for clip in up.clips)
     home = bake(replace(up, clips=clips), options=BakeOptions())
-    assert apart(rig, home, "walk", pose.key_times(rig.clip("walk"))) > 0.01
+    assert apart(rig, home, "walk", sampling.key_times(rig.clip("walk"))) > 0.01
 
 
 def test_a_rig_that_nobody_moved_bakes_to_itself() -> None:
@@ -144,8 +145,8 @@ def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
     rig = animated(rig, hand, "translation", [[0, 0, 0], move])
     baked = bake(rig, options=BakeOptions(clips=("new",)))
     for k, time in enumerate((0.0, 1.0)):
-        local = pose.locals_at(baked, baked.clip("new"), [time])
-        world = pose.worlds(baked, local)[0]
+        local = sampling.locals_at(baked, baked.clip("new"), [time])
+        world = sampling.worlds(baked, local)[0]
         np.testing.assert_allclose(world[rig.find("hand_L"), 3, :3], world[hand, 3, :3], atol=1e-6)
         assert k == 0 or np.abs(world[rig.find("hand_L")] - rig.world[rig.find("hand_L")]).max() > 0.05
 
@@ -165,7 +166,7 @@ def test_stretch_and_soft_of_the_options_hold_for_all_limbs() -> None:
 
     def end(options: BakeOptions) -> Floats:
         baked = bake(far, options=options)
-        return pose.worlds(baked, pose.locals_at(baked, baked.clip("new"), [1.0]))[0]
+        return sampling.worlds(baked, sampling.locals_at(baked, baked.clip("new"), [1.0]))[0]
 
     stretched, plain = end(BakeOptions(clips=("new",), stretch=True)), end(BakeOptions(clips=("new",)))
     target = stretched[hand, 3, :3]
@@ -216,8 +217,8 @@ def test_a_constraint_is_worked_out_in_every_clip() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
     baked = bake(rig, options=BakeOptions())
-    times = pose.key_times(rig.clip("walk"))
-    world = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), times))
+    times = sampling.key_times(rig.clip("walk"))
+    world = sampling.worlds(baked, sampling.locals_at(baked, baked.clip("walk"), times))
     hand, staff = rig.find("hand_L"), rig.find("staff")
     offset = rig.world[staff] @ np.linalg.inv(rig.world[hand])
     np.testing.assert_allclose(world[:, staff], offset @ world[:, hand], atol=1e-5)
@@ -237,7 +238,7 @@ def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float
     track = Track(middle, "rotation", "LINEAR", times, multiply(rig.rotation[middle], turns))
     rig = replace(rig, clips=(Clip("bend", (track,)),))
     up = bake(rig, options=BakeOptions(to="controls"))
-    world = pose.worlds(up, pose.locals_at(up, up.clip("bend"), times))
+    world = sampling.worlds(up, sampling.locals_at(up, up.clip("bend"), times))
     step = np.linalg.norm(np.diff(world[:, pole, 3, :3], axis=0), axis=1) / size(rig)
     assert step.max() < 0.01
     home = bake(up, options=BakeOptions())
@@ -308,7 +309,7 @@ def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_pa
     assert run("bake", steps[2], "-o", steps[3]).exit_code == 0
     assert steps[2].read_bytes() == steps[3].read_bytes()
     before, after = read(steps[0]).rig, read(steps[2]).rig
-    assert apart(before, after, "walk", pose.key_times(before.clip("walk"))) < BOUND
+    assert apart(before, after, "walk", sampling.key_times(before.clip("walk"))) < BOUND
 
 
 def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_path: Path) -> None:
@@ -319,7 +320,7 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
     assert run("bake", bare, "-o", out).exit_code == 5
     assert run("bake", bare, "-o", out, "--rig", whole).exit_code == 0
     before, after = read(whole).rig, read(out).rig
-    assert apart(before, after, "walk", pose.key_times(before.clip("walk"))) < BOUND
+    assert apart(before, after, "walk", sampling.key_times(before.clip("walk"))) < BOUND
 
 
 def moving() -> list[Any]:
@@ -346,7 +347,7 @@ def test_real_motion_comes_home(path: Path) -> None:
     assert "controls-off" not in {notice.code for notice in report.warnings}
     for name in clips:
         clip = rig.clip(name)
-        times = pose.key_times(clip)
+        times = sampling.key_times(clip)
         assert apart(rig, home, name, times[:: max(1, len(times) // 50)]) < BOUND
 
 
@@ -358,7 +359,7 @@ def test_a_joint_that_only_the_root_control_carries_keeps_its_motion(name: str) 
     assert max(entry["deviation"] for entry in report.added if entry["type"] == "clip") < BOUND
     home = bake(up, options=BakeOptions())
     for clip in rig.shown_clips:
-        assert apart(rig, home, clip.name, pose.key_times(clip)) < BOUND
+        assert apart(rig, home, clip.name, sampling.key_times(clip)) < BOUND
 
 
 def without_fk(rig: Rig) -> Rig:
@@ -387,7 +388,9 @@ def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_an
     time = float(moment.split(";")[0])
     assert notice.joint is not None
     at = [
-        pose.worlds(one, pose.locals_at(one, one.clip("walk"), [time]))[0, rig.find(notice.joint), 3, :3]
+        sampling.worlds(one, sampling.locals_at(one, one.clip("walk"), [time]))[
+            0, rig.find(notice.joint), 3, :3
+        ]
         for one in (rig, bake(up, options=BakeOptions(between=1e-5)))
     ]
     assert np.linalg.norm(at[0] - at[1]) / size(rig) == pytest.approx(off, rel=0.1)

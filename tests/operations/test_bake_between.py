@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from test_bake import animated, apart, control, rigged, size
 
-from rigtri.evaluation import curve_refinement as between
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import curve_refinement, sampling
 from rigtri.evaluation.active_controls import keyed_in
 from rigtri.evaluation.pose_cache import sampled
 from rigtri.evaluation.solver import Solver
@@ -42,7 +41,7 @@ def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
         options=BakeOptions(between=5e-6),
         report=report,
     )
-    keys = pose.key_times(rig.clip(clip))
+    keys = sampling.key_times(rig.clip(clip))
     assert apart(rig, home, clip, np.linspace(keys[0], keys[-1], 2001)) < BOUND
     assert all(entry["between_samples"] <= BOUND for entry in report.added)
     assert not report.warnings
@@ -55,7 +54,7 @@ def test_joints_follow_ik_between_keys(name: str) -> None:
     times = np.linspace(0.0, rig.per_second, 500)
     timeline = timelines(rig)[0]
     there = Solver(rig, keyed_in(rig, timeline)).run(sampled(rig, timeline.clip, times))
-    world = pose.worlds(baked, pose.locals_at(baked, baked.clips[0], times))
+    world = sampling.worlds(baked, sampling.locals_at(baked, baked.clips[0], times))
     for joint in ("forearm_L", "hand_L"):
         node = rig.find(joint)
         far = np.linalg.norm(world[:, node, 3, :3] - there.world(node)[:, 3, :3], axis=1).max()
@@ -95,7 +94,7 @@ def test_what_moves_on_lines_gets_no_more_samples() -> None:
 
 
 def test_a_highest_rate_bounds_the_samples_and_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(between, "MOST_A_SECOND", 8.0)
+    monkeypatch.setattr(curve_refinement, "MOST_A_SECOND", 8.0)
     report = Report()
     bake(reaching("biped.glb"), options=BakeOptions(between=5e-6), report=report)
     assert report.added[0]["frames"] == 9

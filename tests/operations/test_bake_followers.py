@@ -11,7 +11,7 @@ from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.point_skinning import Carried
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
@@ -68,8 +68,8 @@ def off_surface(rig: Rig, clip: Clip, times: Floats) -> float:
     """How far the rivet is from the middle of its triangle, by the plain evaluation."""
     node = rig.find("button", "node")
     mesh = next(m for m in rig.meshes if m.name.startswith("Skin") or "Skin" in m.name)
-    world = pose.worlds(rig, pose.locals_at(rig, clip, times))
-    points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, clip, times))
+    world = sampling.worlds(rig, sampling.locals_at(rig, clip, times))
+    points = sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, times))
     middle = points[:, np.array(rig.notes[node]["vertices"], dtype=np.int64)].mean(axis=1)
     return float(np.linalg.norm(world[:, node, 3, :3] - middle, axis=-1).max())
 
@@ -92,7 +92,7 @@ def test_rivets_and_readers_follow_what_controls_make_of_the_joints(kind: str, t
     for time, angle in ((0.0, 0.0), (0.5, 0.5), (1.0, 0.8)):
         axis = np.array([0.0, 1.0, 0.0]) @ at_rest[:3, :3]
         cosine = max(0.0, float(np.sin(angle) * axis[1] + np.cos(angle) * -axis[0]))
-        assert_allclose(pose.sample(weights, [time * rig.per_second])[0, 0], cosine, atol=2e-4)
+        assert_allclose(sampling.sample(weights, [time * rig.per_second])[0, 0], cosine, atol=2e-4)
 
 
 def test_what_is_constrained_to_a_rivet_follows_where_the_rivet_comes_to(tmp_path: Path) -> None:
@@ -105,12 +105,12 @@ def test_what_is_constrained_to_a_rivet_follows_where_the_rivet_comes_to(tmp_pat
     baked = bake(turned(rig, joint), options=BakeOptions())
     clip = baked.clips[0]
     times = np.linspace(0.0, 1.0, 9)
-    world = pose.worlds(baked, pose.locals_at(baked, clip, times))
+    world = sampling.worlds(baked, sampling.locals_at(baked, clip, times))
     pin, button = baked.find("pin"), baked.find("button", "node")
     assert np.abs(world[:, button] - world[0, button]).max() > 0.1
     assert_allclose(world[:, pin], before @ world[:, button], atol=1e-3)  # between keys: both are thinned
     keys = next(t for t in clip.tracks if t.node == pin).times
-    world = pose.worlds(baked, pose.locals_at(baked, clip, keys))
+    world = sampling.worlds(baked, sampling.locals_at(baked, clip, keys))
     assert_allclose(world[:, pin], before @ world[:, button], atol=5e-5)
 
 
@@ -153,7 +153,7 @@ def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path
     before = rig.world[rig.find("pin")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
     spin = rig.clip("spin")
     keys = next(t for t in spin.tracks if t.node == rig.find("pin")).times
-    world = pose.worlds(rig, pose.locals_at(rig, spin, keys))
+    world = sampling.worlds(rig, sampling.locals_at(rig, spin, keys))
     button = rig.find("button", "node")
     assert np.abs(world[:, button, 3, :3] - world[0, button, 3, :3]).max() > 0.5
     assert_allclose(world[:, rig.find("pin")], before @ world[:, button], atol=5e-5)

@@ -11,7 +11,7 @@ from places import SAMPLES
 from test_bake import WHOLE, control
 
 from rigtri.errors import DeviationError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.records import Track
@@ -58,7 +58,7 @@ def test_what_was_added_and_baked_in_one_edit_is_what_was_meant(name: str, tmp_p
     turned = np.abs(after.world[after.find("head")] - before.world[head]).max()
     assert turned > 0.1
     time = [0.9 * before.per_second]
-    moved = [pose.worlds(rig, pose.locals_at(rig, rig.clips[0], time))[0] for rig in (before, after)]
+    moved = [sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], time))[0] for rig in (before, after)]
     assert np.abs(moved[0][head] - moved[1][after.find("head")]).max() > 0.1
 
 

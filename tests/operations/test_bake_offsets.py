@@ -10,7 +10,7 @@ import pytest
 from places import SAMPLES
 from test_bake import WHOLE, apart, run, size, stored
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_cache import Posed
 from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
@@ -32,8 +32,8 @@ def rigged(name: str = "biped.glb") -> Rig:
 
 def off(rig: Rig, clip: str) -> float:
     """How far FK controls are from their joints at the clip's keys, axes measured at a tenth of the size."""
-    times = pose.key_times(rig.clip(clip))
-    world = pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), times))
+    times = sampling.key_times(rig.clip(clip))
+    world = sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))
     far = 0.0
     for node, note in rig.notes.items():
         if note.get("type") == "control" and note["kind"] == "fk":
@@ -91,7 +91,7 @@ def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
         bake(up, options=BakeOptions()),
         bake(replace(up, clips=clips), options=BakeOptions()),
     )
-    times = pose.key_times(rig.clip("walk"))
+    times = sampling.key_times(rig.clip("walk"))
     assert apart(with_them, without, "walk", times) == 0.0
 
 
@@ -110,8 +110,8 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     still = {node for node, note in up.notes.items() if note.get("type") == "offset"}
     clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node not in still)) for c in up.clips)
     home = bake(replace(up, clips=clips), options=BakeOptions())
-    times = pose.key_times(rig.clip("walk"))
-    world = pose.worlds(home, pose.locals_at(home, home.clip("walk"), times))
+    times = sampling.key_times(rig.clip("walk"))
+    world = sampling.worlds(home, sampling.locals_at(home, home.clip("walk"), times))
     joint = rig.find("hand_L")
     back = np.linalg.inv(rig.world[hand]) @ rig.world[joint]
     assert np.abs(world[:, joint] - world[0, joint]).max() > 0.05

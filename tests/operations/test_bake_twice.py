@@ -10,7 +10,7 @@ import pytest
 from places import SAMPLES, slow
 from test_bake import WHOLE, control
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.key_reduction import thinned
 from rigtri.evaluation.shared_key_times import as_read
 from rigtri.evaluation.twist_joints import twists
@@ -71,7 +71,7 @@ def off_law(rig: Rig) -> float:
         for twist in twists(rig):
             track = next((t for t in clip.tracks if (t.node, t.path) == (twist.node, "rotation")), None)
             if track is not None:
-                local = pose.locals_at(rig, clip, track.times)
+                local = sampling.locals_at(rig, clip, track.times)
                 shown = from_axes(nearest_rotation(local[:, twist.node]))
                 worst.append(turn_angle(multiply(conjugate(twist.rotations(local)), shown)).max())
     return float(max(worst))
@@ -84,7 +84,7 @@ def test_what_follows_joints_is_made_of_the_keys_that_are_read(name: str, tmp_pa
     edit(ready, once, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
     was, now = read(ready).rig, read(once).rig
     turned = [
-        pose.locals_at(rig, rig.clips[0], [0.37 * rig.per_second])[0, rig.find("hand_L")]
+        sampling.locals_at(rig, rig.clips[0], [0.37 * rig.per_second])[0, rig.find("hand_L")]
         for rig in (was, now)
     ]
     assert np.abs(turned[0] - turned[1]).max() > 0.1
@@ -105,7 +105,7 @@ def test_joints_that_share_an_array_are_read_at_each_others_times() -> None:
     for track in seen.rig.clips[0].tracks:
         assert track.times.tolist() == [0.0, before, 1.0, 4.0]
     head, hand = (track.values for track in seen.rig.clips[0].tracks)
-    np.testing.assert_allclose(pose.sample(one, [1.0])[0], head[2], atol=1e-7)
+    np.testing.assert_allclose(sampling.sample(one, [1.0])[0], head[2], atol=1e-7)
     np.testing.assert_allclose(hand, turns[[0, 0, 1, 1]], atol=1e-7)
     plain = replace(rig, clips=(clip,))
     assert seen.undone(seen.rig, plain).clips[0] is clip

@@ -17,7 +17,7 @@ from test_bake import control, rigged, run, size
 from test_take_clips import split
 
 from rigtri.errors import NameNotFoundError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
@@ -234,7 +234,7 @@ def test_modes_of_blenders_exporter_bake_to_the_same_motion(up: Path, tmp_path: 
             assert take_clips(rig, read(file).rig, options=names) is rig
         baked = read(out).rig
         times = np.arange(1, 25) / 24
-        moved = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), times))
+        moved = sampling.worlds(baked, sampling.locals_at(baked, baked.clip("walk"), times))
         places[mode] = moved[:, [baked.find(rig.names[n]) for n in np.flatnonzero(rig.is_joint)], 3, :3]
     size = np.linalg.norm(np.ptp(rig.world[rig.is_joint, 3, :3], axis=0))
     for mode in modes[1:]:

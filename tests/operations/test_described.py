@@ -15,7 +15,7 @@ from test_bake import run
 from test_usd_played import without_notes
 
 import rigtri
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.maths.quaternions import conjugate, multiply, turn_angle
 from rigtri.model.records import Clip, Track
@@ -68,8 +68,8 @@ def joint_rest(rig: Rig) -> Any:
 
 def joint_worlds(rig: Rig) -> Any:
     clip = rig.clip("walk")
-    times = np.linspace(0.0, pose.key_times(clip)[-1], 20)
-    return pose.worlds(rig, pose.locals_at(rig, clip, times))[:, rig.is_joint]
+    times = np.linspace(0.0, sampling.key_times(clip)[-1], 20)
+    return sampling.worlds(rig, sampling.locals_at(rig, clip, times))[:, rig.is_joint]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from gltf_files import glb_bytes, glb_parts
 
 from rigtri.errors import DeviationError
 from rigtri.formats import read
-from rigtri.formats.gltf import mesh_reader as meshes
+from rigtri.formats.gltf import mesh_reader
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
@@ -61,7 +61,7 @@ def test_more_offsets_than_can_be_held_are_named_and_left_at_their_bound(
     samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source, report = with_targets(samples, tmp_path, 3000), Report()
-    monkeypatch.setattr(meshes, "MOST_OFFSETS", 10_000)
+    monkeypatch.setattr(mesh_reader, "MOST_OFFSETS", 10_000)
     with pytest.raises(DeviationError):
         edit(source, tmp_path / "out.glb", orient, report=report)
     assert any("3000 morph targets" in warning.text for warning in report.warnings)

@@ -16,7 +16,7 @@ from places import SAMPLES
 from test_bake import WHOLE, control
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
@@ -165,12 +165,15 @@ def test_between_its_keys_too_motion_is_measured(tmp_path: Path) -> None:
     assert told.motion is not None
     assert told.motion.worst is not None
     before, after = read(source).rig, read(target).rig
-    times = pose.between_keys(pose.key_times(before.clips[0]))
+    times = sampling.between_keys(sampling.key_times(before.clips[0]))
     joints = np.flatnonzero(before.is_joint)
     far = max(
         float(np.linalg.norm(a - b, axis=-1).max())
         for a, b in [
-            [pose.worlds(r, pose.locals_at(r, r.clips[0], times))[:, joints, 3, :3] for r in (before, after)]
+            [
+                sampling.worlds(r, sampling.locals_at(r, r.clips[0], times))[:, joints, 3, :3]
+                for r in (before, after)
+            ]
         ]
     )
     assert far > 0.01

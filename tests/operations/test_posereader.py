@@ -18,7 +18,7 @@ from pxr import Usd
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_readers import Reader, Target, twist, weights
 from rigtri.formats import read
 from rigtri.maths.matrices import compose, identity
@@ -146,7 +146,7 @@ def weights_of(path: Path, times: Floats) -> Floats:
     rig = read(path).rig
     (mesh,) = (mesh for mesh in rig.meshes if len(mesh.morphs))
     clip = next(clip for clip in rig.clips if any(track.path == "weights" for track in clip.tracks))
-    return np.array(pose.morph_weights(mesh, clip, times))
+    return np.array(sampling.morph_weights(mesh, clip, times))
 
 
 def source_of(kind: str, folder: Path, **more: Any) -> Path:
@@ -185,7 +185,7 @@ def test_the_same_reader_evaluated_from_its_note_says_the_same(kind: str, tmp_pa
     (note,) = (note for note in rig.notes.values() if note["type"] == "poseReader")
     second = 1.0 if kind == "glb" else 24.0
     times = np.linspace(0, second, 9)
-    world = pose.worlds(rig, pose.locals_at(rig, rig.clips[0], times))
+    world = sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], times))
     said = weights(
         Reader.of_note(note), world[:, rig.find(note["driver"])], world[:, rig.find(note["frame"])], {}
     )
@@ -271,7 +271,7 @@ def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_pat
     (track,) = (t for c in rig.clips for t in c.tracks if t.node == node and t.path == "translation")
     second = 1.0 if kind == "glb" else 24.0
     times = np.linspace(0, second, 17)
-    assert_allclose(pose.sample(track, times)[:, 0], np.cos(np.pi / 2 * times / second), atol=2e-4)
+    assert_allclose(sampling.sample(track, times)[:, 0], np.cos(np.pi / 2 * times / second), atol=2e-4)
     assert rig.translation[node, 0] == pytest.approx(1.0)
 
 
@@ -302,7 +302,7 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
         )  # type: ignore[arg-type]
         node = out.find("lower_reader_half")
         (track,) = (t for t in out.clips[0].tracks if t.node == node)
-        assert pose.sample(track, [0.5])[0, 0] == pytest.approx(1.0, abs=1e-6)
+        assert sampling.sample(track, [0.5])[0, 0] == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -413,7 +413,7 @@ def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str
     for each in (rig, out):
         note = next(note for note in each.notes.values() if note["type"] == "poseReader")
         clip = each.clip("walk")
-        world = pose.worlds(each, pose.locals_at(each, clip, pose.key_times(clip)))
+        world = sampling.worlds(each, sampling.locals_at(each, clip, sampling.key_times(clip)))
         driver, frame = (world[:, each.find(note[key])] for key in ("driver", "frame"))
         found.append(weights(Reader.of_note(note), driver, frame, {}))
     assert_allclose(found[1], found[0], atol=1e-6)

@@ -14,7 +14,7 @@ from second_opinions import validator
 from test_bake import control, moved, rigged, run, size, stored
 
 from rigtri.errors import NameNotFoundError, UsageError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
@@ -30,7 +30,7 @@ def test_the_pose_is_the_one_that_baking_gives() -> None:
     up = moved(up, up.parents[control(up, "hand_L", "ik")], np.array([0.02, 0.05, -0.03]))
     baked = bake(up, options=BakeOptions(tolerance=0.0))
     posed = pose_of(up, PoseOptions("walk@0.5"))
-    there = pose.worlds(baked, pose.locals_at(baked, baked.clip("walk"), [0.5]))[0]
+    there = sampling.worlds(baked, sampling.locals_at(baked, baked.clip("walk"), [0.5]))[0]
     plain = pose_of(up, PoseOptions("walk@0.5", evaluate=False))
     joints = np.flatnonzero(up.is_joint).tolist()
     far = max(np.abs(posed.world(j)[0, 3, :3] - there[j, 3, :3]).max() for j in joints)
@@ -41,7 +41,7 @@ def test_the_pose_is_the_one_that_baking_gives() -> None:
 def test_without_evaluation_it_is_the_clip_as_it_plays() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     found = table(rig, PoseOptions("walk@0.3", evaluate=False))
-    world = pose.worlds(rig, pose.locals_at(rig, rig.clip("walk"), [0.3]))[0]
+    world = sampling.worlds(rig, sampling.locals_at(rig, rig.clip("walk"), [0.3]))[0]
     for row in found["joints"]:
         np.testing.assert_allclose(row["position"], world[rig.find(row["joint"]), 3, :3], atol=1e-12)
 
@@ -94,9 +94,9 @@ def skinned(path: Path, clip: str | None, time: float) -> list[np.ndarray]:
     if clip is None:
         world = rig.world[np.newaxis]
     else:
-        world = pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), [time]))
+        world = sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), [time]))
     return [
-        pose.deformed(m, rig, world, np.repeat(m.morph_weights[np.newaxis], 1, axis=0))[0]
+        sampling.deformed(m, rig, world, np.repeat(m.morph_weights[np.newaxis], 1, axis=0))[0]
         for m in document.meshes()
         if m.skin is not None
     ]
@@ -121,7 +121,7 @@ def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path
     ]
     rig = read(SAMPLES / f"biped{name}").rig
     clip = rig.shown_clips[0].name
-    time = float(pose.key_times(rig.clip(clip))[3])
+    time = float(sampling.key_times(rig.clip(clip))[3])
     for step in [*steps, ("pose", up, "-o", still, "--at", f"{clip}@{time}")]:
         done = run(*step)
         assert done.exit_code == 0, done.output
@@ -203,14 +203,14 @@ def test_a_written_pose_looks_as_the_clip_does_morphs_included(kind: str, tmp_pa
     assert not outcome.report.warnings
     after = read(out).rig
     (mesh,), (now,) = before.meshes, after.meshes
-    weights = pose.morph_weights(mesh, clip, times)
+    weights = sampling.morph_weights(mesh, clip, times)
     assert weights[0].any()
     np.testing.assert_allclose(now.morph_weights, weights[0], atol=1e-7)
-    played = pose.worlds(before, pose.locals_at(before, clip, times))
-    still = pose.worlds(after, pose.rest(after))[np.newaxis]
-    shown = pose.deformed(now, after, still, now.morph_weights[np.newaxis])
-    assert np.abs(shown - pose.deformed(mesh, before, played, mesh.morph_weights[np.newaxis])).max() > 0.1
-    np.testing.assert_allclose(shown, pose.deformed(mesh, before, played, weights), atol=1e-6)
+    played = sampling.worlds(before, sampling.locals_at(before, clip, times))
+    still = sampling.worlds(after, sampling.rest(after))[np.newaxis]
+    shown = sampling.deformed(now, after, still, now.morph_weights[np.newaxis])
+    assert np.abs(shown - sampling.deformed(mesh, before, played, mesh.morph_weights[np.newaxis])).max() > 0.1
+    np.testing.assert_allclose(shown, sampling.deformed(mesh, before, played, weights), atol=1e-6)
     # The clip itself stays, and a second run has nothing to do.
     keys = next(t for c in after.clips for t in c.tracks if t.path == "weights").values
     np.testing.assert_array_equal(keys, next(t for t in clip.tracks if t.path == "weights").values)

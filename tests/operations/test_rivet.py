@@ -16,7 +16,7 @@ from places import NOTHING_DRAWN, files_of_all_kinds, leave_out, leave_out_refus
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.point_skinning import Carried
 from rigtri.evaluation.timelines import looked_at, timelines
 from rigtri.formats import ReadOptions, read
@@ -56,10 +56,10 @@ def farthest(path: Path, report: Report, mesh_name: str) -> float:
     mesh = next(mesh for mesh in rig.meshes if mesh.name == mesh_name)
     worst = 0.0
     for timeline in timelines(rig):
-        times = looked_at(pose.key_times(timeline.clip))
+        times = looked_at(sampling.key_times(timeline.clip))
         times = times[:: max(1, len(times) // 20)]
-        world = pose.worlds(rig, pose.locals_at(rig, timeline.clip, times, normalised=not rig.raw))
-        points = pose.deformed(mesh, rig, world, pose.morph_weights(mesh, timeline.clip, times))
+        world = sampling.worlds(rig, sampling.locals_at(rig, timeline.clip, times, normalised=not rig.raw))
+        points = sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, timeline.clip, times))
         for entry in report.added:
             place = (points[:, entry["vertices"]] * np.array(entry["barycentric"])[:, np.newaxis]).sum(axis=1)
             there = world[:, rig.find(entry["node"]), 3, :3]
@@ -111,7 +111,7 @@ def test_a_rivet_on_the_middle_of_a_triangle_by_hand(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     out = add_rivet(rig, options=MIDDLE)
     node = out.find("button")
-    world = pose.worlds(out)[node]
+    world = sampling.worlds(out)[node]
     assert_allclose(world[3, :3], [1.25 / 3, 5 / 3, 0], atol=1e-7)
     edge = np.array([0.75, 2, 0]) / np.hypot(0.75, 2)
     assert_allclose(world[0, :3], edge, atol=1e-7)
@@ -124,7 +124,7 @@ def test_a_rivet_follows_skinning_and_morphs_by_hand(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     out = add_rivet(rig, options=replace(MIDDLE, barycentric=((0.0, 0.0, 1.0),)))
     clip = out.clips[0]
-    world = pose.worlds(out, pose.locals_at(out, clip, [0.0, 1.0]))[:, out.find("button"), 3, :3]
+    world = sampling.worlds(out, sampling.locals_at(out, clip, [0.0, 1.0]))[:, out.find("button"), 3, :3]
     assert_allclose(world, [[0, 3, 0], [-2, 1, 0.5]], atol=1e-6)
 
 
@@ -133,8 +133,8 @@ def test_few_points_are_carried_as_all_points_are_deformed(tmp_path: Path) -> No
     (timeline,), mesh = timelines(rig), rig.meshes[0]
     times = np.linspace(-0.1, 1.1, 23)
     for some in (mesh, replace(mesh, dual_quaternion=True), replace(mesh, skin=None)):
-        world = pose.worlds(rig, pose.locals_at(rig, timeline.clip, times))
-        wanted = pose.deformed(some, rig, world, pose.morph_weights(some, timeline.clip, times))
+        world = sampling.worlds(rig, sampling.locals_at(rig, timeline.clip, times))
+        wanted = sampling.deformed(some, rig, world, sampling.morph_weights(some, timeline.clip, times))
         assert_allclose(
             Carried(rig, some, np.array([2, 0, 1])).sample(timeline, times), wanted[:, [2, 0, 1]], atol=1e-12
         )

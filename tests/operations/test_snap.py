@@ -16,7 +16,7 @@ from second_opinions import validator
 from test_bake import animated, control, moved, rigged, run, size, stored
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import timelines, times_within
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
@@ -115,7 +115,7 @@ def test_ik_takes_up_what_fk_controls_hold_below_it() -> None:
 
 
 def keyed_apart(a: Rig, b: Rig, clip: str) -> float:
-    times = pose.key_times(a.clip(clip)).tolist()
+    times = sampling.key_times(a.clip(clip)).tolist()
     return max(apart(a, b, f"{clip}@{time}") for time in times)
 
 
@@ -171,7 +171,7 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
     tracks = []
     for track in clip.tracks:
         if track.node == end:
-            values = pose.sample(track, times)
+            values = sampling.sample(track, times)
             slopes = np.zeros_like(values)
             track = replace(
                 track,
@@ -194,7 +194,7 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
     np.testing.assert_allclose(now.times, [0.0, 0.4, 0.55, 0.7, 1.0], atol=1e-7)
     np.testing.assert_array_equal(now.values[[0, 1, 3, 4]], was.values)
     for time in (0.2, 0.4, 0.7, 0.9):
-        np.testing.assert_array_equal(pose.sample(now, [time]), pose.sample(was, [time]))
+        np.testing.assert_array_equal(sampling.sample(now, [time]), sampling.sample(was, [time]))
 
 
 def test_an_ik_end_that_follows_a_constraint_is_told() -> None:
@@ -296,7 +296,7 @@ def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tm
         assert done.exit_code == 0, done.output
     rig = read(up).rig
     played = timelines(rig)[0]
-    keys = pose.key_times(played.clip)
+    keys = sampling.key_times(played.clip)
     at = [f"{played.name}@{time}" for time in (keys[-1], 0.3 * keys[0] + 0.7 * keys[1])]
     for source, target, to in ((up, fk, "fk"), (fk, ik, "ik")):
         for one, other in ((source, target), (target, again)):

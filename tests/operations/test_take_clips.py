@@ -17,7 +17,7 @@ from pxr import Usd
 from rigs import chain
 
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.constraint_solver import factored
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse
@@ -74,13 +74,13 @@ def turned_key(rig: Rig, joint: str, clip: str = "walk", key: int = 3, angle: fl
 
 
 def places(rig: Rig, clip: str, times: Floats) -> dict[str, Floats]:
-    world = pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), times))
+    world = sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))
     return {rig.names[node]: world[:, node, 3, :3] for node in np.flatnonzero(rig.is_joint)}
 
 
 def apart(a: Rig, b: Rig, clip: str, scale: float = 1.0) -> float:
     """How far joints of one name are apart, at all keys and between."""
-    keys = pose.key_times(a.clip(clip))
+    keys = sampling.key_times(a.clip(clip))
     times = np.unique(np.concatenate([keys, (keys[1:] + keys[:-1]) / 2.0]))
     mine, its = places(a, clip, times), places(b, clip, times)
     return max(float(np.abs(mine[name] - its[name] * scale).max()) for name in mine if name in its)
@@ -181,7 +181,7 @@ def test_unit_up_order_and_a_node_above_all_make_no_difference() -> None:
 
 def test_a_bind_pose_where_ours_rests_in_a_pose_is_no_motion() -> None:
     rig = rig_of()
-    bind = pose.bind_worlds(rig, rig.skins[0])
+    bind = sampling.bind_worlds(rig, rig.skins[0])
     posed = rig.rotation.copy()
     arm = rig.find("upper_arm_L")
     posed[arm] = multiply(posed[arm], from_axis_angle([0.0, 0.0, 1.0], 1.0))
@@ -246,7 +246,7 @@ def test_splines_that_came_back_as_frames_stay_unless_their_keys_moved() -> None
                 return track
             times = np.arange(0.0, float(track.times[-1]) + 1e-6, 0.05)
             straight = Track(node, "rotation", "LINEAR", track.times, key_values(track))
-            values = pose.sample(straight, times)
+            values = sampling.sample(straight, times)
             values[10:12] = multiply(values[10:12], from_axis_angle([1.0, 0.0, 0.0], by))
             return Track(node, "rotation", "LINEAR", times, values)
 
@@ -336,7 +336,7 @@ def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
     # EDITED has the head below the hips, with keys that keep its motion.
     clip = rig.clip("walk")
     times = np.linspace(0.0, 1.0, 97)
-    world = pose.worlds(rig, pose.locals_at(rig, clip, times))
+    world = sampling.worlds(rig, sampling.locals_at(rig, clip, times))
     parts = factored(matrices(world[:, head], inverse(world[:, hips])))
     still = factored(matrices(rig.world[head], inverse(rig.world[hips]))[np.newaxis])
     parents, translation, rotation = rig.parents.copy(), rig.translation.copy(), rig.rotation.copy()
@@ -380,7 +380,7 @@ def test_a_rig_of_other_proportions_keeps_its_size() -> None:
     report = Report()
     home = take_clips(rig, edited, report=report)
     assert "other-proportions" in notices(report)
-    world = pose.worlds(home, pose.locals_at(home, home.clip("walk"), times))
+    world = sampling.worlds(home, sampling.locals_at(home, home.clip("walk"), times))
     np.testing.assert_allclose(np.linalg.norm(world[..., :3, :3], axis=-1), 1.0, atol=CLOSE)
     bones = np.linalg.norm(np.diff(world[..., 3, :3], axis=1), axis=-1)
     np.testing.assert_allclose(bones, 1.0, atol=CLOSE)
@@ -493,7 +493,7 @@ def test_gltf_and_usd_take_from_each_other(ours: str, theirs: str, tmp_path: Pat
     assert outcome.verification is not None
     home = rig_of(target)
     seconds = home.per_second / edited.per_second
-    times = pose.key_times(edited.clip("walk"))
+    times = sampling.key_times(edited.clip("walk"))
     mine, its = places(home, "walk", times * seconds), places(edited, "walk", times)
     both = mine.keys() & its.keys()
     assert len(both) >= 22
@@ -726,7 +726,7 @@ def frames(rig: Rig, joint: str, fps: float, edit: Callable[[Floats, Floats], Fl
         if (track.node, track.path) != (node, "rotation"):
             return track
         times = np.arange(0.0, float(track.times[-1]) + 1e-9, 1.0 / fps)
-        return replace(track, times=times, values=edit(times, pose.sample(track, times)), key=None)
+        return replace(track, times=times, values=edit(times, sampling.sample(track, times)), key=None)
 
     return with_tracks(rig, "walk", changed)
 
@@ -738,7 +738,7 @@ def test_outside_the_edited_frames_the_keys_stay_bit_for_bit_and_inside_there_ar
     def ramp(times: Floats, values: Floats) -> Floats:
         """Frames 30 to 60 of 97 go along one arc."""
         middle = multiply(values[45], from_axis_angle([1.0, 0.0, 0.0], 0.4))
-        values[30:61] = pose.sample(
+        values[30:61] = sampling.sample(
             Track(node, "rotation", "LINEAR", times[[30, 60]], np.stack([values[30], middle])), times[30:61]
         )
         return values
@@ -820,7 +820,7 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
     edit(home, game, joints)
     edit(rigged, before, joints)
     now, was = rig_of(game), rig_of(before)
-    times = np.union1d(pose.key_times(was.clip("walk")), pose.key_times(now.clip("walk")))
+    times = np.union1d(sampling.key_times(was.clip("walk")), sampling.key_times(now.clip("walk")))
     mine, its = places(now, "walk", times), places(was, "walk", times)
     far = {name: float(np.abs(mine[name] - its[name]).max()) for name in mine}
     assert {name for name, apart in far.items() if apart > 1e-6} == {"forearm_L", "hand_L", "fingers_L"}

@@ -10,7 +10,7 @@ import pytest
 from engines import blender_edit
 from places import ASSETS, NO_ASSETS, SAMPLES, slow
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -65,7 +65,7 @@ def keyed(rig: Rig, nodes: tuple[int, ...]) -> str:
 
 
 def places(rig: Rig, clip: str, times: Floats) -> Floats:
-    return pose.worlds(rig, pose.locals_at(rig, rig.clip(clip), times))[..., 3, :3]
+    return sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))[..., 3, :3]
 
 
 @pytest.mark.parametrize("suffix", [".glb", slow(".usdc")])
@@ -100,8 +100,8 @@ def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
     written(rigged, before, "joints")
     now, was = read(game).rig, read(before).rig
     # Baked IK is told where both have keys: between them, other keys of a limb bend what all of it shows.
-    times = np.intersect1d(pose.key_times(now.clip(clip)), pose.key_times(was.clip(clip)))
-    assert len(times) >= len(pose.key_times(rig.clip(clip))) // 2
+    times = np.intersect1d(sampling.key_times(now.clip(clip)), sampling.key_times(was.clip(clip)))
+    assert len(times) >= len(sampling.key_times(rig.clip(clip))) // 2
     apart = np.linalg.norm(places(now, clip, times) - places(was, clip, times), axis=-1).max(axis=0) / size
     below = {node for name in chain for node in now.below(now.find(name))}
     still = [node for node in np.flatnonzero(now.is_joint).tolist() if node not in below]

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from places import ROOT, SAMPLES
 from ruamel.yaml import YAML
 
-from rigtri.pipeline.rigspec import json_positions as json_text
+from rigtri.pipeline.rigspec import json_positions
 from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import Spec, load
@@ -90,17 +90,17 @@ JSON = st.recursive(
 @given(value=JSON, cut=st.integers(0, 99), what=st.sampled_from(["", ",", "]", "}", '"', " ", "a", "1"]))
 def test_json_is_what_python_takes_for_it(value: Any, cut: int, what: str) -> None:
     text = json.dumps(value, indent=1)
-    assert json_text.read("rig.json", text)[0] == value
+    assert json_positions.read("rig.json", text)[0] == value
     cut %= len(text)
     text = text[:cut] + what + text[cut + 1 :]
     try:
         known = json.loads(text)
     except json.JSONDecodeError:
         with pytest.raises(SpecError):
-            json_text.read("rig.json", text)
+            json_positions.read("rig.json", text)
     else:
         with suppress(SpecError):  # a key said twice, and numbers without bounds
-            assert json_text.read("rig.json", text)[0] == known
+            assert json_positions.read("rig.json", text)[0] == known
 
 
 @pytest.mark.parametrize(

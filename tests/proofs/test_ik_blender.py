@@ -11,7 +11,7 @@ from engines import blender_limbs
 from places import SAMPLES, asset_files
 from test_bake import WHOLE, stored
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.active_controls import keyed_in, size_of
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.pose_cache import Posed, sampled
@@ -55,7 +55,7 @@ def test_limbs_come_to_where_blender_puts_them(path: Path, tmp_path: Path) -> No
     up = bake(rig, options=BakeOptions(to="controls"))
     timeline = timelines(up)[0]
     solver = Solver(up, keyed_in(up, timeline))
-    times = pose.key_times(timeline.clip)
+    times = sampling.key_times(timeline.clip)
     moving = sampled(up, timeline.clip, np.linspace(times[0], times[-1], MOMENTS))
     # What FK controls hold below IK is no matter of the solver.
     below = {fk.own.control for limb in solver.limbs for fk in limb.fk.values()}

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_cache import Posed
 from rigtri.export.drawing.bones import Bones
 from rigtri.export.drawing.primitives import Mark
@@ -41,7 +41,7 @@ def worlds(rig: Rig, posed: Posed) -> Floats:
     local = rig.local.copy()
     for node in posed.parts:
         local[node] = posed.local(node)[0]
-    return pose.worlds(rig, local)
+    return sampling.worlds(rig, local)
 
 
 def joints_of(rig: Rig) -> Skeleton:

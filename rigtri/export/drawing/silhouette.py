@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import Timeline
 from rigtri.export.drawing.scene import Scene
 from rigtri.maths.matrices import multiply, transform_points
@@ -47,7 +47,7 @@ def patches(scene: Scene, timeline: Timeline | None, time: float) -> list[Patch]
         if jointed and mesh.skin is None and not _jointed(rig, mesh.node):
             continue
         clip = None if timeline is None else timeline.clip
-        points = _placed(mesh, scene, pose.morph_weights(mesh, clip, np.array([time]))[0])
+        points = _placed(mesh, scene, sampling.morph_weights(mesh, clip, np.array([time]))[0])
         try:
             faces = triangles(mesh)
         except FileError:  # the points still say where the mesh is
@@ -78,7 +78,7 @@ def _placed(mesh: Mesh, scene: Scene, morph: Floats) -> Floats:
         points = points + offsets * share if share else points
     if mesh.skin is None or not mesh.joints.shape[1]:
         return transform_points(points, scene.world[mesh.node])
-    matrices = multiply(mesh.bind, pose.skin_matrices(scene.rig.skins[mesh.skin], scene.world))
+    matrices = multiply(mesh.bind, sampling.skin_matrices(scene.rig.skins[mesh.skin], scene.world))
     known = (mesh.joints >= 0) & (mesh.joints < len(matrices))
     weights = np.where(known, mesh.weights, 0.0)
     placed, total = np.zeros(points.shape), np.zeros(len(points))

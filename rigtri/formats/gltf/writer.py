@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from rigtri.errors import FileError
 from rigtri.files.atomic_write import same_file, settling
 from rigtri.formats.document import Companion
-from rigtri.formats.gltf import mmap as mapped
+from rigtri.formats.gltf import mmap
 from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
 from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.container import Piece
@@ -91,7 +91,7 @@ def _write(part: Path, pieces: Sequence[Piece]) -> None:
         if size < BUFFERING:
             part.write_bytes(b"".join(pieces))
             return
-        with part.open("wb", buffering=BUFFERING) as file, settling(file, large=size >= mapped.MAP_FROM):
+        with part.open("wb", buffering=BUFFERING) as file, settling(file, large=size >= mmap.MAP_FROM):
             for piece in pieces:
                 pour(file, piece)
     except OSError as error:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pxr import Sdf, UsdGeom
 
-from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.opinions.edits import define
 
@@ -23,6 +23,6 @@ def write_blank(path: Path, up: str, unit: float) -> None:
     suffix = path.suffix.lower()
     content = layers.to_bytes(layer, "usda" if suffix == ".usda" else "usdc")
     if suffix == ".usdz":
-        package.write(package.empty(f"{path.stem}.usdc"), content, path)
+        usdz.write(usdz.empty(f"{path.stem}.usdc"), content, path)
     else:
         path.write_bytes(content)

@@ -16,27 +16,25 @@ from pxr import Sdf, Usd
 from rigtri.errors import FileError, UsageError
 from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
-from rigtri.formats.usd import usdz as package
-from rigtri.formats.usd import writer
-from rigtri.formats.usd.composition import dependencies as needed
-from rigtri.formats.usd.composition import external_paths as external
-from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd import usdz, writer
+from rigtri.formats.usd.composition import dependencies, external_paths, layers
 from rigtri.formats.usd.composition.stage import open_stage, quiet
 from rigtri.formats.usd.composition.variable_expressions import variables_of
 from rigtri.formats.usd.embed import embedded
-from rigtri.formats.usd.opinions import drop_redundant_opinions as repeated
-from rigtri.formats.usd.opinions import instance_edits as instances
+from rigtri.formats.usd.opinions import drop_redundant_opinions, instance_edits
 from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.control_shapes import read_lines
 from rigtri.formats.usd.opinions.edits import Edit, kind, parts
-from rigtri.formats.usd.passes import add_joints as joints
-from rigtri.formats.usd.passes import drop_columns as joint_tracks
-from rigtri.formats.usd.passes import retime_samples as joint_keys
-from rigtri.formats.usd.passes import route_tracks as new_keys
-from rigtri.formats.usd.passes import route_variants as variant_edits
-from rigtri.formats.usd.passes import split_joints as splits
-from rigtri.formats.usd.passes import write_skin_weights as weights
-from rigtri.formats.usd.reading import mesh_reader as meshes
+from rigtri.formats.usd.passes import (
+    add_joints,
+    drop_columns,
+    retime_samples,
+    route_tracks,
+    route_variants,
+    split_joints,
+    write_skin_weights,
+)
+from rigtri.formats.usd.reading import mesh_reader
 from rigtri.formats.usd.reading.reader import Source, read_source
 from rigtri.formats.usd.reading.scene_facts import read_scenery
 from rigtri.formats.usd.text import splice
@@ -102,20 +100,20 @@ class UsdDocument:
         notices: list[Notice] = []
         with quiet(f"{target}: USD cannot write it"):
             bake = self._options.bake_xform
-            source, rig, first = joints.extended(self._source, rig, self._options)
-            source, rig, split = splits.widened(source, rig, self._options, notices)
+            source, rig, first = add_joints.extended(self._source, rig, self._options)
+            source, rig, split = split_joints.widened(source, rig, self._options, notices)
             first += split
             asked = rig
-            source, rig, keyed = joint_keys.driven(source, rig, self._options)
-            source, rig = new_keys.taken_up(source, rig, asked)
+            source, rig, keyed = retime_samples.driven(source, rig, self._options)
+            source, rig = route_tracks.taken_up(source, rig, asked)
             first += keyed
-            rig, last = joints.shortened(source, rig)
-            rig, idle = joint_tracks.undriven(source, rig)
+            rig, last = add_joints.shortened(source, rig)
+            rig, idle = drop_columns.undriven(source, rig)
             last += idle
             edits = writer.edits(source, rig, bake=bake, warnings=notices)
-            edits += weights.weight_edits(source, rig, notices)
+            edits += write_skin_weights.weight_edits(source, rig, notices)
             expected = Expected()
-            routed = variant_edits.routed(source, rig, edits, expected)
+            routed = route_variants.routed(source, rig, edits, expected)
             every = [*first, *routed, *last]
             self._write(every, part, target, notices, strips=bool(rig.removed))
             if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
@@ -136,7 +134,7 @@ class UsdDocument:
         if self._options.override and not self._is_override():
             yield source.path, "the file that the override is for"
         with quiet(f"{source.path}: USD cannot read what it refers to"):
-            files = list(needed.files(source.stage, source.path))
+            files = list(dependencies.files(source.stage, source.path))
         # To edit a file in place is no loss, whoever refers to it.
         yield from (entry for entry in files if not same_file(entry[0], source.path))
 
@@ -181,7 +179,7 @@ class UsdDocument:
 
     def _in_instances(self, edits: Sequence[Edit]) -> bool:
         stage = self._source.stage
-        return any(instances.instance_of(stage, edit.prim) is not None for edit in edits)
+        return any(instance_edits.instance_of(stage, edit.prim) is not None for edit in edits)
 
     def _is_override(self) -> bool:
         return "override" in dict(self._layer.customLayerData.get(MARK, {}))
@@ -217,15 +215,15 @@ class UsdDocument:
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
         _apply(source.stage, edits, layer, notices)
         if strips and not packed and not self._is_override():
-            repeated.without_repeated(source.stage, layer, edits, self._in_place)
+            drop_redundant_opinions.without_repeated(source.stage, layer, edits, self._in_place)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             shutil.copyfile(source.path, part)
         elif packed:
-            whole = package.read(source.path)
+            whole = usdz.read(source.path)
             _check_sums(whole, source.path, notices)
             root = whole.bytes_of(whole.root)
-            package.write(whole, self._encoded(layer, _by_content(root), root, notices), part)
+            usdz.write(whole, self._encoded(layer, _by_content(root), root, notices), part)
         else:
             encoding = layers.encoding_of(self._layer)
             content = source.path.read_bytes() if encoding == "usda" else b""
@@ -296,13 +294,13 @@ def _read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
     skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
     tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
     with quiet(f"{source.path}: USD cannot read its meshes"):
-        found = meshes.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+        found = mesh_reader.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
         playing = {
             path: source.stage.GetPrimAtPath(skeleton.animation)
             for path, skeleton in source.skeletons.items()
             if skeleton.animation
         }
-        found = meshes.resting_weights(found, source.bindings.every, playing)
+        found = mesh_reader.resting_weights(found, source.bindings.every, playing)
     for mesh in found:
         if mesh.skin is not None and not np.isfinite(mesh.weights).all():
             text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
@@ -341,12 +339,12 @@ def _source_of(layer: Any, path: Path) -> Path | None:
 
 def _over(layer: Any, below: Path, path: Path, allow_external: bool) -> tuple[Any, list[Notice]]:
     """The stage of bare opinions in ``path`` over the file they are for, and what was noticed about that."""
-    external.check_file(below, path, allow_external=allow_external)
+    external_paths.check_file(below, path, allow_external=allow_external)
     stage, warnings = open_stage(below, allow_external=allow_external)
     with quiet(f"{below}: USD cannot read it"):
         # What their expressions name is known only with the variables of that file.
         variables = variables_of(stage.GetRootLayer())
-        held = external.check(path, allow_external=allow_external, variables=variables)
+        held = external_paths.check(path, allow_external=allow_external, variables=variables)
         both = layers.over(layer, stage.GetRootLayer())
         del held  # they had to stay open until the stage has them
     return both, warnings
@@ -356,15 +354,15 @@ def _apply(stage: Any, edits: list[Edit], layer: Any, notices: list[Notice]) -> 
     inside: list[Edit] = []
     with Sdf.ChangeBlock():
         for edit in edits:
-            if instances.instance_of(stage, edit.prim) is None:
+            if instance_edits.instance_of(stage, edit.prim) is None:
                 edit(layer)
             else:
                 inside.append(edit)
     if inside:
-        instances.apply(stage, inside, layer, notices)
+        instance_edits.apply(stage, inside, layer, notices)
 
 
-def _check_sums(whole: package.Package, path: Path, notices: list[Notice]) -> None:
+def _check_sums(whole: usdz.Package, path: Path, notices: list[Notice]) -> None:
     """FileError for a damaged layer that would get a valid checksum; other entries are kept and noticed."""
     damaged = [entry for entry in whole.entries if not whole.is_whole(entry)]
     if whole.root in damaged:

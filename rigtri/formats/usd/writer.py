@@ -16,14 +16,12 @@ from pxr import Sdf, Vt
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import bind
 from rigtri.formats.usd.composition.time_samples import time_samples
-from rigtri.formats.usd.opinions import xform_ops as xform
+from rigtri.formats.usd.opinions import xform_ops
 from rigtri.formats.usd.opinions.edits import Edit, apply_schema, kind, parts, set_value
 from rigtri.formats.usd.opinions.half_rounding import put
-from rigtri.formats.usd.passes import key_xforms as prim_keys
-from rigtri.formats.usd.passes import route_tracks as new_keys
-from rigtri.formats.usd.passes import write_rigtri_prims as locators
+from rigtri.formats.usd.passes import key_xforms, route_tracks, write_rigtri_prims
 from rigtri.formats.usd.passes.unify_rounding import united
-from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.formats.usd.reading.animation_reader import HELD, Animation, Property
 from rigtri.formats.usd.reading.reader import Source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
@@ -51,18 +49,22 @@ def edits(source: Source, rig: Rig, *, bake: bool, warnings: list[Notice]) -> li
     moved = np.zeros(len(before), dtype=bool)
     moved |= (before.local != rig.local[: len(before)]).any(axis=(1, 2))
     keyed = _keyed_prims(before, rig, moved)
-    clips, tracks, weights = new_keys.divided(before, rig, lambda n: n in keyed or _keys_are_ours(before, n))
+    clips, tracks, weights = route_tracks.divided(
+        before, rig, lambda n: n in keyed or _keys_are_ours(before, n)
+    )
     plain = replace(rig, clips=clips)
     theirs = [track for track in tracks if track.node in keyed]
     moved[list(keyed)] = False  # their new keys say where they stand
     return [
         *_skin_edits(source, rig, moved),
         *_animation_edits(source, plain, warnings),
-        *new_keys.weight_edits(source, weights),
-        *new_keys.rest_edits(source, rig),
+        *route_tracks.weight_edits(source, weights),
+        *route_tracks.rest_edits(source, rig),
         *_prim_edits(source, rig, moved, bake, warnings),
-        *prim_keys.edits(source, rig, theirs),
-        *locators.edits(source, rig, {t.node for t in tracks if t.node not in keyed} | _silent(before, rig)),
+        *key_xforms.edits(source, rig, theirs),
+        *write_rigtri_prims.edits(
+            source, rig, {t.node for t in tracks if t.node not in keyed} | _silent(before, rig)
+        ),
         *_joint_notes(source, rig),
     ]
 
@@ -71,7 +73,7 @@ def _keys_are_ours(before: Rig, node: int) -> bool:
     """Whether a node is a prim of ours, new or known; a joint with a note is none."""
     if node >= len(before):
         return True
-    return kind(before.keys[node]) == "prim" and locators.is_ours(before, node)
+    return kind(before.keys[node]) == "prim" and write_rigtri_prims.is_ours(before, node)
 
 
 def _silent(before: Rig, rig: Rig) -> set[int]:
@@ -98,7 +100,7 @@ def _keyed_prims(before: Rig, rig: Rig, moved: np.ndarray) -> set[int]:
                 turned or np.array_equal(was.values, track.values)
             ):
                 continue
-        if not locators.takes_place(before, rig, node):
+        if not write_rigtri_prims.takes_place(before, rig, node):
             found.add(node)
     return found
 
@@ -110,11 +112,11 @@ def _prim_edits(
     prims = [
         node
         for node in np.flatnonzero(moved).tolist()
-        if kind(before.keys[node]) == "prim" and not locators.takes_place(before, rig, node)
+        if kind(before.keys[node]) == "prim" and not write_rigtri_prims.takes_place(before, rig, node)
     ]
     if not prims:
         return []
-    return xform.turn_edits(source.stage, before, rig, prims, bake, warnings)
+    return xform_ops.turn_edits(source.stage, before, rig, prims, bake, warnings)
 
 
 def _skin_edits(source: Source, rig: Rig, moved: np.ndarray) -> list[Edit]:
@@ -298,7 +300,7 @@ def _twin(source: Source, animation: Animation, number: int) -> tuple[str, list[
 def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
     """The attributes of skeletons whose joints have other notes than before."""
     before = source.rig
-    wanted: dict[str, dict[str, notes.Note]] = {}
+    wanted: dict[str, dict[str, metadata_attributes.Note]] = {}
     changed: set[str] = set()
     for skin in before.skins:
         if kind(skin.key) not in ("skeleton", "library"):
@@ -311,20 +313,20 @@ def _joint_notes(source: Source, rig: Rig) -> list[Edit]:
             if note:
                 wanted.setdefault(path, {})[token] = note
     for path in changed:  # an attribute is written as a whole, with what other versions have stored
-        for token, note in notes.read_joints(source.stage.GetPrimAtPath(path)).items():
+        for token, note in metadata_attributes.read_joints(source.stage.GetPrimAtPath(path)).items():
             if illegible(note):
                 wanted.setdefault(path, {})[token] = note
     return [edit for path in sorted(changed) for edit in _set_joint_notes(path, wanted.get(path, {}))]
 
 
-def _set_joint_notes(path: str, wanted: dict[str, notes.Note]) -> Sequence[Edit]:
+def _set_joint_notes(path: str, wanted: dict[str, metadata_attributes.Note]) -> Sequence[Edit]:
     if wanted:
-        attributes = notes.joint_attributes(wanted)
+        attributes = metadata_attributes.joint_attributes(wanted)
         return [set_value(path, n, t, v, uniform=True, custom=True) for n, (t, v) in attributes.items()]
 
     def remove(layer: Any) -> None:
         prim = layer.GetPrimAtPath(path)
-        for name in notes.JOINT_NOTES if prim else ():
+        for name in metadata_attributes.JOINT_NOTES if prim else ():
             if name in prim.properties:
                 del prim.properties[name]
 

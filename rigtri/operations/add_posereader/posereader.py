@@ -44,7 +44,7 @@ from rigtri.maths.vectors import normalise
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.records import Interpolation, Mesh, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.add_posereader import replaced_keys as kept_keys
+from rigtri.operations.add_posereader import replaced_keys
 from rigtri.operations.add_rivet.rebind import remounted
 from rigtri.operations.control_names import refuse_taken
 from rigtri.operations.options import operation
@@ -240,11 +240,11 @@ class _Builder:
             rig, node = add(rig, self.name, parent, self.note)
         else:
             rig = self._given_back(rig, node)
-        self.note[kept_keys.KEY] = list(rig.notes[node].get(kept_keys.KEY, ()))
+        self.note[replaced_keys.KEY] = list(rig.notes[node].get(replaced_keys.KEY, ()))
         self.rig = rig
         values = self._value_nodes(node)
         counts: dict[str, int] = {}
-        for title, timeline in kept_keys.titles(self.rig).items():
+        for title, timeline in replaced_keys.titles(self.rig).items():
             if self.clips is not None and self.clips.isdisjoint(timeline.members):
                 continue
             self._keep(title, timeline)
@@ -252,8 +252,8 @@ class _Builder:
             counts[timeline.name] = len(times)
             tracks = [*self._morph_tracks(timeline, times, found), *_value_tracks(values, times, found)]
             self.rig = placed(self.rig, timeline, tracks)
-        if not self.note[kept_keys.KEY]:
-            del self.note[kept_keys.KEY]
+        if not self.note[replaced_keys.KEY]:
+            del self.note[replaced_keys.KEY]
         self.rig = noted(self.rig, node, self.note)
         if not counts:
             self.report.warn(
@@ -272,10 +272,10 @@ class _Builder:
         had = [(output.get("mesh"), output.get("morph")) for output in note.get("outputs", ())]
         if set(had) <= set(wanted):
             return rig
-        rig, driven = kept_keys.restored(rig, [node], self.report)
+        rig, driven = replaced_keys.restored(rig, [node], self.report)
         for mesh, columns in driven.items():
             self.report.driven.setdefault(rig.keys[mesh], set()).update(columns)
-        return noted(rig, node, {key: value for key, value in note.items() if key != kept_keys.KEY})
+        return noted(rig, node, {key: value for key, value in note.items() if key != replaced_keys.KEY})
 
     # --- what the note says
 
@@ -496,8 +496,8 @@ class _Builder:
         """Note what drives the morph targets until now."""
         for drive in self.drives:
             was, mesh = timeline.track(drive.mesh.node, "weights"), self.rig.address(drive.mesh.node)
-            old = self.note[kept_keys.KEY]
-            self.note[kept_keys.KEY] = kept_keys.kept(old, title, mesh, was, drive.columns)
+            old = self.note[replaced_keys.KEY]
+            self.note[replaced_keys.KEY] = replaced_keys.kept(old, title, mesh, was, drive.columns)
 
     def _morph_tracks(self, timeline: Timeline, times: Floats, found: Floats) -> Iterable[Track]:
         for drive in self.drives:

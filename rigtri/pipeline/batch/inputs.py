@@ -14,8 +14,7 @@ from pathlib import Path
 
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import text_of
-from rigtri.pipeline.batch import job_files as jobs
-from rigtri.pipeline.batch import urls
+from rigtri.pipeline.batch import job_files, urls
 from rigtri.pipeline.batch.job_files import Fits, Input
 
 _WILD = re.compile(r"[*?\[]")
@@ -162,7 +161,7 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
 
 def _of_job(path: Path, faults: list[RigtriError], fits: Fits | None) -> list[Input]:
     """The lines of a job file; those without an output keep their tree."""
-    found = jobs.inputs(path, faults, fits)
+    found = job_files.inputs(path, faults, fits)
     shared = _shared([item.source for item in found if item.output is None])
     return [replace(item, base=shared) for item in found]
 

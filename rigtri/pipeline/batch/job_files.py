@@ -12,7 +12,7 @@ from typing import Any
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import text_of
 from rigtri.pipeline.batch import urls
-from rigtri.pipeline.rigspec import json_positions as json_text
+from rigtri.pipeline.rigspec import json_positions
 from rigtri.pipeline.rigspec.errors import SpecError
 
 _KEYS = {"input", "output", "variables"}
@@ -92,7 +92,7 @@ def _values(line: str) -> Any:
         return json.loads(line, object_pairs_hook=_once, parse_constant=_no_number)
     except ValueError:
         try:
-            return json_text.read("", line)[0]
+            return json_positions.read("", line)[0]
         except SpecError as error:  # which tells the column, and in plain words
             fault = error.found[0]
             raise ValueError(f"{fault.text} (column {fault.place.column})") from None

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 from rigtri.errors import RigtriError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import Confined, CrashError
 from rigtri.formats import references
@@ -94,7 +94,7 @@ class Local:
     def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
         # A worker that is killed cannot remove what it has written for itself.
-        with scratch.folder() as self._scratch:
+        with temp_dirs.folder() as self._scratch:
             yield from self._run(iter(assignments), heard)
 
     def _run(self, source: Iterator[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rigtri.errors import GeometryError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.files.input_stream import called, opened, title
 from rigtri.files.staged_output import write_text
 from rigtri.formats import ReadOptions, read
@@ -116,7 +116,7 @@ def auto(
     places in the spec then; else as `rigtri.build`. Where a step fails the spec is written all the same.
     """
     place = None if spec_out is None or dry_run else Path(spec_out)
-    with opened(source) as at, scratch.folder() as folder:
+    with opened(source) as at, temp_dirs.folder() as folder:
         found = _proposal(at, Path(source), preset, own, options or ReadOptions())
         seen(found)
         if not found.is_character:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import DeviationError, GeometryError, NameNotFoundError, NoLimbError, RigtriError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import Written, spare
@@ -76,7 +76,7 @@ def build(
         last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
     with (
         opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
-        scratch.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
+        temp_dirs.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
         work.source = work.at
         work.spooled = from_stream or str(source) == "-"

@@ -7,13 +7,9 @@ from pathlib import Path
 from rigtri.errors import FileError
 from rigtri.files.text_files import text_of
 from rigtri.pipeline.rigspec import (
-    json_positions as json_text,
-)
-from rigtri.pipeline.rigspec import (
-    toml_positions as toml_text,
-)
-from rigtri.pipeline.rigspec import (
-    yaml_positions as yaml_text,
+    json_positions,
+    toml_positions,
+    yaml_positions,
 )
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.positions import Tree
@@ -21,10 +17,10 @@ from rigtri.pipeline.rigspec.positions import Tree
 # A spec is written by hand or by a script; whatever is larger is none.
 MOST_BYTES = 1 << 20
 _READERS = {
-    ".yaml": yaml_text.read,
-    ".yml": yaml_text.read,
-    ".json": json_text.read,
-    ".toml": toml_text.read,
+    ".yaml": yaml_positions.read,
+    ".yml": yaml_positions.read,
+    ".json": json_positions.read,
+    ".toml": toml_positions.read,
 }
 
 

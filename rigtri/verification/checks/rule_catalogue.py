@@ -8,12 +8,8 @@ from fnmatch import fnmatchcase
 
 from rigtri.errors import UsageError
 from rigtri.verification.checks.findings import Rule
-from rigtri.verification.checks.gltf import rules_animation as clip_rules
-from rigtri.verification.checks.gltf import rules_structure as gltf
-from rigtri.verification.checks.gltf import rules_vrm as vrm
-from rigtri.verification.checks.usd import rules as usd
-from rigtri.verification.checks.usd import rules_binding as binding_rules
-from rigtri.verification.checks.usd import usdz as packages
+from rigtri.verification.checks.gltf import rules_animation, rules_structure, rules_vrm
+from rigtri.verification.checks.usd import rules, rules_binding, usdz
 
 UNREADABLE = "file.unreadable"
 _FILE = (
@@ -28,12 +24,12 @@ RULES: Mapping[str, Rule] = {
     rule.id: rule
     for rule in (
         *_FILE,
-        *gltf.RULES,
-        *clip_rules.RULES,
-        *vrm.RULES,
-        *usd.RULES,
-        *binding_rules.RULES,
-        *packages.RULES,
+        *rules_structure.RULES,
+        *rules_animation.RULES,
+        *rules_vrm.RULES,
+        *rules.RULES,
+        *rules_binding.RULES,
+        *usdz.RULES,
     )
 }
 

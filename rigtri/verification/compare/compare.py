@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.frames.error_bounds import TOLERANCE as TOLERANCE
 from rigtri.frames.rig_size import fits, size_of
 from rigtri.maths.quaternions import norm
@@ -450,14 +450,14 @@ def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
         return
     (before, after), tally.watched = _needed(before, after, tally.watched)
     both, count = joined(before, after), len(before)  # one evaluation costs less than two
-    still = pose.worlds(both, pose.rest(both, normalised=normalised))[np.newaxis]
+    still = sampling.worlds(both, sampling.rest(both, normalised=normalised))[np.newaxis]
     tally.add(Moment(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
     size = min(max(map(_times_at_once, (before, after))), _times_of_points(tally.watched))
     for clip, *clips in zip(both.clips, before.clips, after.clips, strict=True):
-        motion, times = pose.Motion(both, clip), pose.between_keys(pose.key_times(clip))
+        motion, times = sampling.Motion(both, clip), sampling.between_keys(sampling.key_times(clip))
         for start in range(0, len(times), size):
             some = times[start : start + size]
-            worlds = pose.worlds(both, motion.locals_at(some, normalised=normalised))
+            worlds = sampling.worlds(both, motion.locals_at(some, normalised=normalised))
             tally.add(Moment(worlds[:, :count], worlds[:, count:], (clips[0], clips[1]), some), clip.name)
 
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import Timeline, looked_at, timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -71,7 +71,7 @@ def _alike(
     still = np.zeros(width) if resting is None or len(resting) != width else resting
     found = []
     for track, where in zip(tracks, (node, there), strict=True):
-        values = np.tile(still, (len(times), 1)) if track is None else pose.sample(track, times)
+        values = np.tile(still, (len(times), 1)) if track is None else sampling.sample(track, times)
         values[:, list(columns)] = 0.0
         found.append(Track(where, "weights", "LINEAR" if len(times) > 1 else "STEP", times, values))
     return found[0], found[1]
@@ -109,16 +109,16 @@ def _farthest(then: Timeline | None, after: Rig, now: Timeline, mesh: Mesh, othe
     track = now.track(other.node, "weights")
     if track is None:
         return 0.0
-    old = pose.morph_weights(mesh, then.clip if then is not None else None, track.times)
-    apart = np.abs(pose.sample(track, track.times) - old).max(axis=1)
+    old = sampling.morph_weights(mesh, then.clip if then is not None else None, track.times)
+    apart = np.abs(sampling.sample(track, track.times) - old).max(axis=1)
     best = np.sort(np.argsort(-apart, kind="stable")[:_POSES])
     times = track.times[best]
-    world = pose.worlds(after, pose.locals_at(after, now.clip, times))
+    world = sampling.worlds(after, sampling.locals_at(after, now.clip, times))
     farthest = 0.0
     for k, time in enumerate(times):
         here = np.array([time])
         rows = [
-            pose.deformed(m, rig, world[k : k + 1], pose.morph_weights(m, t, here))
+            sampling.deformed(m, rig, world[k : k + 1], sampling.morph_weights(m, t, here))
             for m, rig, t in (
                 (replace(mesh, node=other.node), after, None if then is None else _at(then, mesh, other)),
                 (other, after, now.clip),

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.frames.error_bounds import frames_shown
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
@@ -139,7 +139,7 @@ class Points:
         sides = zip(self.meshes, self.rigs, (moment.before, moment.after), moment.clips, strict=True)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             mine, theirs = (
-                pose.deformed(mesh, rig, world, pose.morph_weights(mesh, clip, moment.times))
+                sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, moment.times))
                 for mesh, rig, world, clip in sides
             )
             here, there = (np.isfinite(points).all(axis=2) for points in (mine, theirs))
@@ -173,7 +173,7 @@ class LinearPoints(Points):
 
     def _morphs(self, moment: Moment) -> bool:
         sides = zip(self.meshes, moment.clips, strict=True)
-        return any(pose.morph_weights(m, clip, moment.times).any() for m, clip in sides)
+        return any(sampling.morph_weights(m, clip, moment.times).any() for m, clip in sides)
 
 
 def points_of(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> Points:
@@ -182,7 +182,7 @@ def points_of(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> Points:
     if mine.dual_quaternion or not same_mesh(mine, theirs):
         return Points(rigs, meshes)
     skinned = mine.skin is not None and mine.joints.shape[1] > 0
-    weights = pose.shares(mine) if skinned else np.ones((len(mine.points), 1))
+    weights = sampling.shares(mine) if skinned else np.ones((len(mine.points), 1))
     if not (np.isfinite(weights).all() and np.isfinite(mine.points).all()):
         return Points(rigs, meshes)
     if skinned:
@@ -357,7 +357,7 @@ def bare_frames(
     nodes = np.flatnonzero(unseen).tolist()
     if nodes:
         reach = _reaches(before, 0.05 * diagonal)[nodes]
-        axes = length(pose.worlds(before)[nodes, :3, :3])
+        axes = length(sampling.worlds(before)[nodes, :3, :3])
         with np.errstate(divide="ignore", invalid="ignore"):
             far = reach[:, np.newaxis] / axes
         ends = np.where(np.isfinite(far), far, 0.0)[:, np.newaxis] * np.eye(3)
@@ -389,7 +389,7 @@ def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
 
 def _reaches(rig: Rig, least: float) -> Floats:
     """How far what hangs on each node reaches at rest, (n,), in file units."""
-    places, found = pose.worlds(rig)[:, 3, :3], np.full(len(rig), least)
+    places, found = sampling.worlds(rig)[:, 3, :3], np.full(len(rig), least)
     for node in range(len(rig) - 1, -1, -1):
         parent = int(rig.parents[node])
         if parent >= 0:
@@ -400,7 +400,7 @@ def _reaches(rig: Rig, least: float) -> Floats:
 
 def _whole(rig: Rig, nodes: Sequence[int], diagonal: float) -> Floats:
     """The corners of frames a diagonal long, (r, 8, 4); of what has no size at rest, its place."""
-    axes = length(pose.worlds(rig)[nodes, :3, :3])
+    axes = length(sampling.worlds(rig)[nodes, :3, :3])
     with np.errstate(divide="ignore", invalid="ignore"):
         size = diagonal / axes
     size = np.where(np.isfinite(size), size, 0.0)

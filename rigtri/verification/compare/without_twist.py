@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.evaluation.twist_joints import is_twist
 from rigtri.maths.vectors import distance
 from rigtri.model.records import Booleans, Mesh
@@ -138,13 +138,15 @@ def moved(document: Source) -> float:
     for clip, held in zip(rig.clips, still.clips, strict=True) if meshes else ():
         if clip.idle or len(held.tracks) == len(clip.tracks):
             continue
-        times = pose.key_times(held)
+        times = sampling.key_times(held)
         for start in range(0, len(times), _AT_ONCE):
             some = times[start : start + _AT_ONCE]
-            worlds = [pose.worlds(r, pose.locals_at(r, c, some)) for r, c in ((rig, clip), (still, held))]
+            worlds = [
+                sampling.worlds(r, sampling.locals_at(r, c, some)) for r, c in ((rig, clip), (still, held))
+            ]
             for mesh in meshes:
-                morph = pose.morph_weights(mesh, clip, some)
-                one, other = (pose.deformed(mesh, rig, world, morph) for world in worlds)
+                morph = sampling.morph_weights(mesh, clip, some)
+                one, other = (sampling.deformed(mesh, rig, world, morph) for world in worlds)
                 largest = max(largest, float(distance(one, other).max(initial=0.0)))
     return largest
 

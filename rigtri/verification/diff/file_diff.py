@@ -17,11 +17,11 @@ def file_changes(
     """
     suffixes = {before.suffix.lower(), after.suffix.lower()}
     if suffixes <= set(GLTF_SUFFIXES):
-        from rigtri.verification.diff import gltf_file_diff as gltf
+        from rigtri.verification.diff import gltf_file_diff
 
-        return gltf.file_changes(before, after, options, tolerance)
+        return gltf_file_diff.file_changes(before, after, options, tolerance)
     if suffixes <= set(USD_SUFFIXES):
-        from rigtri.verification.diff import usd_file_diff as usd
+        from rigtri.verification.diff import usd_file_diff
 
-        return usd.file_changes(before, after, options, tolerance)
+        return usd_file_diff.file_changes(before, after, options, tolerance)
     return None

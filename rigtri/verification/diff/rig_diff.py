@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.evaluation import sampling as pose
+from rigtri.evaluation import sampling
 from rigtri.maths.matrices import inverse, nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -121,7 +121,7 @@ def _equal(one: Floats, other: Floats) -> Booleans:
 def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
     """Nodes whose axes point elsewhere in the world, or that stand elsewhere."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        worlds = pose.worlds(before), pose.worlds(after)
+        worlds = sampling.worlds(before), sampling.worlds(after)
         axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
     places = worlds[0][:, 3, :3]
     whole = places[np.isfinite(places).all(axis=1)]

@@ -15,7 +15,7 @@ from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions
-from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import open_stage, quiet
 from rigtri.verification.diff.change import Change, arrow, order_of
@@ -32,7 +32,7 @@ def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: flo
         if not layered:
             layered = list(_composed(stages, (before, after), tolerance))
     if before.suffix.lower() == after.suffix.lower() == ".usdz":
-        found += _entries(package.read(before), package.read(after), tolerance)
+        found += _entries(usdz.read(before), usdz.read(after), tolerance)
     elif ".usdz" in (before.suffix.lower(), after.suffix.lower()):
         found.append(Change("package", "changed", "container", arrow(before.suffix, after.suffix)))
     return found + layered
@@ -47,7 +47,7 @@ def _encodings(before: Path, after: Path, stages: Sequence[Any]) -> Iterator[Cha
 def _encoding(path: Path, stage: Any) -> str:
     if path.suffix.lower() != ".usdz":
         return layers.encoding_of(stage.GetRootLayer())
-    whole = package.read(path)
+    whole = usdz.read(path)
     return "usdc" if whole.bytes_of(whole.root).startswith(b"PXR-USDC") else "usda"
 
 
@@ -122,7 +122,7 @@ def _flattened(stage: Any, path: Path) -> Any:
     return layer
 
 
-def _entries(before: package.Package, after: package.Package, tolerance: float) -> Iterator[Change]:
+def _entries(before: usdz.Package, after: usdz.Package, tolerance: float) -> Iterator[Change]:
     """Entries of packages: names, order, bytes, dates, extra fields, comments.
 
     With a tolerance the bytes of layers are not compared, for their values are.
@@ -154,7 +154,7 @@ def _entries(before: package.Package, after: package.Package, tolerance: float) 
         yield Change(group, "changed", "comment of the package", arrow(before.comment, after.comment))
 
 
-def _date(entry: package.Entry) -> str:
+def _date(entry: usdz.Entry) -> str:
     date, time = entry.date, entry.time
     day = f"{1980 + (date >> 9)}-{date >> 5 & 15:02}-{date & 31:02}"
     return f"{day} {time >> 11:02}:{time >> 5 & 63:02}:{2 * (time & 31):02}"

@@ -14,8 +14,7 @@ from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stderr_silence import silent
-from rigtri.formats.usd.crate import lz4
-from rigtri.formats.usd.crate import tables as crate
+from rigtri.formats.usd.crate import lz4, tables
 
 VERSIONS = [f"0.{minor}.0" for minor in range(4, 14)]
 
@@ -32,7 +31,7 @@ def written(folder: Path, version: str = "", name: str = "in.usdc") -> Path:
 
 def refusal(content: bytes) -> str:
     try:
-        crate.check(memoryview(content), "x.usdc")
+        tables.check(memoryview(content), "x.usdc")
     except FileError as error:
         return str(error)
     return ""
@@ -81,8 +80,8 @@ def test_a_section_outside_the_file_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("jumps", [[1, -2], [2, -1, -1], [-1], [0, 0], [2, 2, -2, -2], [-2, -2], [-3]])
 def test_a_tree_of_paths_that_is_none_is_refused(jumps: list[int]) -> None:
     with pytest.raises(ValueError, match="tree"):
-        crate._check_tree(np.array(jumps))
-    crate._check_tree(np.array([3, -1, -2, 0, -2]))
+        tables._check_tree(np.array(jumps))
+    tables._check_tree(np.array([3, -1, -2, 0, -2]))
 
 
 def test_an_array_longer_than_the_file_is_refused(tmp_path: Path) -> None:

@@ -10,8 +10,7 @@ from pxr import Usd
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition import composition_limits as extent
-from rigtri.formats.usd.composition import external_paths as external
+from rigtri.formats.usd.composition import composition_limits, external_paths
 
 HERO = scene(skeleton(), animation(), MESH)
 
@@ -68,12 +67,12 @@ def test_a_limit_counts_each_prim_of_each_instance_once(
     stage = Usd.Stage.Open(str(source))
     count = sum(1 for _ in Usd.PrimRange(stage.GetPseudoRoot(), every)) - 1
     assert count > 100
-    layers = external.check(source, allow_external=False)
-    monkeypatch.setattr(extent, "MOST_PRIMS", count)
-    extent.check(source, layers)
-    monkeypatch.setattr(extent, "MOST_PRIMS", count - 1)
+    layers = external_paths.check(source, allow_external=False)
+    monkeypatch.setattr(composition_limits, "MOST_PRIMS", count)
+    composition_limits.check(source, layers)
+    monkeypatch.setattr(composition_limits, "MOST_PRIMS", count - 1)
     with pytest.raises(FileError, match=f"more than {count - 1} prims"):
-        extent.check(source, layers)
+        composition_limits.check(source, layers)
 
 
 def test_prims_inside_of_themselves_are_left_to_usd(tmp_path: Path) -> None:

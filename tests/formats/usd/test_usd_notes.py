@@ -14,7 +14,7 @@ from second_opinions import usd_errors
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, write
 
 from rigtri.evaluation.sampling import worlds
-from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
 
@@ -147,10 +147,10 @@ def test_any_json_value_reads_back(value: Any) -> None:
     note = {"type": "t", "value": value}
     stage = Usd.Stage.CreateInMemory()
     prim = stage.DefinePrim("/A")
-    for name, (type_name, stored) in notes.attributes_of(note).items():
+    for name, (type_name, stored) in metadata_attributes.attributes_of(note).items():
         prim.CreateAttribute(name, type_name).Set(stored)
     Sdf.Layer.CreateAnonymous().ImportFromString(stage.GetRootLayer().ExportToString())
-    assert notes.read_prim(prim) == note
-    for name, (type_name, stored) in notes.joint_attributes({"a/b": note}).items():
+    assert metadata_attributes.read_prim(prim) == note
+    for name, (type_name, stored) in metadata_attributes.joint_attributes({"a/b": note}).items():
         prim.CreateAttribute(name, type_name).Set(stored)
-    assert notes.read_joints(prim) == {"a/b": note}
+    assert metadata_attributes.read_joints(prim) == {"a/b": note}

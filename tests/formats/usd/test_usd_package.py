@@ -11,7 +11,7 @@ from pxr import Sdf, Usd
 from usd_files import MESH, animation, deviation, error_of, read, save, scene, skeleton, turned, write
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import usdz as package
+from rigtri.formats.usd import usdz
 
 LAYER = scene(skeleton(), animation(), MESH).encode()
 PICTURE = bytes(range(256)) * 3
@@ -26,7 +26,7 @@ def pack(path: Path, *entries: tuple[str, bytes], **more: object) -> Path:
             entry.compress_type = int(str(more.get("method", zipfile.ZIP_STORED)))
             own = struct.pack("<HH4s", 0x7777, 4, b"mine")
             start = file.fp.tell() + 30 + len(name.encode()) + len(own) + 4  # type: ignore[union-attr]
-            entry.extra = own + struct.pack("<HH", package.PADDING, -start % 64) + bytes(-start % 64)
+            entry.extra = own + struct.pack("<HH", usdz.PADDING, -start % 64) + bytes(-start % 64)
             file.writestr(entry, content)
         file.comment = b"whole"
     return path
@@ -56,7 +56,7 @@ def test_only_the_root_layer_of_a_package_is_replaced(tmp_path: Path) -> None:
 def test_every_entry_starts_at_a_multiple_of_64_and_is_stored(tmp_path: Path) -> None:
     document = read(hero(tmp_path))
     out = write(document, turned(document.rig), tmp_path / "out.usdz")
-    found = package.read(out)
+    found = usdz.read(out)
     assert [entry.start % 64 for entry in found.entries] == [0, 0, 0]
     assert all(info.compress_type == 0 for info in zipfile.ZipFile(out).infolist())
     assert Usd.Stage.Open(str(out)).GetPrimAtPath("/Root/Skel")
@@ -65,8 +65,8 @@ def test_every_entry_starts_at_a_multiple_of_64_and_is_stored(tmp_path: Path) ->
 def test_writing_a_package_twice_does_not_let_it_grow(tmp_path: Path) -> None:
     document = read(hero(tmp_path))
     out = write(document, turned(document.rig), tmp_path / "out.usdz")
-    whole = package.read(out)
-    package.write(whole, whole.bytes_of(whole.root), tmp_path / "again.usdz")
+    whole = usdz.read(out)
+    usdz.write(whole, whole.bytes_of(whole.root), tmp_path / "again.usdz")
     assert (tmp_path / "again.usdz").read_bytes() == out.read_bytes()
 
 
@@ -76,7 +76,7 @@ def test_the_inner_layer_keeps_its_encoding(tmp_path: Path) -> None:
     source = pack(tmp_path / "hero.usdz", ("hero.usdc", (tmp_path / "hero.usdc").read_bytes()))
     document = read(source)
     out = write(document, turned(document.rig), tmp_path / "out.usdz")
-    whole = package.read(out)
+    whole = usdz.read(out)
     assert whole.bytes_of(whole.root).startswith(b"PXR-USDC")
     assert deviation(source, out) < 1e-6
 
@@ -134,9 +134,9 @@ def test_another_damaged_entry_stays_as_it_is_and_is_named(tmp_path: Path) -> No
     document = read(source)
     out = write(document, turned(document.rig), tmp_path / "out.usdz")
     assert [notice.code for notice in document.warnings] == ["package-damaged"]
-    before, after = (package.read(path).entries[2] for path in (source, out))
+    before, after = (usdz.read(path).entries[2] for path in (source, out))
     assert before.crc == after.crc
-    assert package.read(out).bytes_of(after) == b"jello"
+    assert usdz.read(out).bytes_of(after) == b"jello"
     with zipfile.ZipFile(out) as file:
         assert file.testzip() == "notes.txt"
 
@@ -206,7 +206,7 @@ def test_bytes_around_a_package_are_kept_behind_it_and_named_in_front(tmp_path: 
     content = source.read_bytes()
     source.write_bytes(content + bytes(64))
     document = read(source)
-    out = package.read(write(document, turned(document.rig), tmp_path / "out.usdz"))
+    out = usdz.read(write(document, turned(document.rig), tmp_path / "out.usdz"))
     assert (out.junk, out.comment[-64:]) == (64, bytes(64))
     source.write_bytes(bytes(64) + content)
     assert "other bytes stand in front of the package" in error_of(source)

@@ -24,7 +24,7 @@ from places import BUILDERS
 
 from rigtri import edit, orient_joints
 from rigtri.errors import FileError
-from rigtri.pipeline.batch import dask as cluster
+from rigtri.pipeline.batch import dask
 from rigtri.pipeline.batch.dask_worker import Message
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.work import Assignment, Record
@@ -201,7 +201,7 @@ def test_a_file_that_takes_its_worker_along_is_named_and_costs_no_other(
 def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
     tmp_path: Path, samples: Path, app: click.Group, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "REACHED", 0.3)
+    monkeypatch.setattr(dask, "REACHED", 0.3)
     monkeypatch.chdir(tmp_path)
     Path("in").mkdir()
     add(tmp_path, samples / "biped.glb", "a")
@@ -218,8 +218,8 @@ def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
 def test_what_is_no_address_is_told_at_once(tmp_path: Path, address: str) -> None:
     begin = time.monotonic()
     with pytest.raises(FileError, match=f"no Dask scheduler answers at {address}"):
-        cluster.Cluster(address, str(tmp_path)).__enter__()
-    assert time.monotonic() - begin < cluster.REACHED
+        dask.Cluster(address, str(tmp_path)).__enter__()
+    assert time.monotonic() - begin < dask.REACHED
     assert not [found for found in gc.get_objects() if type(found).__name__ == "Client"]
 
 
@@ -247,12 +247,12 @@ class Silent:
 def test_only_what_three_workers_died_on_is_named_and_comes_last_till_then(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster.Cluster, "_answer", lambda _, __, what: answers.append(what))
+    monkeypatch.setattr(dask.Cluster, "_answer", lambda _, __, what: answers.append(what))
     answers: list[tuple[list[int], None]] = []
-    engine = cluster.Cluster("", str(tmp_path))
+    engine = dask.Cluster("", str(tmp_path))
     engine._client = Silent()
     assignments = [Assignment(Entry(name, f"out/{name}"), Turn()) for name in ("a", "b", "c")]
-    monkeypatch.setattr(cluster, "_chunks", lambda count, _: [list(range(count))])
+    monkeypatch.setattr(dask, "_chunks", lambda count, _: [list(range(count))])
 
     def begin(attempt: str) -> None:
         engine._inbox.put(Message("begin", 1, attempt))
@@ -299,7 +299,7 @@ def test_a_worker_that_cannot_do_it_is_named_before_anything_is_done(
     tmp_path: Path, question: str, answer: object, said: str
 ) -> None:
     (tmp_path / "a.glb").touch()
-    engine = cluster.Cluster("", str(tmp_path))
+    engine = dask.Cluster("", str(tmp_path))
     engine._client = Asked(question, answer)
     with pytest.raises(FileError, match=re.escape(said)):
         engine.check([Entry(str(tmp_path / "a.glb"), "out/a.glb")])
@@ -324,7 +324,7 @@ class Gone(Asked):
 def test_a_scheduler_that_dies_is_told_alike_whenever_it_does(tmp_path: Path, question: str) -> None:
     (tmp_path / "a.glb").touch()
     entry = Entry(str(tmp_path / "a.glb"), "out/a.glb")
-    engine = cluster.Cluster("", str(tmp_path))
+    engine = dask.Cluster("", str(tmp_path))
     engine._client = Gone(question)
 
     def all_of_it() -> None:

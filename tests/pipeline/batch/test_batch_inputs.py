@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
-from rigtri.pipeline.batch import output_checks as targets
+from rigtri.pipeline.batch import output_checks
 from rigtri.pipeline.batch.inputs import Entry, entries
 from rigtri.pipeline.batch.shards import Shard, of_slurm, parse
 
@@ -190,11 +190,11 @@ def test_faults_of_a_list_are_told_with_their_lines(tree: Path) -> None:
         assert said in str(told.value)
     Path("list").write_text("in/a.glb\ngone.glb\n")
     with pytest.raises(FileError, match=r"no such file to read: @list:2: gone\.glb$"):
-        targets.check(entries(["@list"], out_dir=Path("out")).entries)
+        output_checks.check(entries(["@list"], out_dir=Path("out")).entries)
     Path("spec.glx").write_text("")
     Path("list").write_text("in/a.glb\nspec.glx\n")
     with pytest.raises(UsageError, match=r"no rig file.*: @list:2: spec\.glx$"):
-        targets.check(entries(["@list"], out_dir=Path("out")).entries)
+        output_checks.check(entries(["@list"], out_dir=Path("out")).entries)
 
 
 def test_a_folder_in_a_job_file_is_told_with_its_line(tree: Path) -> None:
@@ -251,7 +251,7 @@ def test_without_a_folder_for_outputs_nothing_goes_anywhere(tree: Path) -> None:
 
 def refused(*given: tuple[str, str]) -> str:
     with pytest.raises((UsageError, FileError)) as told:
-        targets.check([Entry(source, target) for source, target in given])
+        output_checks.check([Entry(source, target) for source, target in given])
     return str(told.value)
 
 
@@ -267,7 +267,7 @@ def test_what_cannot_go_together_is_told_before_anything_is_done(tree: Path) -> 
     assert "would replace" in refused(("in/a.glb", "in/sub/a.glb"), ("in/sub/a.glb", "out/b.glb"))
     assert "may not be changed; give another -O: out/x.glb" in refused(("in/a.glb", "out/x.glb"))
     assert "nothing can be written there" in refused(("in/a.glb", "out/file/a.glb"))
-    targets.check([Entry("in/a.glb", "out/a.glb"), Entry("in/sub/a.glb", "out/sub/a.glb")])
+    output_checks.check([Entry("in/a.glb", "out/a.glb"), Entry("in/sub/a.glb", "out/sub/a.glb")])
 
 
 def test_links_do_not_hide_that_an_input_would_be_replaced(tree: Path) -> None:
@@ -280,19 +280,19 @@ def test_letter_case_makes_two_outputs_one_where_the_file_system_says_so(
     tree: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given = [Entry("in/a.glb", "out/Hero.glb"), Entry("in/sub/a.glb", "out/hero.glb")]
-    monkeypatch.setattr(targets, "_folds", lambda folder: False)
-    targets.check(given)
-    monkeypatch.setattr(targets, "_folds", lambda folder: True)
+    monkeypatch.setattr(output_checks, "_folds", lambda folder: False)
+    output_checks.check(given)
+    monkeypatch.setattr(output_checks, "_folds", lambda folder: True)
     with pytest.raises(UsageError, match="more than one input"):
-        targets.check(given)
+        output_checks.check(given)
     accents = [Entry("in/a.glb", "out/\u00e9.glb"), Entry("in/sub/a.glb", "out/e\u0301.glb")]
     with pytest.raises(UsageError, match="more than one input"):
-        targets.check(accents)
+        output_checks.check(accents)
 
 
 def test_this_file_system_is_asked_whether_it_folds_names(tmp_path: Path) -> None:
     (tmp_path / "Name").touch()
-    assert targets._folds(str(tmp_path)) == (tmp_path / "nAME").exists()
+    assert output_checks._folds(str(tmp_path)) == (tmp_path / "nAME").exists()
     assert [path.name for path in tmp_path.iterdir()] == ["Name"]
 
 

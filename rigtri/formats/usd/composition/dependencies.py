@@ -6,14 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rigtri.formats.usd.composition import external_paths as external
-from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition import external_paths, layers
 from rigtri.formats.usd.composition.variable_expressions import evaluated, variables_of
 
 
 def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:
     """Every file that the layers of a file read or name, in all variants, each with who names it."""
-    opened = external.check(path, allow_external=True)
+    opened = external_paths.check(path, allow_external=True)
     # What a clip has opened, no walk through the layers finds.
     used = [layer for layer in stage.GetUsedLayers(True) if layer not in opened]
     for layer in (*opened, *used):
@@ -35,7 +34,7 @@ def _named(layer: Any) -> list[Path]:
         return asset
 
     layers.rename_assets(layer, note)
-    found.update(_absolute(layer, asset) for asset, _, _ in external.asked(layer, variables))
+    found.update(_absolute(layer, asset) for asset, _, _ in external_paths.asked(layer, variables))
     return sorted(_outer(name) for name in found if name)
 
 

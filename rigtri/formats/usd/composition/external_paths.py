@@ -17,10 +17,10 @@ from typing import Any
 from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import usdz as package
-from rigtri.formats.usd.composition import nesting_limit as nesting
+from rigtri.formats.usd import usdz
+from rigtri.formats.usd.composition import nesting_limit
 from rigtri.formats.usd.composition.variable_expressions import Variables, evaluated, variables_of
-from rigtri.formats.usd.crate import tables as crate
+from rigtri.formats.usd.crate import tables
 
 # How deep packages may stand in each other.
 NESTED = 4
@@ -86,26 +86,26 @@ def check_content(identifier: str) -> None:
     if not file.is_file():
         return
     if file.suffix.lower() != ".usdz":
-        crate.check_file(file)
-        nesting.check_file(file)
+        tables.check_file(file)
+        nesting_limit.check_file(file)
         return
-    _check_entries(package.read(file), str(file), NESTED)
+    _check_entries(usdz.read(file), str(file), NESTED)
 
 
-def _check_entries(whole: package.Package, name: str, deeper: int) -> None:
+def _check_entries(whole: usdz.Package, name: str, deeper: int) -> None:
     """The same for the entries of a package, and of packages in it."""
     for entry in whole.entries:
         content = memoryview(whole.content)[entry.start : entry.start + entry.size]
         title = f"{name}[{entry.name}]"
-        if content[: len(crate.MAGIC)] == crate.MAGIC:
-            crate.check(content, title)
+        if content[: len(tables.MAGIC)] == tables.MAGIC:
+            tables.check(content, title)
         elif entry.name.lower().endswith((".usd", ".usda")):
-            nesting.check(content, title)
+            nesting_limit.check(content, title)
         elif entry.name.lower().endswith(".usdz") and not entry.method:
             if not deeper:
                 raise FileError(f"{title}: packages stand in each other more than {NESTED} deep. Unpack them")
             try:
-                inner = package.parse(bytes(content), title)
+                inner = usdz.parse(bytes(content), title)
             except FileError:
                 continue  # USD cannot open it either, which is told where it is needed
             _check_entries(inner, title, deeper - 1)

@@ -12,7 +12,7 @@ from typing import Any
 from pxr import Sdf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.formats.usd.composition.variable_expressions import evaluated, is_one, prefixed, variables_of
 
 Rename = Callable[[str], str]
@@ -71,7 +71,7 @@ def to_bytes(layer: Any, encoding: str) -> bytes:
     """A layer as the bytes of a file in ``usda`` or ``usdc``."""
     if encoding == "usda":
         return str(layer.ExportToString()).encode("utf-8")
-    with scratch.folder() as folder:
+    with temp_dirs.folder() as folder:
         path = Path(folder, "layer.usdc")
         layer.Export(str(path))
         return path.read_bytes()

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.crate import tables as crate
+from rigtri.formats.usd.crate import tables
 from rigtri.formats.usd.text.statements import COMMENTS, STRINGS
 
 # Tuples, arrays and metadata are some ten deep at most; prims and dictionaries stand in braces.
@@ -27,7 +27,7 @@ _KINDS = (("brackets", b"([", b")]", MOST_BRACKETS), ("braces", b"{", b"}", MOST
 def check_file(path: Path) -> None:
     """FileError, with the line, for a text layer whose brackets USD's parser may not survive."""
     with path.open("rb") as file:
-        if file.read(len(crate.MAGIC)) == crate.MAGIC:
+        if file.read(len(tables.MAGIC)) == tables.MAGIC:
             return
     check(path.read_bytes(), str(path))
 

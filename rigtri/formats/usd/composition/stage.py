@@ -17,9 +17,8 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import codeless_schemas as schemas
-from rigtri.formats.usd.composition import composition_limits as extent
-from rigtri.formats.usd.composition import external_paths as external
+from rigtri.formats.usd import codeless_schemas
+from rigtri.formats.usd.composition import composition_limits, external_paths
 from rigtri.formats.usd.composition.stderr_silence import silent
 from rigtri.formats.usd.composition.value_types import demand
 from rigtri.report import Notice
@@ -63,19 +62,19 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
     if path.stat().st_size == 0:
         raise FileError(f"{path}: the file is empty.")
     with quiet(f"{path}: no USD file, or a damaged one") as texts:
-        external.check_content(str(path))
+        external_paths.check_content(str(path))
         known = Sdf.Layer.Find(str(path))
         if known is not None:
             # pxr keeps layers that someone holds; the file may have been replaced since.
             known.Reload(True)
-        layers = external.check(path, allow_external=allow_external)
-        extent.check(path, layers)
+        layers = external_paths.check(path, allow_external=allow_external)
+        composition_limits.check(path, layers)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
         del layers  # they had to stay open until the stage has them
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
-    schemas.check_known()
-    external.check_used(stage, path, allow_external=allow_external)
+    codeless_schemas.check_known()
+    external_paths.check_used(stage, path, allow_external=allow_external)
     return stage, _unresolved(texts, path.parent)
 
 

@@ -22,7 +22,7 @@ from rigtri.formats.usd.composition.stage import why_instanced
 from rigtri.formats.usd.composition.variants import Trial
 from rigtri.formats.usd.opinions.edits import Edit, define, kind, parts, set_value
 from rigtri.formats.usd.opinions.preview_stage import edited
-from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.formats.usd.reading.reader import Source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import inverse
@@ -216,7 +216,7 @@ def own_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit]:
     rest: (m, 4, 4), where each stands, seen from its parent joint, or from the prim if it has none.
     """
     tokens: dict[int, str] = {}
-    said: dict[str, notes.Note] = {}
+    said: dict[str, metadata_attributes.Note] = {}
     for node in skin.joints.tolist():
         above = tokens.get(int(rig.parents[node]))
         tokens[node] = f"{above}/{rig.names[node]}" if above else rig.names[node]
@@ -229,6 +229,6 @@ def own_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit]:
         _set_matrices(path, "restTransforms", rest),
         *(
             set_value(path, name, type_name, value, uniform=True, custom=True)
-            for name, (type_name, value) in notes.joint_attributes(said).items()
+            for name, (type_name, value) in metadata_attributes.joint_attributes(said).items()
         ),
     ]

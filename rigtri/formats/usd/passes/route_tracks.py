@@ -21,7 +21,7 @@ from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.opinions.edits import Edit, set_value
-from rigtri.formats.usd.reading import xform_sampling as prim_clip
+from rigtri.formats.usd.reading import xform_sampling
 from rigtri.formats.usd.reading.animation_reader import Animation
 from rigtri.formats.usd.reading.mesh_reader import default_weights
 from rigtri.formats.usd.reading.reader import Source
@@ -45,12 +45,13 @@ def taken_up(source: Source, rig: Rig, asked: Rig) -> tuple[Source, Rig]:
     places = {node for skin in rig.skins if skin.key is not None for node in skin.joints.tolist()}
     tracks = tuple(t for clip in whole for t in clip.tracks if t.path == "weights" or t.node not in places)
     clips = tuple(clip for clip in rig.clips if clip.key != PLAYED)
-    if all(clip.key != prim_clip.KEY for clip in clips):
-        empty = Clip(prim_clip.NAME, (), prim_clip.KEY)
+    if all(clip.key != xform_sampling.KEY for clip in clips):
+        empty = Clip(xform_sampling.NAME, (), xform_sampling.KEY)
         clips = (*clips, empty)
         source = replace(source, rig=replace(source.rig, clips=(*source.rig.clips, empty)))
     clips = tuple(
-        replace(clip, tracks=(*clip.tracks, *tracks)) if clip.key == prim_clip.KEY else clip for clip in clips
+        replace(clip, tracks=(*clip.tracks, *tracks)) if clip.key == xform_sampling.KEY else clip
+        for clip in clips
     )
     return source, replace(rig, clips=clips)
 

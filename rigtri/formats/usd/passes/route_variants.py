@@ -19,7 +19,7 @@ from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import writer
 from rigtri.formats.usd.composition.variants import VALUES, State, Trial, why_unselected
-from rigtri.formats.usd.opinions import instance_edits as instances
+from rigtri.formats.usd.opinions import instance_edits
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Edit, Setting, kind, parts
 from rigtri.formats.usd.reading.reader import Source, read_source
@@ -140,7 +140,7 @@ def _put(edit: Setting, state: State, trial: Trial, result: dict[Any, Setting]) 
 
 def _inside(prim: Any, sets: set[Any], state: State, trial: Trial) -> Any:
     """The path of a prim within the variants that its values depend on: ``/Hero{clip=walk}Anim``."""
-    path, held = Sdf.Path.absoluteRootPath, instances.instance_of(trial.source, prim)
+    path, held = Sdf.Path.absoluteRootPath, instance_edits.instance_of(trial.source, prim)
     for above in prim.GetPrefixes():
         path = path.AppendChild(above.name)
         shown = trial.stage.GetPrimAtPath(above)

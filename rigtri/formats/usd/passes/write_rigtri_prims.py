@@ -15,7 +15,7 @@ from rigtri.formats.usd.opinions.control_shapes import NAME, drawing
 from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, kind, parts, set_value
 from rigtri.formats.usd.opinions.xform_ops import OPS, SAME_TURN, stand
 from rigtri.formats.usd.passes.add_joints import own_skeleton
-from rigtri.formats.usd.reading import metadata_attributes as notes
+from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.formats.usd.reading.reader import GROUP, Source
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.records import Skin, Track
@@ -81,7 +81,7 @@ def _tracks(rig: Rig, node: int) -> list[Track]:
 def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
     """The attribute of a control that a pose reader drives: what its value node says by its x translation."""
     note = rig.notes.get(node, {})
-    name = notes.TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
+    name = metadata_attributes.TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
     samples = {
         float(time): float(row[0])
         for track in _tracks(rig, node)
@@ -100,7 +100,10 @@ def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             continue
         path, note = before.labels[node], rig.notes.get(node, {})
         if dict(note) != dict(before.notes.get(node, {})):
-            old, new = notes.attributes_of(before.notes.get(node, {})), notes.attributes_of(note)
+            old, new = (
+                metadata_attributes.attributes_of(before.notes.get(node, {})),
+                metadata_attributes.attributes_of(note),
+            )
             found += [_remove(path, name) for name in old if name not in new]
             found += _attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
             found += _relations(path, note, _prims(rig, note, {}))
@@ -202,14 +205,18 @@ class _Additions:
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
         found = [define(path, "Xform"), *stand(path, local, _tracks(self.rig, node))]
-        found += _attributes(path, notes.attributes_of(note))
+        found += _attributes(path, metadata_attributes.attributes_of(note))
         found += _relations(path, note, _prims(self.rig, note, self.paths))
         if "attribute" in note:
             control = self.rig.find(str(note["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.shapes:
             found += drawing(path.AppendChild(NAME), self.rig.shapes[node])
-        return [*found, apply_schema(path, notes.api_name(note["type"]))] if "type" in note else found
+        return (
+            [*found, apply_schema(path, metadata_attributes.api_name(note["type"]))]
+            if "type" in note
+            else found
+        )
 
     def _parent(self, node: int) -> tuple[Any, Any]:
         """The prim that a new node goes under, and that prim's world matrix."""
@@ -251,8 +258,8 @@ class _Additions:
                 path,
                 [
                     define(path, "Scope"),
-                    *_attributes(path, notes.attributes_of({"v": 1, "type": "group", **note})),
-                    apply_schema(path, notes.api_name("group")),
+                    *_attributes(path, metadata_attributes.attributes_of({"v": 1, "type": "group", **note})),
+                    apply_schema(path, metadata_attributes.api_name("group")),
                 ],
             )
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
@@ -302,7 +309,9 @@ def _all(path: Any, steps: list[Edit]) -> Edit:
 
 def _attributes(path: Any, wanted: dict[str, tuple[Any, Any]]) -> list[Edit]:
     return [
-        set_value(path, name, type_name, value, custom=True, uniform=name.startswith(notes.PREFIX))
+        set_value(
+            path, name, type_name, value, custom=True, uniform=name.startswith(metadata_attributes.PREFIX)
+        )
         for name, (type_name, value) in wanted.items()
     ]
 

@@ -16,11 +16,13 @@ from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import bound_animation
 from rigtri.formats.usd.composition.stage import DEFAULT, quiet
 from rigtri.formats.usd.composition.value_types import ignored
-from rigtri.formats.usd.reading import animation_library as library
-from rigtri.formats.usd.reading import joint_tokens as tokens
-from rigtri.formats.usd.reading import mesh_reader as meshes
-from rigtri.formats.usd.reading import metadata_attributes as notes
-from rigtri.formats.usd.reading import xform_sampling as prim_clip
+from rigtri.formats.usd.reading import (
+    animation_library,
+    joint_tokens,
+    mesh_reader,
+    metadata_attributes,
+    xform_sampling,
+)
 from rigtri.formats.usd.reading.animation_reader import Animation, clips, read_animation
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
 from rigtri.formats.usd.reading.xform_hierarchy import read_stand, rooted
@@ -46,7 +48,7 @@ class Source:
     skeletons: Mapping[str, Skeleton]
     animations: Mapping[str, Animation]
     warnings: list[Notice]
-    bindings: meshes.Bindings
+    bindings: mesh_reader.Bindings
 
     @property
     def layer(self) -> Any:
@@ -82,7 +84,7 @@ class _Reader:
         self.joint_nodes: dict[str, dict[str, int]] = {}
         self.skeletons: dict[str, Skeleton] = {}
         self.animations: dict[str, Animation] = {}
-        self.bindings = meshes.Bindings(stage)
+        self.bindings = mesh_reader.Bindings(stage)
 
     def read(self) -> Source:
         prims = self._prims()
@@ -113,13 +115,13 @@ class _Reader:
         prims = {node: prim for node, prim in self.animated.items() if node not in joints}
         mine = self._own_tracks(rig, prims)
         others = {node: prim for node, prim in prims.items() if node not in mine}
-        tracks = prim_clip.tracks(others, self._interpolation, self.warnings)
+        tracks = xform_sampling.tracks(others, self._interpolation, self.warnings)
         tracks += [track for node in mine for track in mine[node]]
         if not tracks:
             return rig
-        clips = tuple(clip for clip in rig.clips if clip.key != prim_clip.KEY)
-        known = [track for clip in rig.clips if clip.key == prim_clip.KEY for track in clip.tracks]
-        return replace(rig, clips=(*clips, Clip(prim_clip.NAME, (*known, *tracks), prim_clip.KEY)))
+        clips = tuple(clip for clip in rig.clips if clip.key != xform_sampling.KEY)
+        known = [track for clip in rig.clips if clip.key == xform_sampling.KEY for track in clip.tracks]
+        return replace(rig, clips=(*clips, Clip(xform_sampling.NAME, (*known, *tracks), xform_sampling.KEY)))
 
     def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, tuple[Track, ...]]:
         """The keys of prims of ours as they are in their ops; what is mirrored goes by its matrices."""
@@ -155,7 +157,7 @@ class _Reader:
         """Every prim with a place as a node; returns the Skeleton and SkelAnimation prims."""
         others = []
         above: dict[Any, int] = {}
-        for prim in Usd.PrimRange(self.stage.GetPseudoRoot(), meshes.ALL_PRIMS):
+        for prim in Usd.PrimRange(self.stage.GetPseudoRoot(), mesh_reader.ALL_PRIMS):
             path = prim.GetPath()
             parent = above.get(path.GetParentPath(), -1)
             above[path] = parent
@@ -176,7 +178,7 @@ class _Reader:
 
     def _add_prim(self, prim: Any, parent: int, group: bool) -> int:
         node, path = len(self.names), str(prim.GetPath())
-        note = notes.read_prim(prim)
+        note = metadata_attributes.read_prim(prim)
         made = not illegible(note) and note["type"] in ADDED
         if group:
             local = np.eye(4)
@@ -252,16 +254,16 @@ class _Reader:
                 owner = self._owner(path)
                 place = world[owner] if owner >= 0 else np.eye(4)
                 self.animations[path] = animation
-                self.skeletons[path] = library.stand_in(prim, animation, place)
+                self.skeletons[path] = animation_library.stand_in(prim, animation, place)
         if self.skeletons:
-            self.warnings.append(library.notice(list(self.skeletons)))
+            self.warnings.append(animation_library.notice(list(self.skeletons)))
             self._all_joints()
 
     def _add_joints(self, skeleton: Skeleton, owner: int, counts: Mapping[str, int]) -> None:
         first = len(self.names)
         nodes = {token: first + number for number, token in enumerate(skeleton.tokens)}
         self.joint_nodes[skeleton.path] = nodes
-        before = tokens.unsplit(skeleton.tokens, self._holders(skeleton))
+        before = joint_tokens.unsplit(skeleton.tokens, self._holders(skeleton))
         known = dict(zip(skeleton.tokens, before, strict=True))
         for number, token in enumerate(skeleton.tokens):
             parent = int(skeleton.parents[number])
@@ -277,11 +279,11 @@ class _Reader:
 
     def _holders(self, skeleton: Skeleton) -> set[str]:
         """The tokens of joints that only hold the axes of the one below them."""
-        found = notes.read_joints(self.stage.GetPrimAtPath(skeleton.path))
+        found = metadata_attributes.read_joints(self.stage.GetPrimAtPath(skeleton.path))
         return {token for token, note in found.items() if note.get("type") == "frame" and "joint" in note}
 
     def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
-        for token, note in notes.read_joints(prim).items():
+        for token, note in metadata_attributes.read_joints(prim).items():
             if token in nodes and not self._unread(token, note):
                 self.notes[nodes[token]] = note
 
@@ -327,7 +329,7 @@ class _Reader:
             prim, weights = self.stage.GetPrimAtPath(path), []
             if prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
                 queries = self.bindings.of(users)
-                weights = meshes.blend_tracks(prim, queries, self.node_of, self._interpolation)
+                weights = mesh_reader.blend_tracks(prim, queries, self.node_of, self._interpolation)
             driven = [self.joint_nodes[user] for user in users]
             found += clips(animation, name, driven, weights, self._interpolation)
         return found
@@ -337,7 +339,7 @@ class _Reader:
 
     def _skin(self, skeleton: Skeleton) -> Skin:
         def weigh() -> np.ndarray:
-            return meshes.weighted(self.bindings.of({skeleton.path}), skeleton.tokens)
+            return mesh_reader.weighted(self.bindings.of({skeleton.path}), skeleton.tokens)
 
         nodes = self.joint_nodes[skeleton.path]
         real = skeleton.path not in self.animations
@@ -401,7 +403,7 @@ def _mirrored_as_keyed(rig: Rig) -> Rig:
 def _moment(xformable: Any) -> Any:
     """When a prim is at rest: at the Default time, or at its start where it has only time samples."""
     attributes = [op.GetAttr() for op in xformable.GetOrderedXformOps()]
-    return meshes.EARLIEST if any(at.Get(DEFAULT) is None for at in attributes) else DEFAULT
+    return mesh_reader.EARLIEST if any(at.Get(DEFAULT) is None for at in attributes) else DEFAULT
 
 
 def _shows(prim: Any) -> bool:

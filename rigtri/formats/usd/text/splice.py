@@ -16,7 +16,7 @@ from typing import Any
 
 from pxr import Sdf, Tf
 
-from rigtri.files import temp_dirs as scratch
+from rigtri.files import temp_dirs
 from rigtri.formats.usd.text.statements import COMMENTS, STRINGS, Item, Span, Text, UnknownTextError
 
 # Blocks up to this depth are compared as a whole before they are taken apart.
@@ -39,7 +39,7 @@ def spliced(content: bytes, before: Any, wanted: Any, lost: list[str] | None = N
     lost: gets the names of the values that were written anew and had comments in them.
     UnknownTextError, with the reason, where that text would not say what ``wanted`` says.
     """
-    with scratch.folder() as folder:
+    with temp_dirs.folder() as folder:
         names = ("before", "wanted", "spliced", "seen")
         was, now, made, seen = (Path(folder, f"{name}.usda") for name in names)
         before.Export(str(was))

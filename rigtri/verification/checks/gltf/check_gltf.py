@@ -12,21 +12,15 @@ from rigtri.verification.checks.cycle_check import check_circles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
     animations,
+    json_types,
     meshes,
+    metadata,
     nodes,
     references,
     skins,
+    spring_bones,
     vertices,
     vrm,
-)
-from rigtri.verification.checks.gltf import (
-    json_types as types,
-)
-from rigtri.verification.checks.gltf import (
-    metadata as notes,
-)
-from rigtri.verification.checks.gltf import (
-    spring_bones as springs,
 )
 from rigtri.verification.checks.gltf.tolerant_reader import View, told
 
@@ -47,11 +41,11 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         nodes.check_joints(view)
         meshes.check(view)
         vertices.check(view)
-        types.check(view)
+        json_types.check(view)
         vrm.check(view)
-        springs.check(view)
-        notes.check(view)
-        if notes.waiting(view):
+        spring_bones.check(view)
+        metadata.check(view)
+        if metadata.waiting(view):
             check_circles(path, "gltf.note.circle", findings, allow_external=allow_external)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None

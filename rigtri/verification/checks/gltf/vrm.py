@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.frames.reframe import SAME_SCALE
-from rigtri.verification.checks.gltf import humanoid_bones as bones
+from rigtri.verification.checks.gltf import humanoid_bones
 from rigtri.verification.checks.gltf.tolerant_reader import View, told
 
 # Rest rotations of VRM 0.x files are written as nearly nothing, too: as a rule exact, or rounded.
@@ -37,11 +37,17 @@ def check(view: View) -> None:
 
 def _check_1(view: View, vrm: dict[str, Any], pointer: str) -> None:
     found = _human_bones(view, vrm, pointer, "vrm.humanoid.bone-unknown")
-    _check_humanoid(view, found, bones.REQUIRED, bones.ABOVE, f"{pointer}/humanoid/humanBones")
+    _check_humanoid(
+        view, found, humanoid_bones.REQUIRED, humanoid_bones.ABOVE, f"{pointer}/humanoid/humanBones"
+    )
     for bone, node in found.items():
-        if bone not in bones.ABOVE or bones.ABOVE[bone] in found or not bones.needs_parent(bone):
+        if (
+            bone not in humanoid_bones.ABOVE
+            or humanoid_bones.ABOVE[bone] in found
+            or not humanoid_bones.needs_parent(bone)
+        ):
             continue
-        text = f"is assigned to {view.title(node)}, but {bones.ABOVE[bone]} is not assigned"
+        text = f"is assigned to {view.title(node)}, but {humanoid_bones.ABOVE[bone]} is not assigned"
         view.add("vrm.humanoid.parent-missing", f"bone {bone}", f"{pointer}/humanoid/humanBones/{bone}", text)
     _check_scales(view, found)
     expressions = view.object(vrm, "expressions", "expressions", pointer)
@@ -71,7 +77,7 @@ def _human_bones(view: View, vrm: dict[str, Any], pointer: str, unknown: str) ->
         where = f"{pointer}/humanoid/humanBones"
         item = view.object(given, bone, f"bone {bone}", where)
         node = _bone_node(view, item, bone, f"{where}/{bone}")
-        if bone not in bones.ABOVE:
+        if bone not in humanoid_bones.ABOVE:
             view.add(unknown, f"bone {bone}", f"{where}/{bone}", "VRM knows no such bone")
         if node is not None:
             found[bone] = node
@@ -173,13 +179,13 @@ def _check_0(view: View, vrm: dict[str, Any], pointer: str) -> None:
         if item.get("node", -1) == -1:
             continue  # how VRM 0 says that a bone is missing
         node = _bone_node(view, item, bone, f"{where}/{k}")
-        if bone not in bones.ABOVE_0:
+        if bone not in humanoid_bones.ABOVE_0:
             view.add("vrm.humanoid.bone-unknown", f"bone {bone}", f"{where}/{k}", "VRM knows no such bone")
         if bone in found:
             view.add("vrm.humanoid.node-twice", f"bone {bone}", f"{where}/{k}", "is assigned twice")
         if node is not None:
             found[bone] = node
-    _check_humanoid(view, found, bones.REQUIRED_0, bones.ABOVE_0, where)
+    _check_humanoid(view, found, humanoid_bones.REQUIRED_0, humanoid_bones.ABOVE_0, where)
     _check_scales(view, found)
     _check_turns(view, found)
     _check_expressions_0(view, vrm, pointer)
@@ -226,7 +232,7 @@ def _check_expressions_0(view: View, vrm: dict[str, Any], pointer: str) -> None:
 
 def _check_animation(view: View, vrma: dict[str, Any], pointer: str) -> None:
     found = _human_bones(view, vrma, pointer, "vrma.bone-unknown")
-    _check_humanoid(view, found, (), bones.ABOVE, f"{pointer}/humanoid/humanBones")
+    _check_humanoid(view, found, (), humanoid_bones.ABOVE, f"{pointer}/humanoid/humanBones")
     expressions = view.object(vrma, "expressions", "expressions", pointer)
     places = [("look-at", view.object(vrma, "lookAt", "look-at", pointer), f"{pointer}/lookAt")]
     for kind in ("preset", "custom"):

@@ -10,11 +10,10 @@ from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.document import opened
 from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
-from rigtri.verification.checks import metadata_check as judged
+from rigtri.verification.checks import metadata_check
 from rigtri.verification.checks.cycle_check import check_circles
 from rigtri.verification.checks.findings import Findings
-from rigtri.verification.checks.usd import animations, bindings, blend_shapes, skeletons
-from rigtri.verification.checks.usd import usdz as packages
+from rigtri.verification.checks.usd import animations, bindings, blend_shapes, skeletons, usdz
 from rigtri.verification.checks.usd.scene import Scene
 
 
@@ -26,7 +25,7 @@ def check_usd(
     FileError where it is no USD at all.
     """
     if path.suffix.lower() == ".usdz":
-        packages.check(path, findings)
+        usdz.check(path, findings)
     stage, _, notices = opened(path, allow_external=allow_external)
     for notice in notices:
         findings.add("usd.layer.missing", "stage", "", notice.text)
@@ -68,7 +67,9 @@ def _check_notes(scene: Scene, prim: Any) -> None:
 
     try:
         note = read_prim(prim)
-        why, newer = (judged.broken(note, is_joint), judged.unknown(note)) if note else ("", "")
+        why, newer = (
+            (metadata_check.broken(note, is_joint), metadata_check.unknown(note)) if note else ("", "")
+        )
     except (ValueError, TypeError, AttributeError) as error:
         why, newer = f"it cannot be read: {error}", ""
     if why or newer:
@@ -99,8 +100,8 @@ def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
     for token, text in zip(tokens, texts, strict=False):
         try:
             note = json.loads(text)
-            why = judged.broken(note, is_joint)
-            if newer := judged.unknown(note):
+            why = metadata_check.broken(note, is_joint)
+            if newer := metadata_check.unknown(note):
                 scene.add("usd.note.unknown", prim, JOINT_NOTES[1], f"joint '{token}': {newer}")
         except ValueError as error:
             why = f"its note is no JSON: {error}"

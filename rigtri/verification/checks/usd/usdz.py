@@ -47,16 +47,16 @@ RULES = (
 
 def check(path: Path, findings: Findings) -> None:
     """Note what is wrong with a package. FileError where it is none."""
-    from rigtri.formats.usd import usdz as package  # the rules are known also where USD is not installed
+    from rigtri.formats.usd import usdz  # the rules are known also where USD is not installed
 
-    whole = package.read(path)
+    whole = usdz.read(path)
     for entry in whole.entries:
         place = f"entry '{entry.name}'"
         if not whole.is_whole(entry):
             findings.add("usd.package.checksum", "package", entry.name, f"{place} does not have its checksum")
         if entry.method:
             findings.add("usd.package.compressed", "package", entry.name, f"{place} is compressed")
-        if entry.start % package.ALIGNMENT:
+        if entry.start % usdz.ALIGNMENT:
             text = f"the data of {place} start at byte {entry.start}"
             findings.add("usd.package.alignment", "package", entry.name, text)
         if "\\" in entry.name:
