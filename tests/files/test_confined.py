@@ -94,7 +94,7 @@ def test_the_many_words_for_no_memory_mean_one_thing() -> None:
 INTERRUPTED = """
 import os, signal, sys
 from multiprocessing import resource_tracker
-from rigtri.confined import Confined
+from rigtri.files.worker_process import Confined
 signal.signal(signal.SIGINT, lambda *_: print("heard", flush=True))
 if __name__ == "__main__":
     with Confined(preload=["interrupting"]) as child:

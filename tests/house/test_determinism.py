@@ -15,20 +15,19 @@ from places import GOLDENS, SAMPLES
 
 import rigtri
 
-# Modules that only measure or print; nothing of theirs reaches a file but a report.
-MEASURING = {"compare", "describe", "matching", "moving", "watched", "pipeline", "report"}
-MEASURING |= {"driven", "changes", "diff", "difference", "scenery", "attached"}
+# Rooms and modules that only measure or print; nothing of theirs reaches a file but a report.
+MEASURING = {"verification", "scene_facts", "edit", "report"}
 # This one runs in Blender, which computes with float32.
 MEASURING |= {"setup_in_blender"}
 # Functions of the writing modules that only measure: module.function → why it may.
 _POINTS = "points are measured, never written"
 ALLOWED = {
-    "pose.shares": _POINTS,
-    "pose.deformed": _POINTS,
-    "pose._through": _POINTS,
-    "pose._dual_quaternion": _POINTS,
-    "pose._polar": _POINTS,
-    "nodes._check_rotations": "counts rotations for a message",
+    "sampling.shares": _POINTS,
+    "sampling.deformed": _POINTS,
+    "sampling._through": _POINTS,
+    "sampling._dual_quaternion": _POINTS,
+    "sampling._polar": _POINTS,
+    "node_reader._check_rotations": "counts rotations for a message",
 }
 # They come from BLAS, LAPACK, libm or SIMD kernels, whose last bit differs between machines.
 _FORBIDDEN = """
@@ -44,12 +43,7 @@ OURS_UNLESS_NUMPY = {"dot", "cross", "outer", "inner"}
 def writing_modules() -> list[Path]:
     """The source of everything that can put a number into a file."""
     package = Path(rigtri.__file__).parent
-    return sorted(
-        p
-        for p in package.rglob("*.py")
-        # The checks only look: they have folders of their own.
-        if not {p.stem, p.parent.name} & MEASURING and "checks" not in p.relative_to(package).parts
-    )
+    return sorted(p for p in package.rglob("*.py") if not {p.stem, *p.relative_to(package).parts} & MEASURING)
 
 
 def shaky(path: Path) -> Iterator[str]:

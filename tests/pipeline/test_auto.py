@@ -52,7 +52,7 @@ def unsure(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
         layout = recognise(rig, own=own)
         return replace(layout, characters=tuple(_doubted(one, request.param) for one in layout.characters))
 
-    for module in ("automatic", "starter"):
+    for module in ("auto", "spec_init"):
         monkeypatch.setattr(f"rigtri.pipeline.rigspec.{module}.recognise", doubting)
 
 

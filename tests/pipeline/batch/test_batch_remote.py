@@ -160,7 +160,7 @@ def test_outputs_of_others_are_not_replaced(batch: Batch, bucket: Any) -> None:
 
 KILLED = """
 import os, signal, sys
-from rigtri.batch import urls
+from rigtri.pipeline.batch import urls
 from rigtri.cli.main import program
 put = urls.put
 urls.put = lambda place, url: (put(place, url), url.endswith(".glb") and os.kill(os.getpid(), signal.SIGKILL))
