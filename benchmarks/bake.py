@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from rigtri.evaluation.active_controls import keyed_in
-from rigtri.evaluation.key_reduction import needed
-from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.key_reduction import reduce_keys
+from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import single, timelines
+from rigtri.evaluation.timelines import as_float32, timelines
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, make_continuous, multiply
 from rigtri.model.records import Clip, Track
@@ -101,14 +101,14 @@ def measured(joints: int, frames: int, bound: float = 1e-6) -> Took:
     if len(solver.limbs) != 4 or not {"Ik", "Fk", "Turned", "Follow"} <= kinds:
         raise SystemExit(f"this is not the rig that is to be measured: {len(solver.limbs)} limbs, {kinds}")
     times = np.arange(frames) / 30.0
-    parts = sampled(up, timeline.clip, times)
+    parts = sample_parts(up, timeline.clip, times)
     found = solver.solved(parts)
 
     def keyed() -> list[Track]:
         """A key at every frame for the place, turn and size of all nodes, as nla.bake makes them."""
         now = solver.solved(parts)
         return [
-            Track(node, path, "LINEAR", times, single(make_continuous(v) if path == "rotation" else v))
+            Track(node, path, "LINEAR", times, as_float32(make_continuous(v) if path == "rotation" else v))
             for node in solver.sets
             for path, v in zip(PATHS, now[node], strict=True)
         ]
@@ -117,7 +117,7 @@ def measured(joints: int, frames: int, bound: float = 1e-6) -> Took:
         for node in solver.sets:
             for values in found[node]:
                 if len(values) > 1:
-                    needed(times, values, bound)
+                    reduce_keys(times, values, bound)
 
     solved = shortest(lambda: solver.solved(parts))
     return Took(solved, shortest(keyed), shortest(thinned), len(solver.sets))

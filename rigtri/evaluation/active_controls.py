@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
-from rigtri.maths.quaternions import turn_angle
+from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 
@@ -23,7 +23,7 @@ def size_of(rig: Rig) -> float:
     return size or 1.0
 
 
-def movers(rig: Rig) -> frozenset[int]:
+def controls_and_poles(rig: Rig) -> frozenset[int]:
     """The nodes whose keys say that a control is at work: controls and poles."""
     kinds = ("control", "poleVector")
     return frozenset(node for node, note in rig.notes.items() if note.get("type") in kinds)
@@ -31,19 +31,19 @@ def movers(rig: Rig) -> frozenset[int]:
 
 def keyed_in(rig: Rig, timeline: Timeline) -> frozenset[int]:
     """The controls and poles with keys in a timeline."""
-    return frozenset(track.node for track in timeline.clip.tracks) & movers(rig)
+    return frozenset(track.node for track in timeline.clip.tracks) & controls_and_poles(rig)
 
 
 def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:
     """The controls whose channels are not zero at rest. size: of the rig, in file units."""
-    still, found = Posed(rig), set[int]()
-    for node in movers(rig):
+    still, found = PoseCache(rig), set[int]()
+    for node in controls_and_poles(rig):
         if rig.notes[node].get("type") != "control" or rig.is_joint[node]:
             continue
         own = still.part(node)
         if (
             np.abs(own.translation).max() > NOTHING * size
-            or float(turn_angle(own.rotation)[0]) > NOTHING
+            or float(rotation_angle(own.rotation)[0]) > NOTHING
             or np.abs(own.scale - 1.0).max() > NOTHING
         ):
             found.add(node)
@@ -52,10 +52,10 @@ def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:
 
 def posed_at(
     rig: Rig, timeline: Timeline | None, time: float, *, size: float, evaluate: bool = True
-) -> Posed:
+) -> PoseCache:
     """The rig at a moment of a timeline, or at rest, one row; ``evaluate``: as what is at work moves it."""
-    parts = {} if timeline is None else sampled(rig, timeline.clip, np.array([time]))
+    parts = {} if timeline is None else sample_parts(rig, timeline.clip, np.array([time]))
     if not evaluate:
-        return Posed(rig, parts)
+        return PoseCache(rig, parts)
     at_work = moved_at_rest(rig, size) if timeline is None else keyed_in(rig, timeline)
     return Solver(rig, at_work).run(parts)

@@ -23,7 +23,7 @@ Sampled = Callable[[Floats], Floats]
 Error = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
 
 
-def fitted(
+def adaptive_key_times(
     sample: Sampled,
     error: Error,
     times: Floats,

@@ -45,20 +45,22 @@ class Parts(NamedTuple):
     scale: Floats
 
 
-def factored(m: Floats) -> Parts:
+def to_parts(m: Floats) -> Parts:
     """The parts of matrices, (..., 4, 4); a mirrored one has three negative scales, NaN for a flat one."""
     sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
     # A copy: a part of matrices would keep all of their memory.
-    return Parts(m[..., 3, :3].copy("K"), turn_of(m), length(m[..., :3, :3]) * sign)
+    return Parts(m[..., 3, :3].copy("K"), nearest_rotation_of(m), length(m[..., :3, :3]) * sign)
 
 
-def turn_of(m: Floats) -> Floats:
+def nearest_rotation_of(m: Floats) -> Floats:
     """The rotations nearest to matrices, (..., 4, 4) → xyzw (..., 4); NaN for a flat one."""
     return from_axes(nearest_rotation(m))
 
 
-def evaluate(rule: Rule, drivers: Floats, parent: Floats, own: Floats, up: Floats | None = None) -> Floats:
-    """The child's local matrices, (f, 4, 4), of any kind but ``polevector`` (see `pole`).
+def evaluate_constraint(
+    rule: Rule, drivers: Floats, parent: Floats, own: Floats, up: Floats | None = None
+) -> Floats:
+    """The child's local matrices, (f, 4, 4), of any kind but ``polevector`` (see `pole_position`).
 
     drivers: (f, d, 4, 4), world matrices; in the spaces ``local`` and ``roll`` local ones. parent: the
     world of the child's parent, (f, 4, 4). own: the child's local without the rule, (f, 4, 4).
@@ -68,21 +70,21 @@ def evaluate(rule: Rule, drivers: Floats, parent: Floats, own: Floats, up: Float
         if rule.kind == "point":
             moved = own.copy()
             moved[..., 3, :3] = _kept(rule, TRANSLATION, own[..., 3, :3], _point(rule, drivers, parent))
-            return _told(moved, own)
-        mine = factored(own)
+            return _finite_or(moved, own)
+        mine = to_parts(own)
         found = mine
         if rule.kind == "parent":
             found = _parent(rule, drivers, parent)
         elif rule.kind == "orient":
             found = mine._replace(rotation=_orient(rule, drivers, parent))
         elif rule.kind == "aim":
-            found = mine._replace(rotation=aimed(rule, drivers, parent, mine, up))
+            found = mine._replace(rotation=aim_rotation(rule, drivers, parent, mine, up))
         elif rule.kind == "scale":
             found = mine._replace(scale=_scale(rule, drivers, parent, mine))
-        return _told(compose(*_skipped(rule, mine, found)), own)
+        return _finite_or(compose(*_skipped(rule, mine, found)), own)
 
 
-def pole(rule: Rule, drivers: Floats) -> Floats:
+def pole_position(rule: Rule, drivers: Floats) -> Floats:
     """The pole of a ``polevector`` rule in the world, (f, 3); NaN where no driver weighs."""
     places = multiply(rule.offsets, drivers)[..., 3, :3]
     return _mean(places, _weights(rule, places))
@@ -96,7 +98,7 @@ def rotate_of(rule: Rule, rotation: Floats) -> Floats:
     return to_angles(product(conjugate(rule.joint_orient), rotation), rule.order)
 
 
-def _told(found: Floats, own: Floats) -> Floats:
+def _finite_or(found: Floats, own: Floats) -> Floats:
     """What was found where it is numbers, else the child's own."""
     return np.where(np.isfinite(found).all(axis=(-1, -2), keepdims=True), found, own)
 
@@ -129,7 +131,7 @@ def _mean_turn(turns: Floats, weights: Floats) -> Floats:
 
 def _parent(rule: Rule, drivers: Floats, parent: Floats) -> Parts:
     places = multiply(multiply(rule.offsets, drivers), inverse(parent)[..., np.newaxis, :, :])
-    each = factored(places)
+    each = to_parts(places)
     weights = _weights(rule, *each)
     return Parts(
         _mean(each.translation, weights), _mean_turn(each.rotation, weights), _mean(each.scale, weights)
@@ -142,15 +144,15 @@ def _point(rule: Rule, drivers: Floats, parent: Floats) -> Floats:
 
 
 def _orient(rule: Rule, drivers: Floats, parent: Floats) -> Floats:
-    offsets, turns = turn_of(rule.offsets), turn_of(drivers)
+    offsets, turns = nearest_rotation_of(rule.offsets), nearest_rotation_of(drivers)
     turns = product(offsets, turns) if rule.space == "local" else product(turns, offsets)
     if rule.space == "roll":
-        turns = product(rule.rest, twist(product(conjugate(rule.rest), turns), rule.roll))
+        turns = product(rule.rest, twist_about_axis(product(conjugate(rule.rest), turns), rule.roll))
     mean = _mean_turn(turns, _weights(rule, turns))
-    return mean if rule.space != "world" else product(conjugate(turn_of(parent)), mean)
+    return mean if rule.space != "world" else product(conjugate(nearest_rotation_of(parent)), mean)
 
 
-def twist(turns: Floats, axis: str) -> Floats:
+def twist_about_axis(turns: Floats, axis: str) -> Floats:
     """Of turns, (..., 4), the part about an axis; none where the rest is a half turn."""
     k = "xyz".index(axis)
     part = np.where(np.isin(np.arange(4), (k, 3)), turns, 0.0)
@@ -172,7 +174,7 @@ def lengths_for(parent: Floats, mine: Parts) -> Floats:
     return np.where(mine.scale < 0, -1.0, 1.0) * length(rows)
 
 
-def aimed(rule: Rule, drivers: Floats, parent: Floats, mine: Parts, up: Floats | None) -> Floats:
+def aim_rotation(rule: Rule, drivers: Floats, parent: Floats, mine: Parts, up: Floats | None) -> Floats:
     """The child's local rotation, (f, 4), its aim axis at the drivers; its own where they stand in it.
 
     All in the space of the parent, which also keeps the aim where the parent's axes are stretched.
@@ -190,7 +192,7 @@ def aimed(rule: Rule, drivers: Floats, parent: Floats, mine: Parts, up: Floats |
         framed = product(_frame(there, above), conjugate(_frame(aim, top)))
         sure = length(cross(there, above)) > PARALLEL
         found = np.where(sure[..., np.newaxis], framed, found)
-    found = product(found, turn_of(rule.offsets[0]))
+    found = product(found, nearest_rotation_of(rule.offsets[0]))
     return np.where((length(way) <= _HERE * size)[..., np.newaxis], mine.rotation, found)
 
 

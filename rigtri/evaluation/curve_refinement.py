@@ -17,11 +17,11 @@ import numpy as np
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.frame_batches import blocks, joined
-from rigtri.evaluation.inverse_solver import Block, matched
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.inverse_solver import Block, solve_controls
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.solver_steps import Step, Turned
-from rigtri.evaluation.timelines import MOST_KEYS, single
+from rigtri.evaluation.solver_steps import Step, TwistStep
+from rigtri.evaluation.timelines import MOST_KEYS, as_float32
 from rigtri.maths.quaternions import slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -123,7 +123,7 @@ def _inside(start: Floats, span: Floats, pieces: Integers) -> Floats:
     many = np.maximum(pieces - 1, 0)
     which = np.repeat(np.arange(len(start)), many)
     step = np.arange(len(which)) - np.repeat(np.cumsum(many) - many, many) + 1
-    inside = single(start[which] + step / pieces[which] * span[which])
+    inside = as_float32(start[which] + step / pieces[which] * span[which])
     return np.unique(inside[(inside > start[which]) & (inside < start[which] + span[which])])
 
 
@@ -131,7 +131,7 @@ def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers
     """The largest deviation in each of some intervals, (m,); 0 where float32 has no time inside."""
     start, span = times[left], times[left + 1] - times[left]
     found = Off(np.zeros(len(left)), np.full(len(left), -1))
-    inside = np.concatenate([single(start + share * span) for share in _SHARES])
+    inside = np.concatenate([as_float32(start + share * span) for share in _SHARES])
     which = np.tile(np.arange(len(left)), len(_SHARES))
     real = np.flatnonzero((inside > start[which]) & (inside < start[which] + span[which]))
     for rows in blocks(len(real)):
@@ -209,7 +209,7 @@ class _Curve:
                 carried = any(moving.intersection(self._line(node)) for node in step.needs)
                 if carried or splines.intersection((step.joint, *step.reads)):
                     found.add(step.joint)
-            elif not isinstance(step, Turned):
+            elif not isinstance(step, TwistStep):
                 found.update(step.sets)
         return sorted(found)
 
@@ -238,7 +238,7 @@ class _Curve:
         """The steps that the places of the nodes need."""
         return self.solver.steps_for({above for node in self.nodes for above in self._line(node)})
 
-    def apart(self, a: Posed, b: Posed, count: int) -> Off:
+    def apart(self, a: PoseCache, b: PoseCache, count: int) -> Off:
         """How far what hangs on the nodes is apart, at most."""
         most = Off(np.zeros(count), np.full(count, -1))
         for node in self.nodes:
@@ -256,7 +256,7 @@ class JointCurve(_Curve):
     """What controls and constraints make of the joints in a clip."""
 
     def at(self, times: Floats) -> dict[int, Parts]:
-        return self.solver.solved(sampled(self.rig, self.clip, times))
+        return self.solver.solved(sample_parts(self.rig, self.clip, times))
 
     @cached_property
     def _used(self) -> frozenset[int]:
@@ -265,8 +265,8 @@ class JointCurve(_Curve):
         return frozenset(above for node in (*own, *self.nodes) for above in self._line(node))
 
     def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
-        there = self.solver.run(sampled(self.rig, self.clip, times, only=self._used), self.steps)
-        seen = Posed(self.rig, {**there.parts, **{node: shown[node] for node in self.nodes}})
+        there = self.solver.run(sample_parts(self.rig, self.clip, times, only=self._used), self.steps)
+        seen = PoseCache(self.rig, {**there.parts, **{node: shown[node] for node in self.nodes}})
         return self.apart(there, seen, len(times))
 
 
@@ -278,7 +278,9 @@ class ControlCurve(_Curve):
         return joined([block.found.controls for block in found], len(times))
 
     def _matched(self, times: Floats) -> list[Block]:
-        return matched(self.solver, sampled(self.rig, self.clip, times), lambda node, parts: parts)
+        return solve_controls(
+            self.solver, sample_parts(self.rig, self.clip, times), lambda node, parts: parts
+        )
 
     def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
         ((source, found),) = self._matched(times)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from rigtri.evaluation.constraint_solver import evaluate
+from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import identity
 from rigtri.maths.trigonometry import Floats
@@ -19,7 +19,7 @@ from rigtri.model.rig import Rig
 Waits = dict[int, set[int]]
 
 
-def waits_for(rig: Rig, without: int | None = None) -> Waits:
+def dependencies(rig: Rig, without: int | None = None) -> Waits:
     """For each node those that must stand before it does. without: a node whose note does not count."""
     waits: Waits = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
 
@@ -40,7 +40,7 @@ def waits_for(rig: Rig, without: int | None = None) -> Waits:
     return waits
 
 
-def circle(waits: Waits, children: Sequence[int], sources: Sequence[int]) -> list[int]:
+def find_cycle(waits: Waits, children: Sequence[int], sources: Sequence[int]) -> list[int]:
     """The shortest way by which a source waits for a child: source, …, child; empty where none does."""
     before: dict[int, int] = dict.fromkeys(sources, -1)
     queue = deque(before)
@@ -58,13 +58,13 @@ def circle(waits: Waits, children: Sequence[int], sources: Sequence[int]) -> lis
     return []
 
 
-def rules_in_order(rig: Rig) -> list[Rule]:
+def constraints_in_order(rig: Rig) -> list[Rule]:
     """The constraints of a rig, each after all that its sources and its child's place wait for.
 
     Of one child those that set its translation come before those that turn it, scale is last.
     """
     rules = list(rules_of(rig).values())
-    waits = waits_for(rig)
+    waits = dependencies(rig)
     done: dict[int, int] = {}
     for start in {node for rule in rules for node in (*rule.sources, rule.child)}:
         _place(start, waits, done)
@@ -90,25 +90,25 @@ def _turn(rule: Rule) -> int:
     return 0 if rule.sets & set(TRANSLATION) else 1 if rule.sets & set(ROTATION) else 2
 
 
-def followed(rig: Rig, local: Floats) -> Floats:
+def apply_constraints(rig: Rig, local: Floats) -> Floats:
     """Local matrices, (f, n, 4, 4), with every child where its constraints put it.
 
     Controls and IK are not looked at, nor are ``polevector`` rules: they tell a solver of limbs.
     """
     local = local.copy()
-    for rule in rules_in_order(rig):
+    for rule in constraints_in_order(rig):
         if rule.kind == "polevector":
             continue
         world = worlds(rig, local)
         own = local[:, rule.child]
-        local[:, rule.child] = applied(rig, rule, world, local, own)
+        local[:, rule.child] = constrained_local(rig, rule, world, local, own)
     return local
 
 
-def applied(rig: Rig, rule: Rule, world: Floats, local: Floats, own: Floats) -> Floats:
+def constrained_local(rig: Rig, rule: Rule, world: Floats, local: Floats, own: Floats) -> Floats:
     """The local matrices, (f, 4, 4), that a rule gives its child; world, local: (f, n, 4, 4)."""
     above = int(rig.parents[rule.child])
     parent = world[:, above] if above >= 0 else identity(len(world))
     drivers = (world if rule.space == "world" else local)[:, list(rule.drivers)]
     up = world[:, rule.up_object] if rule.up_object >= 0 else None
-    return evaluate(rule, drivers, parent, own, up)
+    return evaluate_constraint(rule, drivers, parent, own, up)

@@ -15,9 +15,9 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import Parts, factored
-from rigtri.evaluation.pose_cache import Posed
-from rigtri.evaluation.zero_pose import FkControl, Reference
+from rigtri.evaluation.constraint_solver import Parts, to_parts
+from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions
 from rigtri.maths.quaternions import IDENTITY, conjugate, rotate, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
@@ -33,7 +33,7 @@ _SAME_AXES = 1e-6
 class Fk:
     """One control and its joint in a rig, with what stays the same in all frames."""
 
-    reference: Reference
+    reference: ControlsAtZero
     own: FkControl
 
     @property
@@ -77,7 +77,7 @@ class Fk:
         if not rig.has_matrix[joint] and np.array_equal(local, rig.local[joint]):
             row = slice(joint, joint + 1)
             return Parts(rig.translation[row], unit(rig.rotation[row]), rig.scale[row])
-        return factored(local[np.newaxis])
+        return to_parts(local[np.newaxis])
 
     @cached_property
     def _axes(self) -> Floats | None:
@@ -94,7 +94,7 @@ class Fk:
         carrier = self.reference.world[self._carrier] if self._carrier >= 0 else np.eye(4)
         return multiply(self.reference.world[self.own.offset], inverse(carrier))
 
-    def _carried(self, posed: Posed) -> tuple[Parts, Floats]:
+    def _carried(self, posed: PoseCache) -> tuple[Parts, Floats]:
         """The joint's local parts while its channels are zero; what takes moves into its parent's space."""
         if self._direct:
             return self.rest, self._moves
@@ -104,12 +104,12 @@ class Fk:
         seen = multiply(posed.world(carrier), inverse(posed.world(parent)))
         still = _still(seen)
         start = multiply(world[self.joint], start)
-        there = posed.mended(factored(multiply(start, still)), start, carrier, parent)
+        there = posed.mended(to_parts(multiply(start, still)), start, carrier, parent)
         if not np.isfinite(still).all():  # a parent that is flat hides the joint, wherever it is
             still = np.where(np.isfinite(still), still, np.eye(4))
         return there, multiply(self._moves, still)
 
-    def run(self, posed: Posed) -> None:
+    def run(self, posed: PoseCache) -> None:
         """Move the joint as the control's channels say."""
         rest, moves = self._carried(posed)
         posed.set(self.joint, self.moved(rest, posed.part(self.own.control), moves))
@@ -122,13 +122,13 @@ class Fk:
         move = transform_directions(channels.translation, self._moves if moves is None else moves)
         return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * channels.scale)
 
-    def riding(self, posed: Posed) -> Parts:
+    def riding(self, posed: PoseCache) -> Parts:
         """Local parts of the offset where it rides on the joint of the control above, as that is posed."""
         world, carrier = self.reference.world, self._carrier
         start = multiply(world[self.own.offset], inverse(world[carrier]))
-        return factored(multiply(multiply(start, posed.world(carrier)), inverse(posed.world(self.own.above))))
+        return to_parts(multiply(multiply(start, posed.world(carrier)), inverse(posed.world(self.own.above))))
 
-    def beneath(self, posed: Posed) -> Parts:
+    def beneath(self, posed: PoseCache) -> Parts:
         """Local parts of the offset, with which the control stands on its joint, as both are posed."""
         channels, rig = posed.part(self.own.control), self.rig
         wanted = posed.part(self.joint).rotation
@@ -139,9 +139,9 @@ class Fk:
         size = self._grown(posed) / np.where(channels.scale == 0, 1.0, channels.scale)
         axes = to_axes(turn) * size[..., np.newaxis]
         place = posed.world(self.joint)[:, 3, :3] - rotate(turn, channels.translation * size)
-        return factored(multiply(from_frame(axes, place), inverse(posed.world(self.own.above))))
+        return to_parts(multiply(from_frame(axes, place), inverse(posed.world(self.own.above))))
 
-    def _grown(self, posed: Posed) -> Floats:
+    def _grown(self, posed: PoseCache) -> Floats:
         """How long the axes of a control on its joint are, (1 or f, 3): as the joint has grown."""
         own, joint = (length(self.reference.world[k, :3, :3]) for k in (self.own.offset, self.joint))
         grown = length(posed.world(self.joint)[:, :3, :3]) / np.where(joint == 0, 1.0, joint)
@@ -149,7 +149,7 @@ class Fk:
             grown = (grown[:, :1] + grown[:, 1:2] + grown[:, 2:]) / 3.0
         return own * grown
 
-    def channels(self, posed: Posed, wanted: Parts) -> Parts:
+    def channels(self, posed: PoseCache, wanted: Parts) -> Parts:
         """The channels that give the joint its local parts ``wanted``."""
         rest, moves = self._carried(posed)
         return self.needed(rest, wanted, moves)

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import Parts, factored, pole
+from rigtri.evaluation.constraint_solver import Parts, pole_position, to_parts
 from rigtri.evaluation.fk import Fk
-from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.two_bone_ik import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
-from rigtri.evaluation.zero_pose import SAME_PLACE, IkLimb, Reference
+from rigtri.evaluation.zero_pose import SAME_PLACE, ControlsAtZero, IkLimb
 from rigtri.maths.matrices import from_frame, inverse, transform_directions, transform_points
 from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
@@ -60,7 +60,7 @@ class Ik:
     because something looks at what is below them.
     """
 
-    reference: Reference
+    reference: ControlsAtZero
     limb: IkLimb
     fk: dict[int, Fk]
     rule: Rule | None = None
@@ -184,20 +184,20 @@ class Ik:
         """Local parts of a joint of the limb while controls are zero, one row."""
         if node in self.fk:
             return self.fk[node].rest
-        return factored(self.reference.local[node][np.newaxis])
+        return to_parts(self.reference.local[node][np.newaxis])
 
     @cached_property
     def start(self) -> Floats:
         """Where the limb's root is, (1, 3), seen from what it hangs on."""
         return self._own(self.limb.chain[0]).translation
 
-    def lengths(self, posed: Posed) -> tuple[Floats, Floats]:
+    def lengths(self, posed: PoseCache) -> tuple[Floats, Floats]:
         """How long the two bones are, (1 or f,) each, in the world."""
         world = posed.world(self.above)
         upper, lower = self.rest.lines
         return length(transform_directions(upper, world)), length(transform_directions(lower, world))
 
-    def solve(self, posed: Posed, target: Floats, place: Floats) -> Solved:
+    def solve(self, posed: PoseCache, target: Floats, place: Floats) -> Solved:
         """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
         rest, turn = self.rest, _turn(posed, self.above)
         root = transform_points(self.start, posed.world(self.above))
@@ -213,7 +213,7 @@ class Ik:
             stretch=self.limb.stretch,
         )
 
-    def solved(self, posed: Posed, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
+    def solved(self, posed: PoseCache, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
         """Local parts of the limb's joints, before their FK controls. hand: the turn of the end, (f, 4)."""
         found = self.solve(posed, target, place)
         rest, turn = self.rest, _turn(posed, self.above)
@@ -243,7 +243,7 @@ class Ik:
         joint = product(self.reference.turn(int(self.rig.parents[end])), self._own(end).rotation[0])
         return product(conjugate(self.reference.turn(self.limb.control)), joint)
 
-    def run(self, posed: Posed) -> None:
+    def run(self, posed: PoseCache) -> None:
         """Move the limb's joints to where control and pole want them."""
         control = self.limb.control
         hand = product(_turn(posed, control), self.grip)
@@ -260,12 +260,12 @@ class Ik:
         found = [fk for fk in self.fk.values() if fk.own.offset in offsets]
         return sorted(found, key=lambda fk: fk.own.offset)
 
-    def target(self, posed: Posed) -> Floats:
+    def target(self, posed: PoseCache) -> Floats:
         """Where the limb is to end, (1 or f, 3), by its control."""
         control = self.limb.control
         return posed.world(control)[:, 3, :3] + rotate(_turn(posed, control), self._seat)
 
-    def place(self, posed: Posed) -> Floats:
+    def place(self, posed: PoseCache) -> Floats:
         """Where the pole is, (1 or f, 3)."""
         own = self._own_place(posed)
         if self.rule is None:
@@ -273,10 +273,10 @@ class Ik:
         held = [posed.world(node) for node in self.rule.drivers]
         count = max(map(len, (*held, own)))
         drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
-        found = pole(self.rule, drivers)
+        found = pole_position(self.rule, drivers)
         return np.where(np.isfinite(found).all(axis=-1, keepdims=True), found, own)
 
-    def _own_place(self, posed: Posed) -> Floats:
+    def _own_place(self, posed: PoseCache) -> Floats:
         """Where the pole is without a rule that moves it, (1 or f, 3)."""
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
@@ -285,7 +285,7 @@ class Ik:
         root = transform_points(self.start, posed.world(self.above))
         return root + rotate(turn, self.rest.side)
 
-    def grasp(self, built: Posed, source: Posed) -> Floats:
+    def grasp(self, built: PoseCache, source: PoseCache) -> Floats:
         """World matrices, (f, 4, 4), of a control with which the limb's end stands as in ``source``.
 
         built: the rig above the limb as controls make it. The end of a soft limb is nearer than its target.
@@ -303,7 +303,7 @@ class Ik:
             place = place + away * (share - 1.0)[:, np.newaxis]
         return from_frame(to_axes(turn), place - rotate(turn, self._seat))
 
-    def side(self, source: Posed) -> Floats:
+    def side(self, source: PoseCache) -> Floats:
         """Where a pole tells the bend that the joints have in ``source``, (f, 3), in the world.
 
         By the triangle where it bends to the side that it bends to at rest; where it is nearly
@@ -338,7 +338,7 @@ class Ik:
         return float(length(place - self._points[1]))
 
 
-def _turn(posed: Posed, node: int) -> Floats:
+def _turn(posed: PoseCache, node: int) -> Floats:
     """How a node is turned in the world, (1 or f, 4); by rotations where a scale of zero leaves no axes."""
     if node < 0:
         return np.array([[0.0, 0.0, 0.0, 1.0]])

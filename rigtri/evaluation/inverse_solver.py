@@ -18,19 +18,19 @@ from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.frame_batches import BLOCK, blocks, cut, frames, joined
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.inverse_order import Bent, Placed, ends, placing
-from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.inverse_order import FindControl, FindLimb, find_limb_ends, inverse_steps
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.solver_steps import Follow, Step
+from rigtri.evaluation.solver_steps import ConstraintStep, Step
 from rigtri.maths.quaternions import multiply as product
-from rigtri.maths.quaternions import turn_angle
+from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import length
 
 # Takes a node and its wanted parts, and gives those that will be read from the file again.
 Keep = Callable[[int, Parts], Parts]
 
 
-class Wanted(NamedTuple):
+class KeepRequest(NamedTuple):
     """What is to be kept of a node in some frames. free: where that cannot be told it stays as it is."""
 
     node: int
@@ -39,7 +39,7 @@ class Wanted(NamedTuple):
 
 
 # Asks for one node after another, and is answered with what is kept of it; None: nothing.
-Asking = Generator[Wanted, Parts | None, None]
+Asking = Generator[KeepRequest, Parts | None, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +52,10 @@ class Residual:
 
 
 @dataclass(eq=False)
-class Matched:
+class SolvedControls:
     """Parts of each control, and of the offsets that follow a limb. posed: the rig as they make it."""
 
-    posed: Posed
+    posed: PoseCache
     controls: dict[int, Parts] = field(default_factory=dict)
     offsets: dict[int, Parts] = field(default_factory=dict)
     residuals: list[Residual] = field(default_factory=list)
@@ -64,11 +64,11 @@ class Matched:
 class Block(NamedTuple):
     """Some of the frames: the motion as it was, and what the controls make of it."""
 
-    source: Posed
-    found: Matched
+    source: PoseCache
+    found: SolvedControls
 
 
-def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int = BLOCK) -> list[Block]:
+def solve_controls(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int = BLOCK) -> list[Block]:
     """The controls' parts for a motion, node → (f, ·) each, by the joints that they move; in blocks.
 
     keep: rounds and thins out what is to be stored of a control, and says what is read from it; it
@@ -79,21 +79,21 @@ def matched(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int =
     each = []
     for rows in blocks(count, block):
         some = cut(parts, rows)
-        each.append(Block(Posed(solver.rig, some), Matched(Posed(solver.rig, some))))
-    steps = placing(solver)
+        each.append(Block(PoseCache(solver.rig, some), SolvedControls(PoseCache(solver.rig, some))))
+    steps = inverse_steps(solver)
     asking = [_all_steps(solver, steps, found, source) for source, found in each]
-    _answered(asking, keep, each if len(each) > 1 else (), count, block)
+    _serve(asking, keep, each if len(each) > 1 else (), count, block)
     return each
 
 
-def _answered(
+def _serve(
     asking: Sequence[Asking], keep: Keep, of: Sequence[Block] = (), count: int = 1, block: int = BLOCK
 ) -> None:
     """Take all blocks through their nodes, side by side: each node is kept for all frames at once.
 
     of: the blocks, where there are several, which are to hold no places from one node to the next.
     """
-    wanted = [_asked(each, None, some) for each, some in zip_longest(asking, of)]
+    wanted = [_next_request(each, None, some) for each, some in zip_longest(asking, of)]
     while wanted[0] is not None:
         node, parts, free = wanted[0]
         if len(asking) > 1:
@@ -105,10 +105,10 @@ def _answered(
             kept if kept is None or len(asking) == 1 else cut({node: kept}, rows)[node]
             for rows in blocks(count, block)
         )
-        wanted = [_asked(*each) for each in zip_longest(asking, answers, of)]
+        wanted = [_next_request(*each) for each in zip_longest(asking, answers, of)]
 
 
-def _asked(asking: Asking, kept: Parts | None, of: Block | None) -> Wanted | None:
+def _next_request(asking: Asking, kept: Parts | None, of: Block | None) -> KeepRequest | None:
     """What is asked next; None at the end. of: the block, where there are others besides."""
     try:
         return asking.send(kept)
@@ -120,13 +120,13 @@ def _asked(asking: Asking, kept: Parts | None, of: Block | None) -> Wanted | Non
             of.found.posed.forget()
 
 
-def _all_steps(solver: Solver, steps: Sequence[Step], found: Matched, source: Posed) -> Asking:
+def _all_steps(solver: Solver, steps: Sequence[Step], found: SolvedControls, source: PoseCache) -> Asking:
     for step in steps:
-        if isinstance(step, Bent):
+        if isinstance(step, FindLimb):
             yield from _bend(found, step, source, step.still)
             continue
-        place = step.base if isinstance(step, Follow) else step
-        if isinstance(place, Placed):
+        place = step.base if isinstance(step, ConstraintStep) else step
+        if isinstance(place, FindControl):
             yield from _store(found, place.control, place.find(found.posed, source))
         step.run(found.posed)
     left = solver.offsets - solver.still
@@ -135,34 +135,34 @@ def _all_steps(solver: Solver, steps: Sequence[Step], found: Matched, source: Po
         yield from _carry(found, fk)
 
 
-def _carry(found: Matched, fk: Fk) -> Asking:
+def _carry(found: SolvedControls, fk: Fk) -> Asking:
     """Let an offset follow IK, so that whoever shows the file sees its control on the joint."""
     # Where a scale of zero leaves no frame to stand in, the offset stays at rest.
-    kept = yield Wanted(fk.own.offset, fk.beneath(found.posed), free=True)
+    kept = yield KeepRequest(fk.own.offset, fk.beneath(found.posed), free=True)
     if kept is not None:
         found.offsets[fk.own.offset] = kept
         found.posed.set(fk.own.offset, kept)
 
 
-def _store(found: Matched, node: int, parts: Parts) -> Asking:
-    kept = yield Wanted(node, parts)
+def _store(found: SolvedControls, node: int, parts: Parts) -> Asking:
+    kept = yield KeepRequest(node, parts)
     if kept is not None:
         found.controls[node] = kept
         found.posed.set(node, kept)
 
 
-def match_limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int], keep: Keep) -> None:
+def match_limb(found: SolvedControls, ik: Ik, source: PoseCache, ruled: Collection[int], keep: Keep) -> None:
     """The controls of one limb whose joints are to stand as in ``source``; ``found`` takes them up."""
-    _answered([_limb(found, ik, source, ruled)], keep)
+    _serve([_limb(found, ik, source, ruled)], keep)
 
 
-def _limb(found: Matched, ik: Ik, source: Posed, ruled: Collection[int]) -> Asking:
-    for place in ends(ik, ruled):
+def _limb(found: SolvedControls, ik: Ik, source: PoseCache, ruled: Collection[int]) -> Asking:
+    for place in find_limb_ends(ik, ruled):
         yield from _store(found, place.control, place.find(found.posed, source))
     yield from _bend(found, ik, source, ruled)
 
 
-def _bend(found: Matched, ik: Ik, source: Posed, still: Collection[int]) -> Asking:
+def _bend(found: SolvedControls, ik: Ik, source: PoseCache, still: Collection[int]) -> Asking:
     """What the limb's FK controls hold below the solver, but for those that keep ``still``; its joints."""
     built = found.posed
     solved = ik.solved(
@@ -177,7 +177,7 @@ def _bend(found: Matched, ik: Ik, source: Posed, still: Collection[int]) -> Aski
             fk = ik.fk[node]
             if fk.own.control not in still:
                 channels = fk.needed(parts, source.part(node))
-                turn = max(turn, float(turn_angle(channels.rotation).max()))
+                turn = max(turn, float(rotation_angle(channels.rotation).max()))
                 move = max(move, float(length(channels.translation).max()))
                 yield from _store(found, fk.own.control, channels)
             parts = fk.moved(parts, built.part(fk.own.control))

@@ -19,12 +19,12 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Interpolation, Track
 
 
-def with_keys(track: Track, times: Floats, values: Floats) -> Track:
+def insert_keys(track: Track, times: Floats, values: Floats) -> Track:
     """A track of a node's place with keys at ``times``, (k,), of ``values``, (k, c); rotations unit."""
     together = np.unique(np.concatenate([track.times, times]))
     at = np.searchsorted(together, times)
     if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
-        rows = split(track, together)
+        rows = subdivide_spline(track, together)
         rows[at] = _moved(rows[at], values, turns=track.path == "rotation")
         return replace(track, times=together, values=rows)
     rows = sample(track, together)
@@ -33,7 +33,7 @@ def with_keys(track: Track, times: Floats, values: Floats) -> Track:
     return replace(track, interpolation=way if len(together) > 1 else "STEP", times=together, values=rows)
 
 
-def split(track: Track, times: Floats) -> Floats:
+def subdivide_spline(track: Track, times: Floats) -> Floats:
     """The keys, (k, 3, c), of the same spline at ``times``, (k,), which hold all of its own.
 
     Values of rotations are as long as the spline is there: made unit, the curve beside them would differ.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.maths.quaternions import conjugate, slerp, turn_angle
+from rigtri.maths.quaternions import conjugate, rotation_angle, slerp
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -21,7 +21,7 @@ _ROUNDING = 1e-4
 _LEAST_COSINE, _RIGHT = 0.767, 0.1
 
 
-def shares(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
+def key_tolerances(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
     """How far keys of each node may be off, (n,), so that nothing moves by more than ``far`` in the world.
 
     Moves, in units of the node's parent, and turns, in radians. far, size: in file units, size that of
@@ -29,13 +29,13 @@ def shares(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
     """
     # Errors add up along a chain; each of its joints gets an equal share.
     share = far / (2.0 * (max(rig.depth, default=0) + 1))
-    turns = share / reach_of(rig, size)
+    turns = share / lever_arms(rig, size)
     sizes = parent_sizes(rig)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(sizes > 0, share / np.where(sizes > 0, sizes, 1.0), share), turns
 
 
-def reach_of(rig: Rig, size: float) -> Floats:
+def lever_arms(rig: Rig, size: float) -> Floats:
     """How far what hangs on each node reaches at rest, (n,), a twentieth of ``size`` at least."""
     world = rig.world[:, 3, :3]
     reach = np.full(len(rig), 0.05 * size)
@@ -53,7 +53,7 @@ def parent_sizes(rig: Rig) -> Floats:
     return np.asarray(length(parents[:, :3, :3]).max(axis=1))
 
 
-def needed(times: Floats, values: Floats, bound: float) -> Integers:
+def reduce_keys(times: Floats, values: Floats, bound: float) -> Integers:
     """The keys, (k,), between which straight lines come as near as ``bound`` to all values.
 
     times: (f,), rising. values: (f, c); with four columns they are turns, xyzw, the bound is in
@@ -61,11 +61,11 @@ def needed(times: Floats, values: Floats, bound: float) -> Integers:
     is in the values' unit. The first key is always there; it is the only one where nothing moves.
     """
     last = len(times) - 1
-    if last < 1 or (_stay(values[[last // 2, last]], values, bound) and _stay(values, values, bound)):
+    if last < 1 or (_constant(values[[last // 2, last]], values, bound) and _constant(values, values, bound)):
         return np.array([0])
     kept = np.ones(last + 1, dtype=bool)
     # A key that its neighbours do not tell stays; only between such keys there is something to be thinned.
-    kept[1:-1] = _untold(times, values, bound)
+    kept[1:-1] = _off_their_neighbours(times, values, bound)
     gaps = _gaps(kept)
     while len(gaps):
         many = gaps[:, 1] - gaps[:, 0] - 1
@@ -110,12 +110,12 @@ def _narrow(times: Floats, turns: Floats, keys: Integers) -> Integers:
     return np.union1d(keys, np.array(more, dtype=keys.dtype)) if more else keys
 
 
-def _stay(rows: Floats, values: Floats, bound: float) -> bool:
+def _constant(rows: Floats, values: Floats, bound: float) -> bool:
     """Whether some of the values are what the first one is."""
     return bool((_apart(rows, values[:1]) <= bound).all())
 
 
-def _untold(times: Floats, values: Floats, bound: float) -> Booleans:
+def _off_their_neighbours(times: Floats, values: Floats, bound: float) -> Booleans:
     """Whether each value but the ends, (f − 2,), is farther than the bound from what its neighbours tell.
 
     Of turns most are told by chords, without angles: a straight line between two quaternions is off the arc
@@ -156,11 +156,11 @@ def _dot(a: Floats, b: Floats) -> Floats:
 _UNCLEAR = 4.0
 
 
-def thinned(times: Floats, values: Floats, there: Floats, bound: float, same: float) -> bool:
+def is_reduction_of(times: Floats, values: Floats, there: Floats, bound: float, same: float) -> bool:
     """Whether ``there``, (f, c), is what thinning may make of values, though perhaps by other keys: some of
     the values themselves, lines between these, and nowhere farther off than ``bound``.
 
-    same: how far what rounding alone parts may be off where nothing moves. All else is as for `needed`.
+    same: how far what rounding alone parts may be off where nothing moves. All else is as for `reduce_keys`.
     """
     off, near = _apart(there, values), _rounded(times, values, bound, same)
     keys, last = np.flatnonzero(off <= near), len(times) - 1
@@ -205,5 +205,5 @@ def _line(times: Floats, values: Floats, left: Integers, right: Integers, at: In
 def _apart(a: Floats, b: Floats) -> Floats:
     """How far values are apart, (m,): turns in radians."""
     if a.shape[1] == 4:
-        return turn_angle(product(conjugate(a), b))
+        return rotation_angle(product(conjugate(a), b))
     return np.asarray(length(a - b)) if a.shape[1] == 3 else np.abs(a - b).max(axis=1)

@@ -25,7 +25,7 @@ _BLOCK = 1 << 15
 
 
 @dataclass(frozen=True, eq=False)
-class Carried:
+class SkinnedPoints:
     """Points ``rows`` of ``mesh``, and the ``parent`` that they are seen from (−1: the world)."""
 
     rig: Rig
@@ -36,7 +36,7 @@ class Carried:
     @cached_property
     def _joints(self) -> Integers:
         """The joints, as places in the skin, that move any of the points, (j,)."""
-        weights = sampling.shares(self.mesh)[self.rows]
+        weights = sampling.normalised_weights(self.mesh)[self.rows]
         return np.unique(self.mesh.joints[self.rows][weights != 0])
 
     @cached_property
@@ -136,7 +136,7 @@ class Carried:
         joints = skin.joints[self._joints]
         there = world[:, [place[node] for node in joints.tolist()]]
         matrices = multiply(multiply(mesh.bind, skin.inverse_bind[self._joints]), there)
-        weights = sampling.shares(mesh)[self.rows]
+        weights = sampling.normalised_weights(mesh)[self.rows]
         column_of = np.searchsorted(self._joints, np.where(weights != 0, mesh.joints[self.rows], -1))
         column_of = np.where(weights != 0, column_of, 0)
         if mesh.dual_quaternion:

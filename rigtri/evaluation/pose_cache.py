@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import Parts, factored, turn_of
+from rigtri.evaluation.constraint_solver import Parts, nearest_rotation_of, to_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.matrices import compose, determinant, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import from_axes, unit
@@ -19,7 +19,7 @@ from rigtri.model.rig import Rig
 FLAT = 1e-3
 
 
-class Posed:
+class PoseCache:
     """Local parts and world matrices of a rig's nodes, one row a frame; a single row where nothing moves.
 
     A node's place in the world is worked out when it is first asked for, so what moves it must be
@@ -44,7 +44,7 @@ class Posed:
             return self.parts[node]
         rig = self.rig
         if rig.has_matrix[node]:
-            return factored(rig.local[node][np.newaxis])
+            return to_parts(rig.local[node][np.newaxis])
         rows = slice(node, node + 1)
         return Parts(rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
 
@@ -99,8 +99,8 @@ class Posed:
             return found
         turned = multiply(multiply(start, self.unflattened(carrier, FLAT)), inverse(self.world(above)))
         whole = inverse(self.unflattened(above, 1.0))
-        hidden = factored(multiply(multiply(start, self.unflattened(carrier, 1.0)), whole))
-        near = found._replace(rotation=turn_of(turned))
+        hidden = to_parts(multiply(multiply(start, self.unflattened(carrier, 1.0)), whole))
+        near = found._replace(rotation=nearest_rotation_of(turned))
         sure = _finite(near.translation) & _finite(near.rotation) & _finite(near.scale)
         fine = _finite(found.rotation) & sure
         parts = zip(found, near, hidden, strict=True)
@@ -116,7 +116,9 @@ def _finite(rows: Floats) -> Booleans:
     return np.asarray(np.isfinite(rows).all(axis=-1, keepdims=True))
 
 
-def sampled(rig: Rig, clip: Clip, times: Floats, *, only: Collection[int] | None = None) -> dict[int, Parts]:
+def sample_parts(
+    rig: Rig, clip: Clip, times: Floats, *, only: Collection[int] | None = None
+) -> dict[int, Parts]:
     """The local parts of all nodes that a clip moves, or of some of them, at ``times``, (f,)."""
     found: dict[int, dict[str, Floats]] = {}
     for track in clip.tracks:
@@ -128,7 +130,7 @@ def sampled(rig: Rig, clip: Clip, times: Floats, *, only: Collection[int] | None
         if len(track.times) == 1:
             values = values[:1]
         found.setdefault(track.node, {})[track.path] = unit(values) if track.path == "rotation" else values
-    still = Posed(rig)
+    still = PoseCache(rig)
     return {
         node: still.part(node)._replace(**own) if own else still.part(node) for node, own in found.items()
     }

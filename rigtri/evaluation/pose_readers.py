@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.maths.matrices import orthonormal_axes
-from rigtri.maths.quaternions import conjugate, from_axes, rotate, turn_angle
+from rigtri.maths.quaternions import conjugate, from_axes, rotate, rotation_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, arc_tangent, exponential
 from rigtri.maths.vectors import angle, dot, normalise
@@ -52,7 +52,7 @@ class Target:
 
 
 @dataclass(frozen=True, eq=False)
-class Reader:
+class PoseReader:
     """A pose reader. axis: of the driver, (3,). rest: the driver's rotation in the frame at rest.
 
     inner, outer: of a cone, in radians: 1 within inner, 0 from outer on, straight between.
@@ -68,14 +68,14 @@ class Reader:
     rest: Floats | None = None
 
     @staticmethod
-    def of_note(note: Mapping[str, Any]) -> Reader:
+    def of_note(note: Mapping[str, Any]) -> PoseReader:
         """The reader that a note describes."""
 
         def numbers(value: Any) -> Floats | None:
             return None if value is None else np.array(value, dtype=np.float64)
 
         degree = float(np.pi) / 180.0
-        return Reader(
+        return PoseReader(
             kind=note["reader"],
             axis=np.array(note["axis"], dtype=np.float64),
             targets=tuple(
@@ -90,7 +90,7 @@ class Reader:
         )
 
 
-def weights(reader: Reader, driver: Floats, frame: Floats, nodes: Mapping[str, Floats]) -> Floats:
+def weights(reader: PoseReader, driver: Floats, frame: Floats, nodes: Mapping[str, Floats]) -> Floats:
     """The weight of each target, (f, t), from 0 to 1; 0 where the driver has no axes.
 
     driver, frame: world matrices, (f, 4, 4). nodes: those that targets name, by address.
@@ -113,7 +113,7 @@ def relative(driver: Floats, frame: Floats) -> Floats:
 
 
 def _pointed(
-    reader: Reader, target: Target, driver: Floats, frame: Floats, nodes: Mapping[str, Floats]
+    reader: PoseReader, target: Target, driver: Floats, frame: Floats, nodes: Mapping[str, Floats]
 ) -> Floats:
     """How much the axis points at one target, (f,)."""
     points = rotate(from_axes(orthonormal_axes(driver)), reader.axis)
@@ -130,7 +130,7 @@ def _pointed(
     return np.clip((reader.outer - off) / (reader.outer - reader.inner), 0.0, 1.0)
 
 
-def _blended(reader: Reader, rotation: Floats) -> Floats:
+def _blended(reader: PoseReader, rotation: Floats) -> Floats:
     """The weights of poses by radial basis functions, (f, t): 1 at a pose, and then 0 for the others.
 
     They sum to 1 at most; far from all poses to 0.
@@ -150,12 +150,12 @@ def _blended(reader: Reader, rotation: Floats) -> Floats:
     return np.asarray(found / np.maximum(total, 1.0)[..., np.newaxis])
 
 
-def poses_of(reader: Reader) -> Floats:
+def poses_of(reader: PoseReader) -> Floats:
     """The rotations of a reader's targets, (t, 4)."""
     return np.array([target.rotation for target in reader.targets], dtype=np.float64)
 
 
-def same_poses(reader: Reader) -> tuple[str, str] | None:
+def same_poses(reader: PoseReader) -> tuple[str, str] | None:
     """The names of two poses that the reader cannot tell apart; None where there are none."""
     poses = poses_of(reader)
     apart = _distances(reader, poses[:, np.newaxis], poses)
@@ -173,24 +173,24 @@ def radii(apart: Floats) -> Floats:
     return np.asarray(others.min(axis=1))
 
 
-def _distances(reader: Reader, a: Floats, b: Floats) -> Floats:
+def _distances(reader: PoseReader, a: Floats, b: Floats) -> Floats:
     """How far rotations are apart as the reader sees them, in radians."""
     if reader.mode == "swing":
         return angle(rotate(a, reader.axis), rotate(b, reader.axis))
     if reader.mode == "both":
-        return turn_angle(product(conjugate(a), b))
+        return rotation_angle(product(conjugate(a), b))
     turn = twist(reader, a) - twist(reader, b)
     return np.abs(turn - 2.0 * np.pi * np.rint(turn / (2.0 * np.pi)))
 
 
-def twist(reader: Reader, rotation: Floats) -> Floats:
+def twist(reader: PoseReader, rotation: Floats) -> Floats:
     """How far rotations turn about the axis since rest, (...), in radians; 0 at a swing of half a turn."""
     rest = reader.rest if reader.rest is not None else np.array([0.0, 0.0, 0.0, 1.0])
     since = product(conjugate(rest), rotation)
     return 2.0 * arc_tangent(dot(since[..., :3], normalise(reader.axis)), since[..., 3])
 
 
-def _kernel(reader: Reader, share: Floats) -> Floats:
+def _kernel(reader: PoseReader, share: Floats) -> Floats:
     """The basis function at a distance, as a share of the radius."""
     if reader.kernel == "linear":
         return np.maximum(1.0 - share, 0.0)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rigtri.maths.matrices import compose, multiply
-from rigtri.maths.quaternions import conjugate, from_axes, norm, rotate, shown, slerp, slerp_rows, unit
+from rigtri.maths.quaternions import conjugate, from_axes, norm, normalise, rotate, slerp, slerp_rows, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Integers, Interpolation, Mesh, Path, Skin, Track
@@ -111,7 +111,7 @@ class Motion:
                 ("scale", rig.scale),
             )
         )
-        composed = compose(translation, shown(rotation) if normalised else rotation, scale)
+        composed = compose(translation, normalise(rotation) if normalised else rotation, scale)
         local[:, self.driven] = composed.swapaxes(0, 1)
         return local
 
@@ -138,10 +138,10 @@ def sample(track: Track, times: ArrayLike) -> Floats:
 def key_times(clip: Clip) -> Floats:
     """All key times of a clip, sorted, each once."""
     distinct = {id(track.times): track.times for track in clip.tracks}
-    return each_once(np.concatenate([*distinct.values(), np.zeros(0)]))
+    return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
 
-def each_once(times: Floats) -> Floats:
+def sorted_unique(times: Floats) -> Floats:
     """Times sorted, each once, NaN as one and last: np.unique, which would import masked arrays."""
     times = np.sort(times)
     fresh = np.ones(len(times), dtype=bool)
@@ -154,13 +154,13 @@ def between_keys(keys: Floats) -> Floats:
 
     The middle is where two interpolations part most; 0.29 is where they do not happen to meet.
     """
-    keys = each_once(keys[np.isfinite(keys)])
+    keys = sorted_unique(keys[np.isfinite(keys)])
     if not len(keys):
         return np.zeros(1)
     span = np.diff(keys)
     beyond = max(1e-3, 0.1 * float(keys[-1] - keys[0]))
     ends = keys[[0, -1]] + [-beyond, beyond]
-    return each_once(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
+    return sorted_unique(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
 
 
 def skin_matrices(skin: Skin, world: Floats) -> Floats:
@@ -215,7 +215,7 @@ def morph_weights(mesh: Mesh, clip: Clip | None, times: Floats) -> Floats:
     return np.broadcast_to(mesh.morph_weights, (len(times), len(mesh.morph_weights)))
 
 
-def shares(mesh: Mesh) -> Floats:
+def normalised_weights(mesh: Mesh) -> Floats:
     """How much of each point each of its joints moves, (v, k), summing to 1 in absolute value.
 
     A point without any weight follows its first joint, as in engines; NaN stays NaN.
@@ -235,7 +235,7 @@ def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
     """The points of a mesh in the world, (f, v, 3).
 
     world: (f, n, 4, 4). morph: (f, t). Weights that do not sum to 1 are scaled
-    to do so, as engines do; see `shares`. IndexError for a joint the skin does not have.
+    to do so, as engines do; see `normalised_weights`. IndexError for a joint the skin does not have.
     """
     points = np.broadcast_to(mesh.points, (len(world), *mesh.points.shape))
     if morph.shape[-1] and morph.any():
@@ -243,7 +243,7 @@ def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
     if mesh.skin is None or not mesh.joints.shape[1]:
         return _through(points, world[:, mesh.node])
     matrices = multiply(mesh.bind, skin_matrices(rig.skins[mesh.skin], world))
-    weights = shares(mesh)
+    weights = normalised_weights(mesh)
     if mesh.dual_quaternion:
         return _dual_quaternion(points, matrices, mesh.joints, weights)
     if points.strides[0] == 0:  # no morph: the same points at all times

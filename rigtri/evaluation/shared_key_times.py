@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rigtri.evaluation.sampling import each_once, sample
-from rigtri.evaluation.timelines import single, without_steps
+from rigtri.evaluation.sampling import sample, sorted_unique
+from rigtri.evaluation.timelines import as_float32, without_steps
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Path, Track
 from rigtri.model.rig import Rig
@@ -108,7 +108,7 @@ def _holds_joints(clip: Clip) -> bool:
 def _together(tracks: Iterable[Track]) -> Floats:
     """All times at which one of the tracks has a key, (k,)."""
     distinct = {id(t): without_steps(t).times for t in tracks}
-    return each_once(np.concatenate(list(distinct.values())))
+    return sorted_unique(np.concatenate(list(distinct.values())))
 
 
 def _wide(track: Track, times: Floats) -> Track:
@@ -116,7 +116,7 @@ def _wide(track: Track, times: Floats) -> Track:
     if track.interpolation == "CUBICSPLINE" or np.array_equal(track.times, times):
         return track
     linear = without_steps(track)
-    values = single(sample(linear, times))
+    values = as_float32(sample(linear, times))
     at = np.clip(np.searchsorted(linear.times, times), 0, len(linear.times) - 1)
     own = linear.times[at] == times
     values[own] = linear.values[at[own]]

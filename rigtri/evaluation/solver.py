@@ -12,11 +12,11 @@ from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.frame_batches import BLOCK, blocks, cut, frames, joined
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.pose_cache import Posed
-from rigtri.evaluation.solver_steps import CHANNELS, Follow, Root, Step, Turned
-from rigtri.evaluation.step_order import ordered, steps_for
-from rigtri.evaluation.twist_joints import twists
-from rigtri.evaluation.zero_pose import Reference
+from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.solver_steps import CHANNELS, ConstraintStep, RootStep, Step, TwistStep
+from rigtri.evaluation.step_order import in_order, steps_for
+from rigtri.evaluation.twist_joints import twist_joints
+from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.model.constraints import Rule, rules_of
 from rigtri.model.records import Path
 from rigtri.model.rig import Rig
@@ -31,7 +31,7 @@ class Solver:
 
     def __init__(self, rig: Rig, driven: Collection[int] | None = None) -> None:
         self.rig = rig
-        self.reference = Reference(rig)
+        self.reference = ControlsAtZero(rig)
         self.driven = driven
         rules = rules_of(rig).values()
         self.poles = {rule.chain: rule for rule in rules if rule.kind == "polevector"}
@@ -119,10 +119,10 @@ class Solver:
                 taken.add(joint)
         for own in self.reference.roots:
             if own.joint not in taken and self._works(own.control):
-                found.append(Root(self.reference, own))
+                found.append(RootStep(self.reference, own))
                 taken.add(own.joint)
-        found += [Turned(self.rig, twist) for twist in twists(self.rig) if twist.node not in taken]
-        return ordered(self.rig, self._with_rules(found))
+        found += [TwistStep(self.rig, twist) for twist in twist_joints(self.rig) if twist.node not in taken]
+        return in_order(self.rig, self._with_rules(found))
 
     def _with_rules(self, steps: Sequence[Step]) -> list[Step]:
         """Rules come on top of what else moves their children; what moves a whole limb stays as it is."""
@@ -133,7 +133,7 @@ class Solver:
             if base is not None and len(base.sets) > 1:
                 continue  # the limb's solver moves it; a rule of one of its joints would tear it
             order = sorted(rules, key=_turn)
-            result.append(Follow(self.rig, tuple(order), base, self._riders(child)))
+            result.append(ConstraintStep(self.rig, tuple(order), base, self._riders(child)))
         return result
 
     def _riders(self, joint: int) -> tuple[Fk, ...]:
@@ -151,9 +151,9 @@ class Solver:
         """The steps that what becomes of some nodes needs, in order."""
         return steps_for(self.rig, self.steps, nodes)
 
-    def run(self, sampled: Mapping[int, Parts], steps: Sequence[Step] | None = None) -> Posed:
+    def run(self, sampled: Mapping[int, Parts], steps: Sequence[Step] | None = None) -> PoseCache:
         """The rig with all steps taken, or some. sampled: the parts of what a clip moves, (f, ·) each."""
-        posed = Posed(self.rig, sampled)
+        posed = PoseCache(self.rig, sampled)
         for step in self.steps if steps is None else steps:
             step.run(posed)
         return posed
@@ -179,7 +179,9 @@ class Solver:
     def writes(self) -> dict[int, list[tuple[Path, bool]]]:
         """What is set of each node; and whether all of it is, so that its own keys count no more."""
         return {
-            node: step.writes if isinstance(step, Follow) else [(path, True) for path in CHANNELS.values()]
+            node: step.writes
+            if isinstance(step, ConstraintStep)
+            else [(path, True) for path in CHANNELS.values()]
             for step in self.steps
             for node in step.sets
         }
@@ -190,7 +192,7 @@ class Solver:
         return sorted({node for step in self.steps for node in step.sets})
 
 
-def refuse_circles(rig: Rig) -> None:
+def refuse_cycles(rig: Rig) -> None:
     """CircleError where controls and constraints wait for each other, whatever controls are at work."""
     fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
     for driven in (None, fk):

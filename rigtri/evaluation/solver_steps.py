@@ -10,12 +10,12 @@ from typing import Protocol
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import evaluate, factored
+from rigtri.evaluation.constraint_solver import evaluate_constraint, to_parts
 from rigtri.evaluation.fk import Fk
-from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.step_order import Uses
-from rigtri.evaluation.twist_joints import Twist
-from rigtri.evaluation.zero_pose import FkControl, Reference
+from rigtri.evaluation.twist_joints import TwistJoint
+from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.constraints import Rule
 from rigtri.model.records import Path
@@ -27,14 +27,14 @@ CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
 class Step(Uses, Protocol):
     """Something that moves nodes."""
 
-    def run(self, posed: Posed) -> None: ...
+    def run(self, posed: PoseCache) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
-class Root:
+class RootStep:
     """The control over all, for a joint that has no control of its own: it is carried along."""
 
-    reference: Reference
+    reference: ControlsAtZero
     own: FkControl
 
     @property
@@ -50,17 +50,17 @@ class Root:
         above = int(self.reference.rig.parents[self.own.joint])
         return (self.own.control, above) if above >= 0 else (self.own.control,)
 
-    def run(self, posed: Posed) -> None:
+    def run(self, posed: PoseCache) -> None:
         joint, control = self.own.joint, self.own.control
         world = self.reference.world
         start = multiply(world[joint], inverse(world[control]))
         above = int(self.reference.rig.parents[joint])
-        found = factored(multiply(multiply(start, posed.world(control)), inverse(posed.world(above))))
+        found = to_parts(multiply(multiply(start, posed.world(control)), inverse(posed.world(above))))
         posed.set(joint, posed.mended(found, start, control, above))
 
 
 @dataclass(frozen=True, eq=False)
-class Follow:
+class ConstraintStep:
     """Rules of one child, in the order in which they come on top of each other.
 
     riders: FK controls that hang below the child's own control, and ride on the child wherever rules
@@ -109,7 +109,7 @@ class Follow:
                 found.append((path, self.base is not None or any(len(each) == 3 for each in set_by)))
         return found
 
-    def run(self, posed: Posed) -> None:
+    def run(self, posed: PoseCache) -> None:
         if self.base is not None:
             self.base.run(posed)
         for rule in self.rules:
@@ -121,20 +121,20 @@ class Follow:
             count = max(map(len, held))
             wide = [np.broadcast_to(m, (count, 4, 4)) for m in held]
             there = np.stack(wide[: len(drivers)], axis=1)
-            found = evaluate(
+            found = evaluate_constraint(
                 rule, there, wide[len(drivers)], wide[len(drivers) + 1], wide[-1] if up is not None else None
             )
-            posed.set(self.child, factored(found))
+            posed.set(self.child, to_parts(found))
         for fk in self.riders:
             posed.set(fk.own.offset, fk.riding(posed))
 
 
 @dataclass(frozen=True, eq=False)
-class Turned:
+class TwistStep:
     """A twist joint."""
 
     rig: Rig
-    twist: Twist
+    twist: TwistJoint
 
     @property
     def sets(self) -> tuple[int, ...]:
@@ -148,7 +148,7 @@ class Turned:
     def needs(self) -> tuple[int, ...]:
         return ()
 
-    def run(self, posed: Posed) -> None:
+    def run(self, posed: PoseCache) -> None:
         local = [posed.local(node) for node in self.twist.path]
         count = max(map(len, local))
         matrices = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in local], axis=1)

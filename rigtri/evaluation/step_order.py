@@ -28,7 +28,7 @@ class Uses(Protocol):
 S = TypeVar("S", bound=Uses)
 
 
-class CircleError(GeometryError):
+class ControlCycleError(GeometryError):
     """Steps wait for each other. nodes: on the way round; each needs the next, the last the first.
 
     way: the nodes in words.
@@ -44,7 +44,7 @@ class CircleError(GeometryError):
         )
 
 
-def ordered(rig: Rig, steps: Sequence[S]) -> list[S]:
+def in_order(rig: Rig, steps: Sequence[S]) -> list[S]:
     """Steps by what they use: parents' places take part in those of their children.
 
     Raises CircleError where steps wait for each other, or one for itself.
@@ -109,7 +109,7 @@ def _visit(rig: Rig, start: int, ways: Sequence[Ways], state: list[int], done: l
         elif state[following] == 1:
             entered = [k for k, _ in stack]
             circle = entered[entered.index(following) :]
-            raise CircleError(rig, _nodes(ways, circle))
+            raise ControlCycleError(rig, _nodes(ways, circle))
         elif state[following] == 0:
             state[following] = 1
             stack.append((following, iter(ways[following])))

@@ -76,7 +76,7 @@ def played_at_once(rig: Rig, name: str) -> Rig:
     return replace(rig, clips=(replace(found.clip, name=name, key=PLAYED), *apart))
 
 
-def moment(rig: Rig, text: str) -> tuple[Timeline | None, float]:
+def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     """The timeline and the time that ``CLIP@TIME`` names, the last @ splits; None and 0 for ``rest``.
 
     Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
@@ -103,7 +103,7 @@ def _is_default(clip: Clip) -> bool:
     return isinstance(clip.key, tuple) and clip.key[0] == "default"
 
 
-def placed(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
+def put_tracks(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
     """The rig with tracks put into a timeline: each takes the place of the one that drove the same.
 
     A track that says what the one before it said leaves it as it is, to the bit.
@@ -114,7 +114,7 @@ def placed(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
         now = list(clips[home].tracks)
         if at < 0:
             now.append(track)
-        elif _says_the_same(now[at], track):
+        elif _same_curve(now[at], track):
             continue
         else:
             now[at] = replace(track, key=now[at].key)
@@ -132,7 +132,7 @@ def _place(clips: Sequence[Clip], timeline: Timeline, track: Track) -> tuple[int
     return timeline.members[0], -1
 
 
-def _says_the_same(was: Track, now: Track) -> bool:
+def _same_curve(was: Track, now: Track) -> bool:
     if was.interpolation != now.interpolation and "CUBICSPLINE" in (was.interpolation, now.interpolation):
         return False
     if was.interpolation == "LINEAR":
@@ -180,11 +180,11 @@ def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0)
         )
     step = per_second / fps
     count = int((keys[-1] - keys[0]) / step)
-    even = single(keys[0] + step * np.arange(1, count + 1))
+    even = as_float32(keys[0] + step * np.arange(1, count + 1))
     return np.unique(np.concatenate([keys, even[even < keys[-1]]]))
 
 
-def single(times: Floats) -> Floats:
+def as_float32(times: Floats) -> Floats:
     """Times as float32 keeps them."""
     return np.asarray(times.astype(_SINGLE).astype(np.float64))
 
@@ -194,12 +194,12 @@ def just_before(times: Floats) -> Floats:
     return np.asarray(np.nextafter(times.astype(_SINGLE), _SINGLE(-np.inf)).astype(np.float64))
 
 
-def looked_at(keys: Floats) -> Floats:
+def keys_and_between(keys: Floats) -> Floats:
     """Keys and two places between each two, as far as float32 has times there.
 
     Across a jump, between a key and the one just before it, there is nothing to look at.
     """
-    inside = single(np.concatenate([keys[:-1] + share * np.diff(keys) for share in (0.29, 0.5)]))
+    inside = as_float32(np.concatenate([keys[:-1] + share * np.diff(keys) for share in (0.29, 0.5)]))
     return np.unique(np.concatenate([keys, inside]))
 
 

@@ -63,7 +63,7 @@ def swing_twist(q: ArrayLike, axis: ArrayLike) -> tuple[Floats, Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class Twist:
+class TwistJoint:
     """A twist joint, ready to be evaluated.
 
     node: the joint. path: the nodes whose locals, multiplied, are what turns: the driver first.
@@ -90,7 +90,7 @@ class Twist:
         return product(from_axis_angle(self.own_axis, self.weight * self.angles(local)), self.standing)
 
 
-def twists(rig: Rig) -> list[Twist]:
+def twist_joints(rig: Rig) -> list[TwistJoint]:
     """The twist joints that a rig's notes tell of, in the order of the nodes.
 
     Raises NameNotFoundError for a joint that is no longer there, GeometryError for a bone
@@ -104,7 +104,7 @@ def is_twist(note: Mapping[str, Any] | None) -> bool:
     return note is not None and note.get("type") == "twist"
 
 
-def twist_of(rig: Rig, node: int, note: Mapping[str, Any]) -> Twist:
+def twist_of(rig: Rig, node: int, note: Mapping[str, Any]) -> TwistJoint:
     """The twist joint ``node`` of a note."""
     joint, to, driver = (rig.find(str(note[key])) for key in ("joint", "to", "driver"))
     own_axis = _own_axis(rig, joint, to, note.get("axis"))
@@ -116,7 +116,7 @@ def twist_of(rig: Rig, node: int, note: Mapping[str, Any]) -> Twist:
         whole = _product(local)
         axis = normalise(transform_directions(own_axis, whole))
         sign = -1.0 if determinant(whole) < 0 else 1.0
-    return Twist(
+    return TwistJoint(
         node=node,
         path=path,
         rest=_rotation(local),

@@ -45,7 +45,7 @@ class IkLimb:
     stretch: bool = False
 
 
-class Reference:
+class ControlsAtZero:
     """The controls of a rig, and its pose while they are zero."""
 
     def __init__(self, rig: Rig) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.maths.matrices import turn_after, turn_before
+from rigtri.maths.matrices import rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Rule, note_of, rules_of
@@ -137,10 +137,10 @@ def _offsets(rig: Rig, rule: Rule, turn: Floats, own: Floats, above: Floats) -> 
     if rule.kind in ("point", "scale"):
         return rule.offsets
     if rule.kind == "polevector":  # a place in the frame of the driver; its axes mean nothing
-        return turn_after(turn_before(drivers, rule.offsets), conjugate(drivers))
+        return rotate_after(rotate_before(drivers, rule.offsets), conjugate(drivers))
     if rule.kind == "aim":
-        return turn_after(turn_before(own, rule.offsets), conjugate(own))
+        return rotate_after(rotate_before(own, rule.offsets), conjugate(own))
     if rule.space == "local":
         parents = np.stack([_of(turn, int(rig.parents[node])) for node in rule.drivers])
-        return turn_after(turn_before(parents, rule.offsets), conjugate(above))
-    return turn_after(turn_before(own, rule.offsets), conjugate(drivers))
+        return rotate_after(rotate_before(parents, rule.offsets), conjugate(above))
+    return rotate_after(rotate_before(own, rule.offsets), conjugate(drivers))

@@ -24,7 +24,7 @@ import numpy as np
 
 from rigtri.frames.constraint_transform import turned_notes
 from rigtri.frames.node_constraints import broken, turned_constraints
-from rigtri.maths.matrices import compose, decompose, determinant, from_frame, turn_after, turn_before
+from rigtri.maths.matrices import compose, decompose, determinant, from_frame, rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -98,7 +98,7 @@ def split(rig: Rig, turns: Mapping[int, Floats]) -> Rig:
         # What a matrix has beside rotation and scale stays with the node.
         whole = rig.matrix[node] if rig.has_matrix[node] else compose(translation, rotation, scale)
         back = conjugate(multiply(rotation, turn))
-        matrices[old] = turn_after(from_frame(whole[:3, :3], np.zeros(3)), back)
+        matrices[old] = rotate_after(from_frame(whole[:3, :3], np.zeros(3)), back)
         notes[holder] = {"v": 1, "type": "frame", "joint": rig.address(node)}
         lifted[old] = turn
     clips = tuple(
@@ -291,7 +291,7 @@ def _turn_rest(rig: Rig, turn: Floats, above: Floats, fold: Floats, scales: Scal
         scale[rescaled] = _turned_scale(scale[rescaled], rescaled, turn, fold, scales)
     matrix, held = rig.matrix.copy(), np.flatnonzero(rig.has_matrix & (own | parents)[:, 0])
     if len(held):
-        matrix[held] = turn_after(turn_before(turn[held], matrix[held]), conjugate(above[held]))
+        matrix[held] = rotate_after(rotate_before(turn[held], matrix[held]), conjugate(above[held]))
     return replace(
         rig,
         translation=translation,
@@ -312,7 +312,7 @@ def _turn_skins(rig: Rig, turn: Floats) -> Rig:
     for skin in rig.skins:
         mine = own[skin.joints]
         if mine.any():
-            moved = turn_after(skin.inverse_bind, conjugate(turn[skin.joints]))
+            moved = rotate_after(skin.inverse_bind, conjugate(turn[skin.joints]))
             keep = mine[:, np.newaxis, np.newaxis]
             skin = replace(skin, inverse_bind=np.where(keep, moved, skin.inverse_bind))
         skins.append(skin)

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds, key_times, locals_at, worlds
 from rigtri.frames.reframe import SAME_SCALE, Scales
-from rigtri.maths.matrices import decompose, from_frame, inverse, local, turn_before
+from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_before
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -193,7 +193,7 @@ def _own_frames(tree: Skeleton, world: Floats) -> Floats:
     for joint in rig.frame_of:
         _, turn, scale = decompose(rig.local[joint])
         axes = world[joint, :3, :3] * np.where(scale < 0, -1.0, 1.0)[:, np.newaxis]
-        world[joint, :3, :3] = turn_before(conjugate(turn), from_frame(axes, np.zeros(3)))[:3, :3]
+        world[joint, :3, :3] = rotate_before(conjugate(turn), from_frame(axes, np.zeros(3)))[:3, :3]
     return world
 
 

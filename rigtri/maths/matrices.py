@@ -216,7 +216,7 @@ def skew(m: ArrayLike) -> Floats:
     return np.maximum(np.abs(dot(x, y)), np.maximum(np.abs(dot(y, z)), np.abs(dot(z, x))))
 
 
-def turn_before(q: ArrayLike, m: ArrayLike) -> Floats:
+def rotate_before(q: ArrayLike, m: ArrayLike) -> Floats:
     """C·M for the rotation C of ``q``: the same place, other axes, (..., 4), (..., 4, 4)."""
     m = as_matrices(m).copy()
     axes = to_axes(q)
@@ -224,7 +224,7 @@ def turn_before(q: ArrayLike, m: ArrayLike) -> Floats:
     return m
 
 
-def turn_after(m: ArrayLike, q: ArrayLike) -> Floats:
+def rotate_after(m: ArrayLike, q: ArrayLike) -> Floats:
     """M·C for the rotation C of ``q``: every row turned, (..., 4, 4), (..., 4)."""
     m = as_matrices(m).copy()
     m[..., :, :3] = rotate(np.asarray(q, dtype=np.float64)[..., np.newaxis, :], m[..., :, :3])

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rigtri.maths import vectors
 from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos, sine
-from rigtri.maths.vectors import as_vectors, by_component, cross, length, normalise
+from rigtri.maths.vectors import as_vectors, by_component, cross, length
 
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 # Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
@@ -82,14 +82,14 @@ def unit(q: ArrayLike) -> Floats:
         return q / norm(q)[..., np.newaxis]
 
 
-def shown(q: ArrayLike) -> Floats:
+def normalise(q: ArrayLike) -> Floats:
     """Rotations, (..., 4), as formats mean them: of length 1, whatever was stored; zero stays zero."""
     q = as_quaternions(q)
     size = norm(q)[..., np.newaxis]
     return np.asarray(q / np.where(size == 0, 1.0, size))
 
 
-def meant_unit(q: ArrayLike) -> Floats:
+def normalise_for_storage(q: ArrayLike) -> Floats:
     """Rotations, (..., 4), normalised where they were meant to be unit, within [−1, 1] there."""
     q = as_quaternions(q)
     size = norm(q)[..., np.newaxis]
@@ -149,7 +149,7 @@ def from_axes(axes: ArrayLike) -> Floats:
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
     """Turns by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0."""
     sine, cosine = sin_cos(np.asarray(angle, dtype=np.float64) / 2.0)
-    xyz = normalise(axis) * sine[..., np.newaxis]
+    xyz = vectors.normalise(axis) * sine[..., np.newaxis]
     result = by_component((*xyz.shape[:-1], 4))
     result[..., :3], result[..., 3] = xyz, cosine
     return result
@@ -161,19 +161,19 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
     Opposite directions have no shortest turn; they get a half turn about an
     axis perpendicular to ``a``.
     """
-    a, b = normalise(a), normalise(b)
+    a, b = vectors.normalise(a), vectors.normalise(b)
     a, b = np.broadcast_arrays(a, b)
     halfway = a + b
     opposite = vectors.dot(halfway, halfway) < 1e-24  # 1e-12 rad from opposite: the cross product is noise
     # The unit axis least parallel to a: crossing with it never degenerates.
     aside = cross(a, np.eye(3)[np.argmin(np.abs(a), axis=-1)])
-    half = normalise(np.where(opposite[..., np.newaxis], aside, halfway))
+    half = vectors.normalise(np.where(opposite[..., np.newaxis], aside, halfway))
     turn = np.concatenate([cross(a, half), vectors.dot(a, half)[..., np.newaxis]], axis=-1)
     flip = np.concatenate([half, np.zeros((*half.shape[:-1], 1))], axis=-1)
     return np.where(opposite[..., np.newaxis], flip, turn)
 
 
-def turn_angle(q: ArrayLike) -> Floats:
+def rotation_angle(q: ArrayLike) -> Floats:
     """How far unit quaternions turn, (..., 4) → (...), in radians, 0 to π."""
     q = as_quaternions(q)
     return 2.0 * arc_tangent(length(q[..., :3]), np.abs(q[..., 3]))

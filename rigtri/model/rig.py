@@ -18,7 +18,7 @@ import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.maths.matrices import compose, multiply
-from rigtri.maths.quaternions import shown
+from rigtri.maths.quaternions import normalise
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.control_shapes import Lines, Shape, nothing
 from rigtri.model.records import Booleans, Bound, Clip, Constraint, Fold, Integers, Mesh, Skin, Spread, Track
@@ -142,11 +142,11 @@ class Rig:
     @cached_property
     def shown(self) -> Floats:
         """`local` with rotations as they are meant, unit, (n, 4, 4); shared, so not to be changed."""
-        return self._locals(shown(self.rotation))
+        return self._locals(normalise(self.rotation))
 
     @cached_property
     def shown_world(self) -> Floats:
-        """`shown` seen from the world, (n, 4, 4); shared, so not to be changed."""
+        """`normalise` seen from the world, (n, 4, 4); shared, so not to be changed."""
         return self._worlds(self.shown)
 
     def _worlds(self, local: Floats) -> Floats:

@@ -11,16 +11,16 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, posed_at, size_of
 from rigtri.evaluation.constraint_solver import Parts
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import Timeline, moment, single, times_within
+from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, times_within
 from rigtri.maths.matrices import compose
-from rigtri.maths.quaternions import conjugate, multiply, turn_angle, unit
+from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.options import operation
-from rigtri.operations.solver_warnings import troubles
+from rigtri.operations.solver_warnings import solver_warnings
 from rigtri.report import Report
 
 # Notes of nodes that a written pose leaves where they are.
@@ -37,25 +37,25 @@ class PoseOptions:
     evaluate: bool = True
 
 
-def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Posed:
+def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> PoseCache:
     """The pose, one row for each node that is asked for. What cannot be as asked is a warning of the report.
 
     Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle).
     """
-    timeline, time = moment(rig, options.at)
+    timeline, time = timeline_and_time(rig, options.at)
     if report is not None and timeline is not None:
-        tell_outside(timeline, time, report)
+        warn_outside_clip(timeline, time, report)
     if not options.evaluate:
         return posed_at(rig, timeline, time, size=size_of(rig), evaluate=False)
     at_work = keyed_in(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
     solver = Solver(rig, at_work)
-    posed = solver.run({} if timeline is None else sampled(rig, timeline.clip, np.array([time])))
+    posed = solver.run({} if timeline is None else sample_parts(rig, timeline.clip, np.array([time])))
     if report is not None:
-        report.hear(troubles(solver, posed, lambda _: options.at))
+        report.hear(solver_warnings(solver, posed, lambda _: options.at))
     return posed
 
 
-def tell_outside(timeline: Timeline, time: float, report: Report) -> float:
+def warn_outside_clip(timeline: Timeline, time: float, report: Report) -> float:
     """Tell of a moment that the clip does not have; the one whose pose it holds."""
     keys = times_within(timeline, None)
     if not keys[0] <= time <= keys[-1]:
@@ -67,7 +67,7 @@ def tell_outside(timeline: Timeline, time: float, report: Report) -> float:
 
 def table(rig: Rig, options: PoseOptions, report: Report | None = None) -> dict[str, Any]:
     """The pose of the joints, all nodes where there are none, as schemas/pose.schema.json describes it."""
-    timeline, time = moment(rig, options.at)
+    timeline, time = timeline_and_time(rig, options.at)
     posed = pose_of(rig, options, report)
     nodes = np.flatnonzero(rig.is_joint).tolist() or list(range(len(rig)))
     joints = []
@@ -114,7 +114,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):
             raise GeometryError(f"'{rig.title(node)}' has no place that is a number in {options.at}")
-    timeline, time = moment(rig, options.at)
+    timeline, time = timeline_and_time(rig, options.at)
     taken, moved = at_rest(rig, parts, np.full(len(rig), 0.1 * NOTHING * size_of(rig)))
     weights = _morphed(rig, timeline, time)
     report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
@@ -125,7 +125,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
 def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floats]:
     """The morph weights of a moment, (t,) by node, where they are others than at rest; as float32."""
     tracks = [] if timeline is None else [t for t in timeline.clip.tracks if t.path == "weights"]
-    found = {track.node: single(sample(track, [time])[0]) for track in tracks}
+    found = {track.node: as_float32(sample(track, [time])[0]) for track in tracks}
     still = (
         {mesh.node: rig.morphed.get(mesh.node, mesh.morph_weights) for mesh in rig.drawn()} if found else {}
     )
@@ -141,13 +141,13 @@ def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, l
 
     parts: by node, one row each. least: (n,), what moves by no more stays as it is.
     """
-    still, moved = Posed(rig), []
+    still, moved = PoseCache(rig), []
     translation, rotation = rig.translation.copy(), rig.rotation.copy()
     scale, matrix = rig.scale.copy(), rig.matrix.copy()
     for node, now in parts.items():
         was = still.part(node)
         far = float(np.abs(now.translation - was.translation).max()) > least[node]
-        turned = float(turn_angle(multiply(conjugate(was.rotation), now.rotation))[0]) > NOTHING
+        turned = float(rotation_angle(multiply(conjugate(was.rotation), now.rotation))[0]) > NOTHING
         grown = float(np.abs(now.scale - was.scale).max()) > NOTHING
         if not (far or turned or grown):
             continue

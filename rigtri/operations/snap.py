@@ -18,28 +18,28 @@ from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, 
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.inverse_solver import Matched, match_limb
-from rigtri.evaluation.key_insertion import with_keys
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.inverse_solver import SolvedControls, match_limb
+from rigtri.evaluation.key_insertion import insert_keys
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import (
     Timeline,
+    as_float32,
     jumps,
     just_before,
-    looked_at,
-    moment,
-    single,
+    keys_and_between,
     steps_only,
+    timeline_and_time,
     times_within,
 )
-from rigtri.evaluation.zero_pose import Reference
-from rigtri.maths.quaternions import conjugate, multiply, turn_angle
+from rigtri.evaluation.zero_pose import ControlsAtZero
+from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.records import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.options import operation
-from rigtri.operations.pose import at_rest, tell_outside
+from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.report import Report
 
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
@@ -80,21 +80,21 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
     chains = _chains(rig, options)
     moments: dict[tuple[int, ...], list[tuple[str, float]]] = {}
     for text in options.at:
-        timeline, time = moment(rig, text)
+        timeline, time = timeline_and_time(rig, text)
         if timeline is not None:
-            time = tell_outside(timeline, time, report)
+            time = warn_outside_clip(timeline, time, report)
         moments.setdefault(timeline.members if timeline else (), []).append((text, time))
     for together in moments.values():
-        at = single(np.unique([time for _, time in together]))
+        at = as_float32(np.unique([time for _, time in together]))
         for chain in chains:
-            timeline, _ = moment(rig, together[0][0])
+            timeline, _ = timeline_and_time(rig, together[0][0])
             rig = _Limb(rig, chain, timeline, at, options.to, report).snapped()
     return rig
 
 
 def _chains(rig: Rig, options: SnapOptions) -> list[tuple[int, int, int]]:
     """The limbs, as nodes. GeometryError for one without an IK end."""
-    known = [limb.chain for limb in Reference(rig).limbs]
+    known = [limb.chain for limb in ControlsAtZero(rig).limbs]
     chains = [(rig.find(a), rig.find(b), rig.find(c)) for a, b, c in options.limbs] or known
     for chain in chains:
         if chain not in known:
@@ -171,13 +171,13 @@ class _Limb:
         tracks = {(t.node, t.path): t for k in self.timeline.members for t in rig.clips[k].played.tracks}
         return replace(self.timeline, clip=Clip(self.timeline.clip.name, tuple(tracks.values())))
 
-    def _posed(self, rig: Rig, times: Floats) -> Posed:
+    def _posed(self, rig: Rig, times: Floats) -> PoseCache:
         timeline = self._now(rig)
-        parts = sampled(rig, timeline.clip, times) if timeline else {}
+        parts = sample_parts(rig, timeline.clip, times) if timeline else {}
         return Solver(rig, self._at_work(rig)).run(parts)
 
     def _ik(self) -> Ik:
-        reference = Reference(self.rig)
+        reference = ControlsAtZero(self.rig)
         limb = next(limb for limb in reference.limbs if limb.chain == self.chain)
         solver = Solver(self.rig, {limb.control})
         return next(ik for ik in solver.limbs if ik.limb.chain == self.chain)
@@ -188,8 +188,8 @@ class _Limb:
         moved = [node for node in nodes if node in ik.sets and node in ik.reference.fk]
         return {node: Fk(ik.reference, ik.reference.fk[node]) for node in moved}
 
-    def _to_ik(self, ik: Ik, before: Posed) -> dict[int, Parts]:
-        found = Matched(Posed(self.rig, before.parts))
+    def _to_ik(self, ik: Ik, before: PoseCache) -> dict[int, Parts]:
+        found = SolvedControls(PoseCache(self.rig, before.parts))
         match_limb(found, ik, before, Solver(self.rig, ()).rules, lambda node, parts: _single(parts))
         channels = dict(found.controls)
         if self.timeline is not None:  # at rest offsets say what the controls' channels start from
@@ -201,7 +201,7 @@ class _Limb:
             channels |= found.offsets
         return channels
 
-    def _to_fk(self, ik: Ik, fks: Mapping[int, Fk], before: Posed) -> dict[int, Parts]:
+    def _to_fk(self, ik: Ik, fks: Mapping[int, Fk], before: PoseCache) -> dict[int, Parts]:
         missing = [node for node in self.chain if node not in fks]
         if missing:
             raise GeometryError(
@@ -214,14 +214,14 @@ class _Limb:
                     f"'{self.rig.title(node)}' follows a constraint, so IK always moves the limb that ends "
                     f"in '{self.rig.title(self.chain[2])}'; take the constraint out first"
                 )
-        built = Posed(self.rig, before.parts)
+        built = PoseCache(self.rig, before.parts)
         return {fk.own.control: _single(fk.channels(built, before.part(node))) for node, fk in fks.items()}
 
     def _set(self, channels: Mapping[int, Parts]) -> Rig:
         """The rig with other values at the moments, where one of them is another."""
         timeline = self._now(self.rig)
         assert timeline is not None
-        now = Posed(self.rig, sampled(self.rig, timeline.clip, self.times))
+        now = PoseCache(self.rig, sample_parts(self.rig, timeline.clip, self.times))
         size = size_of(self.rig)
         if all(_alike(now.part(node), parts, size) for node, parts in channels.items()):
             return self.rig
@@ -231,7 +231,7 @@ class _Limb:
             for track in clips[k].tracks:
                 values = wanted.pop((track.node, track.path), None)
                 rows = None if values is None else _rows(values, len(self.times))
-                tracks.append(track if rows is None else with_keys(track, self.times, rows))
+                tracks.append(track if rows is None else insert_keys(track, self.times, rows))
             clips[k] = replace(clips[k], tracks=tuple(tracks))
         fresh = [self._nearby(timeline, *which, values) for which, values in wanted.items()]
         home = timeline.members[0]
@@ -282,7 +282,7 @@ class _Limb:
         return replace(self.rig, clips=tuple(clips))
 
     def _record(self, rig: Rig, times: Floats) -> None:
-        far, elsewhere = self._apart(rig, self.times), self._apart(rig, looked_at(times))
+        far, elsewhere = self._apart(rig, self.times), self._apart(rig, keys_and_between(times))
         name = self.rig.title(self.chain[2])
         if not far <= NEAR:
             self.report.warn(
@@ -319,19 +319,19 @@ def _wanted(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:
 
 def _part(rig: Rig, node: int, path: Path) -> Floats:
     """What a node has at rest, (1, c)."""
-    return Posed(rig).part(node)[_PATHS.index(path)]
+    return PoseCache(rig).part(node)[_PATHS.index(path)]
 
 
 def _alike(now: Parts, wanted: Parts, size: float) -> bool:
     """Whether the two differ by no more than rounding."""
     moved = float(np.abs(wanted.translation - now.translation).max())
-    turned = float(turn_angle(multiply(conjugate(now.rotation), wanted.rotation)).max())
+    turned = float(rotation_angle(multiply(conjugate(now.rotation), wanted.rotation)).max())
     grown = float(np.abs(wanted.scale - now.scale).max())
     return moved <= SAME * size and turned <= SAME and grown <= SAME
 
 
 def _single(parts: Parts) -> Parts:
-    return Parts(*(single(each) for each in parts))
+    return Parts(*(as_float32(each) for each in parts))
 
 
 def _rows(values: Floats, count: int) -> Floats:

@@ -11,10 +11,10 @@ from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.frame_batches import blocks, cut
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.solver_steps import Follow, Root, Step
+from rigtri.evaluation.solver_steps import ConstraintStep, RootStep, Step
 from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.two_bone_ik import BEYOND
 from rigtri.maths.matrices import transform_points
@@ -33,7 +33,7 @@ EVEN = 1e-4
 Moment = Callable[[int], str]
 
 
-def troubles(solver: Solver, posed: Posed, at: Moment) -> Iterator[Notice]:
+def solver_warnings(solver: Solver, posed: PoseCache, at: Moment) -> Iterator[Notice]:
     """Notices of a rig that ``solver`` has run: of each kind of trouble, the moment where it is worst."""
     for ik in solver.limbs:
         yield from _limb(ik, posed, at)
@@ -43,7 +43,7 @@ def troubles(solver: Solver, posed: Posed, at: Moment) -> Iterator[Notice]:
         yield from _scale(solver.rig.title(node), posed.part(node).scale, at)
 
 
-def clip_troubles(
+def clip_solver_warnings(
     solver: Solver, timeline: Timeline, times: Floats, solved: Mapping[int, Parts]
 ) -> list[Notice]:
     """The notices of a timeline, of each node's troubles the first. solved: what ``solver`` makes of it at
@@ -54,7 +54,7 @@ def clip_troubles(
             looked_at.add(node)
             node = int(rig.parents[node])
     tracks = tuple(t for t in timeline.clip.tracks if t.node in looked_at and t.node not in solved)
-    parts = {**sampled(rig, replace(timeline.clip, tracks=tracks), times), **solved}
+    parts = {**sample_parts(rig, replace(timeline.clip, tracks=tracks), times), **solved}
     as_shown = {
         rig.title(control)
         for control, joint in solver.reference.control_of.items()
@@ -63,7 +63,7 @@ def clip_troubles(
     found: dict[tuple[str, str | None], Notice] = {}
     for rows in blocks(len(times)):
         moment = _moment(timeline.name, times[rows])
-        for notice in troubles(solver, Posed(rig, cut(parts, rows)), moment):
+        for notice in solver_warnings(solver, PoseCache(rig, cut(parts, rows)), moment):
             if notice.code != "control-scale" or notice.joint not in as_shown:
                 found.setdefault((notice.code, notice.joint), notice)
     return list(found.values())
@@ -82,8 +82,8 @@ def _moment(clip: str, times: Floats) -> Moment:
 
 def _scaled(step: Step) -> Iterator[int]:
     """The controls whose scale a step uses: its own, and the root's that its own hangs below."""
-    base = step.base if isinstance(step, Follow) else step
-    if isinstance(base, Fk | Root):
+    base = step.base if isinstance(step, ConstraintStep) else step
+    if isinstance(base, Fk | RootStep):
         yield base.own.control
         yield from (root.control for root in base.reference.roots if root.control == base.own.above)
 
@@ -107,7 +107,7 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
         yield Notice("control-scale", text, name)
 
 
-def _limb(ik: Ik, posed: Posed, at: Moment) -> Iterator[Notice]:
+def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
     rig, limb = ik.rig, ik.limb
     target, place = ik.target(posed), ik.place(posed)
     solved, lengths = ik.solve(posed, target, place), ik.lengths(posed)

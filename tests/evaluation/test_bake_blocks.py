@@ -10,10 +10,10 @@ from places import slow
 from test_bake import rigged
 
 from rigtri.evaluation.constraint_solver import Parts
-from rigtri.evaluation.inverse_solver import matched
-from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.inverse_solver import solve_controls
+from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import single, timelines
+from rigtri.evaluation.timelines import as_float32, timelines
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 
@@ -25,11 +25,11 @@ def moving(frames: int) -> tuple[Solver, dict[int, Parts]]:
     clip = timelines(rig)[0].clip
     joints = tuple(track for track in clip.tracks if rig.is_joint[track.node])
     assert len(joints) == len(clip.tracks)
-    return Solver(rig), sampled(rig, clip, np.linspace(0.0, 1.0, frames))
+    return Solver(rig), sample_parts(rig, clip, np.linspace(0.0, 1.0, frames))
 
 
 def rounded(node: int, parts: Parts) -> Parts:
-    return Parts(*(single(each) for each in parts))
+    return Parts(*(as_float32(each) for each in parts))
 
 
 def kept_of(solver: Solver, parts: dict[int, Parts], block: int, frames: int) -> dict[int, list[bytes]]:
@@ -40,7 +40,7 @@ def kept_of(solver: Solver, parts: dict[int, Parts], block: int, frames: int) ->
         found[node] = [each.tobytes() for each in rows]
         return rounded(node, wanted)
 
-    matched(solver, parts, keep, block)
+    solve_controls(solver, parts, keep, block)
     return found
 
 
@@ -61,7 +61,7 @@ def test_memory_beyond_what_goes_in_and_comes_out_does_not_grow_with_the_frames(
     def beyond(frames: int) -> int:
         solver, parts = moving(frames)
         tracemalloc.start()
-        held = matched(solver, parts, rounded, 500)
+        held = solve_controls(solver, parts, rounded, 500)
         left, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert len(held) == -(-frames // 500)

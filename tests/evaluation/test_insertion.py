@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rigtri.evaluation.key_insertion import split, with_keys
+from rigtri.evaluation.key_insertion import insert_keys, subdivide_spline
 from rigtri.evaluation.sampling import sample
-from rigtri.maths.quaternions import from_axis_angle, multiply, turn_angle
+from rigtri.maths.quaternions import from_axis_angle, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Path, Track
 
@@ -32,7 +32,7 @@ def between(start: float, end: float) -> Floats:
 def test_a_spline_that_is_split_anywhere_is_the_same_spline(path: Path) -> None:
     track = spline(path)
     times = np.union1d(TIMES, [-1.0, 0.1, 0.3, 1.9, 2.1, 5.0])
-    again = Track(0, path, "CUBICSPLINE", times, split(track, times))
+    again = Track(0, path, "CUBICSPLINE", times, subdivide_spline(track, times))
     at = between(-2.0, 6.0)
     np.testing.assert_allclose(sample(again, at), sample(track, at), atol=1e-13)
 
@@ -42,7 +42,7 @@ def test_a_new_key_of_a_spline_moves_nothing_beyond_its_neighbours(path: Path) -
     track = spline(path)
     now = sample(track, [1.0])
     wanted = multiply(now, from_axis_angle([1.0, 0.0, 0.0], 0.3)) if path == "rotation" else now + 0.5
-    done = with_keys(track, np.array([1.0]), wanted)
+    done = insert_keys(track, np.array([1.0]), wanted)
     np.testing.assert_allclose(sample(done, [1.0]), wanted, atol=1e-15)
     np.testing.assert_array_equal(done.times, [0.0, 0.5, 1.0, 2.0, 2.25])
     for at in (between(-1.0, 0.5), between(2.0, 3.0)):
@@ -56,7 +56,7 @@ def test_a_new_key_of_a_spline_moves_nothing_beyond_its_neighbours(path: Path) -
     else:
         assert abs(np.linalg.norm(done.values[2, 1]) - 1.0) < 1e-15
         speed = [
-            float(turn_angle(multiply(b * [-1, -1, -1, 1], a)))
+            float(rotation_angle(multiply(b * [-1, -1, -1, 1], a)))
             for a, b in (sample(each, step) for each in (track, done))
         ]
         assert speed[0] == pytest.approx(speed[1], rel=1e-3)
@@ -65,13 +65,15 @@ def test_a_new_key_of_a_spline_moves_nothing_beyond_its_neighbours(path: Path) -
 def test_a_spline_halved_by_hand() -> None:
     # x = 3u² − 2u³ over two seconds: at one second 0.5, and 0.75 a second fast.
     values = np.array([[[0.0] * 3] * 3, [[0.0] * 3, [1.0, 0, 0], [0.0] * 3]])
-    found = split(Track(0, "translation", "CUBICSPLINE", np.array([0.0, 2.0]), values), np.arange(3.0))
+    found = subdivide_spline(
+        Track(0, "translation", "CUBICSPLINE", np.array([0.0, 2.0]), values), np.arange(3.0)
+    )
     np.testing.assert_allclose(found[1], [[0.75, 0, 0], [0.5, 0, 0], [0.75, 0, 0]])
 
 
 def test_keys_beyond_the_ends_leave_what_lies_between_the_old_ones() -> None:
     track = spline()
-    done = with_keys(track, np.array([-1.0, 4.0]), np.array([[1.0, 2, 3], [4.0, 5, 6]]))
+    done = insert_keys(track, np.array([-1.0, 4.0]), np.array([[1.0, 2, 3], [4.0, 5, 6]]))
     at = between(0.0, 2.25)
     np.testing.assert_array_equal(sample(done, at), sample(track, at))
     np.testing.assert_array_equal(sample(done, [-1.0, 4.0]), [[1, 2, 3], [4, 5, 6]])
@@ -80,9 +82,9 @@ def test_keys_beyond_the_ends_leave_what_lies_between_the_old_ones() -> None:
 def test_lines_and_steps_take_keys_too() -> None:
     for way in ("LINEAR", "STEP"):
         track = Track(0, "scale", way, np.array([0.0, 2.0]), np.array([[1.0] * 3, [3.0] * 3]))
-        done = with_keys(track, np.array([1.0]), np.array([[5.0] * 3]))
+        done = insert_keys(track, np.array([1.0]), np.array([[5.0] * 3]))
         assert done.interpolation == way
         np.testing.assert_array_equal(done.values[:, 0], [1, 5, 3])
     alone = Track(0, "scale", "CUBICSPLINE", np.array([0.0]), np.ones((1, 3, 3)))
-    assert with_keys(alone, np.array([0.0]), np.array([[2.0] * 3])).interpolation == "STEP"
-    assert with_keys(alone, np.array([1.0]), np.array([[2.0] * 3])).interpolation == "LINEAR"
+    assert insert_keys(alone, np.array([0.0]), np.array([[2.0] * 3])).interpolation == "STEP"
+    assert insert_keys(alone, np.array([1.0]), np.array([[2.0] * 3])).interpolation == "LINEAR"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from test_bake import control, rigged
 
-from rigtri.evaluation.key_reduction import WIDEST_TURN, _untold, needed
-from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, slerp, turn_angle, unit
+from rigtri.evaluation.key_reduction import WIDEST_TURN, _off_their_neighbours, reduce_keys
+from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotation_angle, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track
 from rigtri.operations.bake.bake import BakeOptions, bake
@@ -22,7 +22,7 @@ def turning(degrees: float, count: int) -> Floats:
 
 
 def widest(turns: Floats) -> float:
-    return float(turn_angle(multiply(conjugate(turns[:-1]), turns[1:])).max())
+    return float(rotation_angle(multiply(conjugate(turns[:-1]), turns[1:])).max())
 
 
 @pytest.mark.parametrize("degrees", [40.0, 79.0, 81.0, 90.0, 170.0, 360.0, 1000.0])
@@ -30,12 +30,12 @@ def widest(turns: Floats) -> float:
 def test_turns_between_keys_are_narrower_than_a_quarter_turn(degrees: float, count: int) -> None:
     assert np.radians(90.0) > WIDEST_TURN
     times, turns = np.linspace(0.0, 3.0, count), turning(degrees, count)
-    keys = needed(times, turns, 1e-6)
+    keys = reduce_keys(times, turns, 1e-6)
     assert widest(turns[keys]) <= max(WIDEST_TURN * 1.001, np.radians(degrees) / (count - 1) * 1.001)
     assert {0, count - 1} <= set(keys.tolist())
     # No more than that asks for: any two gaps together would be too wide.
     if np.radians(degrees) / (count - 1) < WIDEST_TURN:
-        pairs = turn_angle(multiply(conjugate(turns[keys][:-2]), turns[keys][2:]))
+        pairs = rotation_angle(multiply(conjugate(turns[keys][:-2]), turns[keys][2:]))
         assert (pairs > WIDEST_TURN * 0.999).all()
 
 
@@ -43,7 +43,7 @@ def test_turns_between_keys_are_narrower_than_a_quarter_turn(degrees: float, cou
 def test_keys_that_are_wide_apart_in_the_source_all_stay(count: int) -> None:
     """Quarter turns: a player that finds the way between each would not between every second one."""
     turns = turning(90.0 * (count - 1), count)
-    keys = needed(np.arange(count, dtype=np.float64), turns, 1e-6)
+    keys = reduce_keys(np.arange(count, dtype=np.float64), turns, 1e-6)
     np.testing.assert_array_equal(keys, np.arange(count))
 
 
@@ -52,8 +52,8 @@ def test_thinned_turns_are_not_thinned_again(count: int) -> None:
     """Also where keys are exactly as far apart as may be, but for rounding."""
     times = np.linspace(0.0, 2.0, count)
     turns = turning(720.0, count).astype(np.float32).astype(np.float64)
-    keys = needed(times, turns, 1e-6)
-    np.testing.assert_array_equal(needed(times[keys], turns[keys], 1e-6), np.arange(len(keys)))
+    keys = reduce_keys(times, turns, 1e-6)
+    np.testing.assert_array_equal(reduce_keys(times[keys], turns[keys], 1e-6), np.arange(len(keys)))
 
 
 def test_controls_of_a_spinning_character_turn_less_than_a_quarter_between_keys() -> None:
@@ -80,5 +80,5 @@ def test_chords_tell_the_same_keys_as_angles_do(wild: float, bound: float) -> No
         turns = turns.astype(np.float32).astype(np.float64)
         share = (times[1:-1] - times[:-2]) / (times[2:] - times[:-2])
         line = slerp(turns[:-2], turns[2:], share)
-        off = turn_angle(multiply(conjugate(line), turns[1:-1]))
-        np.testing.assert_array_equal(_untold(times, turns, bound), off > bound)
+        off = rotation_angle(multiply(conjugate(line), turns[1:-1]))
+        np.testing.assert_array_equal(_off_their_neighbours(times, turns, bound), off > bound)

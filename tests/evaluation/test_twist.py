@@ -14,9 +14,9 @@ from strategies import directions, quaternions
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.evaluation.twist_joints import swing_twist, twist_angle, twists
+from rigtri.evaluation.twist_joints import swing_twist, twist_angle, twist_joints
 from rigtri.formats import read
-from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply, rotate, turn_angle
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply, rotate, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.records import Clip, Spread, Track
@@ -46,14 +46,16 @@ def turning(rig: Rig, joint: str, *turns: Floats, mode: str = "LINEAR") -> Rig:
 def angles(rig: Rig, time: float) -> list[float]:
     """How far each twist joint turns about x in the clip, in degrees."""
     local = locals_at(rig, rig.clips[0], [time])[0]
-    return [float(np.degrees(np.arctan2(local[t.node, 1, 2], local[t.node, 1, 1]))) for t in twists(rig)]
+    return [
+        float(np.degrees(np.arctan2(local[t.node, 1, 2], local[t.node, 1, 1]))) for t in twist_joints(rig)
+    ]
 
 
 @given(quaternions, directions)
 def test_swing_after_twist_is_the_turn(q: Floats, axis: Floats) -> None:
     axis = normalise(axis)
     swing, twist = swing_twist(q, axis)
-    assert_allclose(turn_angle(multiply(conjugate(q), multiply(swing, twist))), 0.0, atol=1e-7)
+    assert_allclose(rotation_angle(multiply(conjugate(q), multiply(swing, twist))), 0.0, atol=1e-7)
     # The twist leaves the axis, the swing takes it to where the turn does, about an axis across it.
     assert_allclose(rotate(twist, axis), axis, atol=1e-9)
     assert_allclose(rotate(swing, axis), rotate(q, axis), atol=1e-9)
@@ -78,7 +80,7 @@ def test_n_twist_joints_carry_their_share_of_the_twist_and_none_of_the_swing() -
     assert_allclose(angles(rig, 1.0), [20, 40, 60], atol=1e-6)
     assert_allclose(angles(rig, 0.0), 0.0, atol=1e-12)
     world = worlds(rig, locals_at(rig, rig.clips[0], [1.0]))[0]
-    for twist in twists(rig):  # the bone's line stays: no swing
+    for twist in twist_joints(rig):  # the bone's line stays: no swing
         assert_allclose(world[twist.node, 0, :3], X, atol=1e-12)
 
 
@@ -88,14 +90,14 @@ def test_an_upper_bone_loses_its_twist_towards_its_root_and_keeps_its_swing() ->
     assert_allclose(angles(rig, 1.0), [-60, -40, -20], atol=1e-6)
     world = worlds(rig, locals_at(rig, rig.clips[0], [1.0]))[0]
     swing, _ = swing_twist(turn, X)
-    for share, twist in zip((0.25, 0.5, 0.75), twists(rig), strict=True):
+    for share, twist in zip((0.25, 0.5, 0.75), twist_joints(rig), strict=True):
         seen = multiply(swing, from_axis_angle(X, share * np.radians(80)))
         assert_allclose(world[twist.node, :3, :3], rotate(seen, np.eye(3)), atol=1e-9)
 
 
 def test_twist_joints_stand_along_the_bone_in_its_joints_axes() -> None:
     rig = add_twist(ARM, options=LOWER)
-    nodes = [t.node for t in twists(rig)]
+    nodes = [t.node for t in twist_joints(rig)]
     assert_allclose(worlds(rig)[nodes, 3, :3], [[5, 0, 0], [6, 0, 0], [7, 0, 0]])
     assert_allclose(rig.rotation[nodes], np.tile(IDENTITY, (3, 1)), atol=1e-12)
     assert [int(rig.parents[node]) for node in nodes] == [1, 1, 1]
@@ -111,13 +113,13 @@ def test_notes_alone_say_what_the_keys_hold(seed: int) -> None:
     child, joint = bones[seed % len(bones)]
     named = ((f"j{joint}", f"j{child}"),)
     out = add_twist(rig, options=AddTwistOptions(bones=named, upper=seed % 2 > 0, lower=seed % 2 == 0))
-    for twist in twists(out):
+    for twist in twist_joints(out):
         for times in ([0.0, 0.4, 1.0], [0.1, 0.3, 0.77]):
             local = locals_at(out, out.clips[0], times)
-            off = turn_angle(multiply(conjugate(twist.rotations(local)), _turns(local[:, twist.node])))
+            off = rotation_angle(multiply(conjugate(twist.rotations(local)), _turns(local[:, twist.node])))
             assert off.max() < 40 * BOUND  # a random spline jumps between keys as no clip does
         at_keys = locals_at(out, out.clips[0], [0.0, 0.4, 1.0])
-        off = turn_angle(multiply(conjugate(twist.rotations(at_keys)), _turns(at_keys[:, twist.node])))
+        off = rotation_angle(multiply(conjugate(twist.rotations(at_keys)), _turns(at_keys[:, twist.node])))
         assert off.max() < 1e-6
 
 
@@ -133,7 +135,7 @@ def test_a_mirrored_joint_turns_its_twist_joints_the_other_way() -> None:
     turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
     rig = add_twist(turning(mirrored, "a", IDENTITY, turn), options=UPPER)
     straight = add_twist(turning(ARM, "a", IDENTITY, turn), options=UPPER)
-    for one, other in zip(twists(rig), twists(straight), strict=True):
+    for one, other in zip(twist_joints(rig), twist_joints(straight), strict=True):
         world = [worlds(r, locals_at(r, r.clips[0], [1.0]))[0] for r in (rig, straight)]
         assert_allclose(world[0][one.node, :3, :3], -world[1][other.node, :3, :3], atol=1e-9)
 
@@ -143,9 +145,9 @@ def test_between_keys_a_twist_joint_is_off_by_less_than_the_bound() -> None:
     rig = add_twist(turning(ARM, "c", IDENTITY, first, from_axis_angle(Y, -1.4)), options=LOWER)
     times = np.linspace(-0.5, 2.5, 997)
     local = locals_at(rig, rig.clips[0], times)
-    for twist in twists(rig):
+    for twist in twist_joints(rig):
         shown = _turns(local[:, twist.node])
-        off = turn_angle(multiply(conjugate(twist.rotations(local)), shown))
+        off = rotation_angle(multiply(conjugate(twist.rotations(local)), shown))
         assert off.max() < 1.2 * BOUND
         (track,) = [t for t in rig.clips[0].tracks if t.node == twist.node]
         assert 3 < len(track.times) < 200
@@ -207,7 +209,7 @@ def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:
     assert twice.names == once.names
     assert twice.clips is once.clips
     moved = add_twist(once, options=replace(LOWER, count=4))
-    assert_allclose(worlds(moved)[[t.node for t in twists(moved)], 3, 0], [4.8, 5.6, 6.4, 7.2])
+    assert_allclose(worlds(moved)[[t.node for t in twist_joints(moved)], 3, 0], [4.8, 5.6, 6.4, 7.2])
     with pytest.raises(UsageError, match="4 twist joints already"):
         add_twist(moved, options=LOWER)
 

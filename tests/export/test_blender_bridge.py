@@ -18,7 +18,7 @@ from gltf_files import glb_bytes, glb_parts
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files
 
 from rigtri.evaluation.constraint_solver import Parts
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.export.blender import script as blender
 from rigtri.export.blender.plan import named
@@ -239,7 +239,7 @@ def test_controls_animated_in_blender_come_back_as_joint_keys(
     moved = {"hand_L_ik_ctl": ONE | {"translation": [by[0], by[2], -by[1]]}}
     (clip,) = final.clips
     end = max(float(track.times[-1]) for track in clip.tracks)
-    posed = Posed(final, sampled(final, clip, np.array([end])))
+    posed = PoseCache(final, sample_parts(final, clip, np.array([end])))
     for name, matrix in expected(rig, moved, False).items():
         place = multiply(rig.world[rig.find(name)], matrix)[3, :3]
         assert np.abs(posed.world(final.find(name))[0, 3, :3] - place).max() < IK, name
@@ -300,7 +300,7 @@ def unlike(path: Path, name: str, seen: Shown) -> float:
     rig = read(path).rig
     clip = rig.clip(name)
     start = min(float(track.times[0]) for track in clip.tracks)
-    posed = Posed(rig, sampled(rig, clip, start + np.arange(25) / 24.0))
+    posed = PoseCache(rig, sample_parts(rig, clip, start + np.arange(25) / 24.0))
     return max(
         float(np.abs(posed.world(rig.find(joint))[:, 3, :3] - places).max()) for joint, places in seen.items()
     )
@@ -337,7 +337,7 @@ def test_a_switch_below_an_ik_end_tells_of_ik_without_keys(
         assert result.exit_code == 0, result.stderr
     final = read(Path(out)).rig
     clip = final.clip("walk" if command == "bake" else "new")
-    posed = Posed(final, sampled(final, clip, np.array([1.0])))
+    posed = PoseCache(final, sample_parts(final, clip, np.array([1.0])))
     foot, thigh = (rig.world[rig.find(name), 3, :3] for name in ("foot_L", "thigh_L"))
     moved = float(np.linalg.norm(posed.world(final.find("foot_L"))[0, 3, :3] - foot))
     assert (moved < 1e-3) == holds  # the leg is too straight by half a millimetre
@@ -365,7 +365,7 @@ def test_an_armature_that_was_moved_alone_is_put_back_where_controls_had_its_bon
         assert result.exit_code == 0, result.stderr
         assert ("'biped' was moved in Blender" in result.stderr) == (source is moved and not along)
         outs.append(read(out).rig)
-    ended = [Posed(rig, sampled(rig, rig.clip("walk"), np.array([1.0]))) for rig in outs]
+    ended = [PoseCache(rig, sample_parts(rig, rig.clip("walk"), np.array([1.0]))) for rig in outs]
     for joint in ("hips", "foot_L", "head"):
         here, there = (posed.world(outs[0].find(joint))[0] for posed in ended)
         assert np.abs(multiply(here, place if along else np.eye(4)) - there).max() < 1e-5, joint

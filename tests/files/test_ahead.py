@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from gltf_files import small
 
 from rigtri.cli.main import program
-from rigtri.evaluation.sampling import each_once
+from rigtri.evaluation.sampling import sorted_unique
 from rigtri.files import copy_ahead
 from rigtri.files.atomic_write import beside
 
@@ -146,5 +146,5 @@ def test_a_head_start_does_not_wait_for_numpy() -> None:
 
 def test_times_are_sorted_and_stand_once() -> None:
     times = np.array([3.0, 1.0, np.nan, 1.0, 2.0, np.nan, 3.0])
-    assert np.array_equal(each_once(times), np.unique(times), equal_nan=True)
-    assert len(each_once(np.zeros(0))) == 0
+    assert np.array_equal(sorted_unique(times), np.unique(times), equal_nan=True)
+    assert len(sorted_unique(np.zeros(0))) == 0

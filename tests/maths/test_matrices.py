@@ -89,8 +89,8 @@ def test_one_and_many_are_the_same_call(rows: list[tuple[Floats, Floats, Floats]
         (m.local, (a, b)),
         (m.orthonormal_axes, (a,)),
         (m.skew, (a,)),
-        (m.turn_before, (turn, a)),
-        (m.turn_after, (a, turn)),
+        (m.rotate_before, (turn, a)),
+        (m.rotate_after, (a, turn)),
     ):
         together = function(*arguments)
         assert_array_equal(together, [function(*row) for row in zip(*arguments, strict=True)])
@@ -99,8 +99,8 @@ def test_one_and_many_are_the_same_call(rows: list[tuple[Floats, Floats, Floats]
 @given(frames(), quaternions)
 def test_turns_before_and_after_are_products_with_a_turn_matrix(a: Floats, turn: Floats) -> None:
     c = m.from_frame(to_axes(turn), [0, 0, 0])
-    assert_allclose(m.turn_before(turn, a), c @ a, atol=1e-9)
-    assert_allclose(m.turn_after(a, turn), a @ c, atol=1e-9)
+    assert_allclose(m.rotate_before(turn, a), c @ a, atol=1e-9)
+    assert_allclose(m.rotate_after(a, turn), a @ c, atol=1e-9)
 
 
 @given(directions, quaternions)

@@ -65,7 +65,7 @@ def test_one_and_many_are_the_same_call(rows: list[tuple[Floats, Floats, Floats,
         (q.from_axes, (q.to_axes(a),)),
         (q.from_axis_angle, (v, t)),
         (q.between, (v, v[::-1])),
-        (q.turn_angle, (a,)),
+        (q.rotation_angle, (a,)),
         (q.slerp, (a, b, t)),
     ):
         together = function(*arguments)
@@ -76,7 +76,7 @@ def test_one_and_many_are_the_same_call(rows: list[tuple[Floats, Floats, Floats,
 def test_a_turn_about_an_axis_leaves_the_axis_and_turns_by_its_angle(axis: Floats, angle: float) -> None:
     turn = q.from_axis_angle(axis, angle)
     assert_allclose(q.rotate(turn, axis), axis, atol=1e-9)
-    assert_allclose(q.turn_angle(turn), abs(angle), atol=1e-14)
+    assert_allclose(q.rotation_angle(turn), abs(angle), atol=1e-14)
 
 
 @given(directions, directions)
@@ -87,7 +87,7 @@ def test_the_turn_between_two_directions_takes_one_to_the_other(a: Floats, b: Fl
 @given(directions)
 def test_opposite_directions_get_a_half_turn(a: Floats) -> None:
     turn = q.between(a, -a)
-    assert_allclose(q.turn_angle(turn), np.pi, rtol=1e-12)
+    assert_allclose(q.rotation_angle(turn), np.pi, rtol=1e-12)
     assert_allclose(q.rotate(turn, normalise(a)), -normalise(a), atol=1e-12)
 
 

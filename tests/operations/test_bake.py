@@ -17,7 +17,7 @@ from second_opinions import validator
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.active_controls import keyed_in
-from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import ReadOptions, read
@@ -425,7 +425,7 @@ def test_blocks_of_frames_change_no_bit(block: int) -> None:
     for timeline in timelines(up):
         solver = Solver(up, keyed_in(up, timeline))
         times = np.linspace(0.0, 1.0, 100)
-        parts = sampled(up, timeline.clip, times)
+        parts = sample_parts(up, timeline.clip, times)
         whole, some = solver.solved(parts), solver.solved(parts, block)
         assert whole.keys() == some.keys()
         for node in whole:

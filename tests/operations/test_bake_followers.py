@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
-from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, multiply
@@ -178,5 +178,5 @@ def test_the_seat_is_that_of_the_rivet_not_of_its_number(tmp_path: Path) -> None
     note = dict(rig.notes[node])
     baked = bake(turned(rig, joint), options=BakeOptions())
     assert dict(baked.notes[node]) == note
-    seat = Carried(baked, baked.meshes[0], np.array(note["vertices"])).at_rest().mean(axis=0)
+    seat = SkinnedPoints(baked, baked.meshes[0], np.array(note["vertices"])).at_rest().mean(axis=0)
     assert_allclose(baked.world[node, 3, :3], seat, atol=1e-6)

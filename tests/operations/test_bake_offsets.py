@@ -11,7 +11,7 @@ from places import SAMPLES
 from test_bake import WHOLE, apart, run, size, stored
 
 from rigtri.evaluation import sampling
-from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
@@ -65,7 +65,7 @@ def test_controls_below_a_constrained_joint_ride_on_it_where_something_looks_at_
     solver = Solver(stored(rig))
     driver = solver.rig.find("hand_R_ik_ctl")
     turned = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array([np.pi / 2]))
-    posed = solver.run({driver: Posed(solver.rig).part(driver)._replace(rotation=turned)})
+    posed = solver.run({driver: PoseCache(solver.rig).part(driver)._replace(rotation=turned)})
     place = {name: posed.world(solver.rig.find(name))[0, 3, :3] for name in ("head", "head_ctl")}
     still = {name: solver.reference.world[solver.rig.find(name), 3, :3] for name in place}
     assert np.abs(place["head"] - still["head"]).max() > 0.1

@@ -11,12 +11,12 @@ from places import SAMPLES, slow
 from test_bake import WHOLE, control
 
 from rigtri.evaluation import sampling
-from rigtri.evaluation.key_reduction import thinned
+from rigtri.evaluation.key_reduction import is_reduction_of
 from rigtri.evaluation.shared_key_times import as_read
-from rigtri.evaluation.twist_joints import twists
+from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
-from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, turn_angle
+from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
@@ -68,12 +68,12 @@ def off_law(rig: Rig) -> float:
     """How far twist joints are from what their notes say, at all of their keys, in radians."""
     worst = []
     for clip in rig.clips:
-        for twist in twists(rig):
+        for twist in twist_joints(rig):
             track = next((t for t in clip.tracks if (t.node, t.path) == (twist.node, "rotation")), None)
             if track is not None:
                 local = sampling.locals_at(rig, clip, track.times)
                 shown = from_axes(nearest_rotation(local[:, twist.node]))
-                worst.append(turn_angle(multiply(conjugate(twist.rotations(local)), shown)).max())
+                worst.append(rotation_angle(multiply(conjugate(twist.rotations(local)), shown)).max())
     return float(max(worst))
 
 
@@ -169,13 +169,13 @@ def test_thinned_values_are_some_of_the_values_and_lines_between_them() -> None:
     times = np.arange(5.0)
     values = np.array([[0.0], [1.0], [2.1], [3.0], [4.0]])
     line = times[:, np.newaxis].copy()
-    assert thinned(times, values, values, 0.0, 1e-6)
-    assert thinned(times, values, line, 0.2, 1e-6)
-    assert not thinned(times, values, line, 0.05, 1e-6)  # the third value is farther off
+    assert is_reduction_of(times, values, values, 0.0, 1e-6)
+    assert is_reduction_of(times, values, line, 0.2, 1e-6)
+    assert not is_reduction_of(times, values, line, 0.05, 1e-6)  # the third value is farther off
     bent = np.where(times == 2.0, 2.05, times)[:, np.newaxis]
-    assert not thinned(times, values, bent, 0.2, 1e-6)  # neither a value nor on the line
-    assert not thinned(times, values, values + 0.01, 0.2, 1e-6)  # an edit, however small
+    assert not is_reduction_of(times, values, bent, 0.2, 1e-6)  # neither a value nor on the line
+    assert not is_reduction_of(times, values, values + 0.01, 0.2, 1e-6)  # an edit, however small
     turns = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in values[:, 0] / 10])
     arc = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in times / 10])
-    assert thinned(times, turns, -arc, 0.02, 1e-6)
-    assert not thinned(times, turns, arc, 0.005, 1e-6)
+    assert is_reduction_of(times, turns, -arc, 0.02, 1e-6)
+    assert not is_reduction_of(times, turns, arc, 0.005, 1e-6)

@@ -20,14 +20,14 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, RigtriError, UsageError
-from rigtri.evaluation.constraint_solver import factored, pole, rotate_of
-from rigtri.evaluation.dependency_graph import followed
+from rigtri.evaluation.constraint_solver import pole_position, rotate_of, to_parts
+from rigtri.evaluation.dependency_graph import apply_constraints
 from rigtri.evaluation.sampling import locals_at, rest, worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.constraint_transform import lost_rules
 from rigtri.frames.reframe import reframe
 from rigtri.maths.euler import ORDERS, Order, from_angles, to_angles
-from rigtri.maths.matrices import compose, inverse, multiply, turn_after, turn_before
+from rigtri.maths.matrices import compose, inverse, multiply, rotate_after, rotate_before
 from rigtri.maths.quaternions import average, between, conjugate, from_axis_angle, slerp, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
@@ -86,7 +86,7 @@ def following(given: ConstrainOptions) -> Any:
 
 def solved(rig: Rig) -> Floats:
     """World matrices, (n, 4, 4), with all constraints evaluated."""
-    return worlds(rig, followed(rig, rest(rig)[np.newaxis]))[0]
+    return worlds(rig, apply_constraints(rig, rest(rig)[np.newaxis]))[0]
 
 
 VARIANTS: list[dict[str, Any]] = [
@@ -118,7 +118,7 @@ def test_a_kept_offset_leaves_its_child_where_it_was(
     weights = dict.fromkeys(drivers, 1.0) | {"driver": 0.3}
     out = constrain(rig, options=ConstrainOptions(child="child", drivers=tuple(weights.items()), **variant))
     assert_allclose(solved(out)[: len(rig)], worlds(rig), rtol=0, atol=1e-12)
-    assert followed(out, rest(out)[np.newaxis])[0, :4].tolist() == rest(out)[:4].tolist()
+    assert apply_constraints(out, rest(out)[np.newaxis])[0, :4].tolist() == rest(out)[:4].tolist()
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -175,10 +175,10 @@ def test_offset_and_joint_orient_go_together() -> None:
     out = replace(made, rotation=rotation)
     assert_allclose(solved(out)[2], compose([0, 0, 0], about_z(105), [1, 1, 1]), atol=1e-12)
     (rule,) = (rule_of(out, note) for note in out.notes.values() if note["type"] == "constraint")
-    local = followed(out, rest(out)[np.newaxis])[0, 2]
-    assert_allclose(np.degrees(rotate_of(rule, factored(local).rotation)), [0, 0, 65], atol=1e-10)
+    local = apply_constraints(out, rest(out)[np.newaxis])[0, 2]
+    assert_allclose(np.degrees(rotate_of(rule, to_parts(local).rotation)), [0, 0, 65], atol=1e-10)
     # Taking the joint orient out of the world turn, before the parent, is what fails in the article.
-    assert_allclose(np.degrees(rotate_of(rule, factored(solved(out)[2]).rotation)), [0, 0, 75], atol=1e-10)
+    assert_allclose(np.degrees(rotate_of(rule, to_parts(solved(out)[2]).rotation)), [0, 0, 75], atol=1e-10)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -193,8 +193,8 @@ def test_the_reported_rotate_and_joint_orient_recompose_the_local(order: Order) 
         joint_orient = from_angles(np.radians(record["jointOrient"]), "xyz")
         # Rows: rotate first, then joint orient.
         local = to_axes(rotate) @ to_axes(joint_orient)
-        found = followed(out, rest(out)[np.newaxis])[0, 4]
-        assert_allclose(local, to_axes(factored(found).rotation), atol=1e-12)
+        found = apply_constraints(out, rest(out)[np.newaxis])[0, 4]
+        assert_allclose(local, to_axes(to_parts(found).rotation), atol=1e-12)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -218,7 +218,7 @@ def test_a_skipped_axis_stays_in_the_chosen_order() -> None:
     def angles(*skip: str) -> Floats:
         given = options("orient", "driver", skip=skip, order="zyx", joint_orient="none")
         out = moved(constrain(rig, options=given), 8, "driver")
-        return to_angles(factored(followed(out, rest(out)[np.newaxis])[0, 4]).rotation, "zyx")
+        return to_angles(to_parts(apply_constraints(out, rest(out)[np.newaxis])[0, 4]).rotation, "zyx")
 
     wanted = angles()
     wanted[0] = to_angles(rig.rotation[4], "zyx")[0]
@@ -231,10 +231,10 @@ def test_weights_interpolate(share: float) -> None:
     drivers = (("driver", 2 * (1 - share)), ("other", 2 * share))
     given = ConstrainOptions(kind="parent", child="child", drivers=drivers, maintain_offset=False)
     out = solved(constrain(rig, options=given))[4]
-    a, b = factored(worlds(rig)[1]), factored(worlds(rig)[2])
+    a, b = to_parts(worlds(rig)[1]), to_parts(worlds(rig)[2])
     assert_allclose(out[3, :3], (1 - share) * a.translation + share * b.translation, atol=1e-12)
     turn = slerp(a.rotation, b.rotation, share)
-    assert_allclose(to_axes(factored(out).rotation), to_axes(turn), atol=1e-12)
+    assert_allclose(to_axes(to_parts(out).rotation), to_axes(turn), atol=1e-12)
 
 
 def test_the_mean_of_turns_cancels_the_weighted_turns_to_all() -> None:
@@ -272,9 +272,9 @@ def test_a_driver_whose_scale_is_zero_in_some_frame_does_not_count_there() -> No
     alone = constrain(rig, options=options("parent", "other"))
     local = np.repeat(rest(moved(out, 3, "other"))[np.newaxis], 2, axis=0)
     local[1, 1, :3, :3] = 0.0
-    found = followed(out, local)
+    found = apply_constraints(out, local)
     assert np.isfinite(found).all()
-    assert_allclose(found[1, 4], followed(alone, local[:1, :])[0, 4], atol=1e-12)
+    assert_allclose(found[1, 4], apply_constraints(alone, local[:1, :])[0, 4], atol=1e-12)
     assert np.abs(found[0, 4] - found[1, 4]).max() > 1e-3
 
 
@@ -283,7 +283,7 @@ def test_shear_of_a_stretched_driver_is_left_out_and_told() -> None:
     rig = random_pose(4)
     out = moved(constrain(rig, options=options("parent", "driver"), report=report), 5, "driver")
     assert "constraint-shear" in [notice.code for notice in report.warnings]
-    found = followed(out, rest(out)[np.newaxis])[0, 4, :3, :3]
+    found = apply_constraints(out, rest(out)[np.newaxis])[0, 4, :3, :3]
     rows = found / np.linalg.norm(found, axis=1, keepdims=True)
     assert_allclose(rows @ rows.T, np.eye(3), atol=1e-9)
 
@@ -346,7 +346,9 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
         assert (note["child"], note["chain"]) == ("b", ["a", "b", "c"])
         rule = rule_of(out, note)
         # In the plane of the bend, as far from the line of root and end as the driver.
-        assert_allclose(pole(rule, worlds(out)[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12)
+        assert_allclose(
+            pole_position(rule, worlds(out)[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12
+        )
 
 
 def test_circles_are_refused_and_named(samples: Path) -> None:
@@ -478,8 +480,8 @@ def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Pat
         whole = local.copy()
         child = rig.find(chosen[0].child, "node")
         if chosen[0].kind == "parent":
-            whole[:, child] = compose(*factored(local[:, child]))
-        assert_allclose(followed(rig, local), whole, rtol=0, atol=1e-9 * size)
+            whole[:, child] = compose(*to_parts(local[:, child]))
+        assert_allclose(apply_constraints(rig, local), whole, rtol=0, atol=1e-9 * size)
         assert_allclose(whole, local, rtol=0, atol=1e-6 * size)
 
 
@@ -505,7 +507,7 @@ def looking(rig: Rig, head: str = "head", hand: str = "hand_R") -> Rig:
     above = rig.find(head)
     world = worlds(rig)
     way = world[rig.find(hand), 3, :3] - world[above, 3, :3]
-    turn = product(conjugate(factored(world[above]).rotation), between([0, 0, -1], way))
+    turn = product(conjugate(to_parts(world[above]).rotation), between([0, 0, -1], way))
     return rig.with_nodes(["gaze", "copy"], [above, above], np.zeros((2, 3)), np.stack([turn, turn]))
 
 
@@ -529,7 +531,7 @@ def assert_three_vrm_agrees(path: Path, count: int, folder: Path) -> None:
     moved = dict.fromkeys(free, 0.0)
     for step in range(0, 40, 3):
         local = locals_at(rig, rig.clips[0], [step / 60])
-        ours, without = worlds(rig, followed(rig, local))[0], worlds(rig, local)[0]
+        ours, without = worlds(rig, apply_constraints(rig, local))[0], worlds(rig, local)[0]
         for node, key in enumerate(rig.keys):
             theirs = np.reshape(shown[f"{key}|{step}"], (4, 4))
             assert_allclose(theirs, ours[node], atol=THREE_VRM)
@@ -787,9 +789,12 @@ def test_rules_mean_the_same_in_turned_frames(variant: dict[str, Any]) -> None:
     for name in ("driver", "other", "above", "up"):
         local[0, node[name]] = new[node[name]]
     above = [turns[parent] if parent >= 0 else np.array([0, 0, 0, 1.0]) for parent in out.parents]
-    told = turn_after(turn_before(turns, local), conjugate(np.stack(above)))
-    one, other = worlds(out, followed(out, local))[0], worlds(after, followed(after, told))[0]
-    same = np.abs(turn_before(turns, one) - other)[4].max() < 1e-9
+    told = rotate_after(rotate_before(turns, local), conjugate(np.stack(above)))
+    one, other = (
+        worlds(out, apply_constraints(out, local))[0],
+        worlds(after, apply_constraints(after, told))[0],
+    )
+    same = np.abs(rotate_before(turns, one) - other)[4].max() < 1e-9
     lost = bool(lost_rules(out, turns))
     assert lost == (variant["kind"] == "scale" or "skip" in variant)
     # Lengths of axes happen to be the same where nothing is stretched.
@@ -848,7 +853,7 @@ def test_a_note_that_is_no_whole_rule_moves_nothing(wrong: dict[str, Any]) -> No
     broken = replace(rig, notes={**rig.notes, node: {**rig.notes[node], **wrong}})
     assert not rules_of(broken)
     local = rest(broken)[np.newaxis]
-    assert followed(broken, local).tolist() == local.tolist()
+    assert apply_constraints(broken, local).tolist() == local.tolist()
     turns = np.tile([0.5, 0.5, 0.5, 0.5], (len(rig), 1))
     assert reframe(broken, turns).notes == broken.notes
     assert len(constrain(broken, options=options("point", "driver"))) == len(rig) + 1

@@ -17,7 +17,7 @@ from test_usd_played import without_notes
 import rigtri
 from rigtri.evaluation import sampling
 from rigtri.formats import read
-from rigtri.maths.quaternions import conjugate, multiply, turn_angle
+from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions
@@ -168,7 +168,7 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
     for clip in baked.clips:
         (track,) = (t for t in clip.tracks if t.node == head and t.path == "rotation")
         # The joint's rest, turned as the control is: its own keys count no more.
-        assert turn_angle(multiply(conjugate(multiply(rig.rotation[head], turn)), track.values[0])) < 1e-6
+        assert rotation_angle(multiply(conjugate(multiply(rig.rotation[head], turn)), track.values[0])) < 1e-6
         assert len(track.times) == 1
     # A key of the same property in any clip says that what is stored as rest is a frame of it.
     key = Track(control, "rotation", "STEP", np.zeros(1), turn[np.newaxis])

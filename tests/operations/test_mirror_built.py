@@ -15,8 +15,8 @@ from numpy.testing import assert_allclose
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.cli.main import program
-from rigtri.evaluation.constraint_solver import evaluate
-from rigtri.evaluation.pose_readers import Reader, weights
+from rigtri.evaluation.constraint_solver import evaluate_constraint
+from rigtri.evaluation.pose_readers import PoseReader, weights
 from rigtri.evaluation.sampling import rest, worlds
 from rigtri.export.text_description import describe
 from rigtri.formats import read
@@ -175,7 +175,9 @@ def test_mirrored_drivers_give_mirrored_children_by_the_mirrored_constraint(buil
         node = built.find(f"{child}_{side}")
         (rule,) = (rule for rule in rules_of(built).values() if rule.child == node)
         above = world[int(built.parents[node])]
-        at = evaluate(rule, world[list(rule.drivers)][np.newaxis], above[np.newaxis], local[node][np.newaxis])
+        at = evaluate_constraint(
+            rule, world[list(rule.drivers)][np.newaxis], above[np.newaxis], local[node][np.newaxis]
+        )
         found.append(after(at[0], above))
     here, there = found
     assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
@@ -196,7 +198,7 @@ def test_a_mirrored_reader_reads_the_same_of_the_mirrored_pose(built: Rig) -> No
         for side in "LR":
             note = said(built, f"bent_{side}")
             driver, frame = (world[built.find(note[key])][np.newaxis] for key in ("driver", "frame"))
-            both_sides.append(float(weights(Reader.of_note(note), driver, frame, {})[0, 0]))
+            both_sides.append(float(weights(PoseReader.of_note(note), driver, frame, {})[0, 0]))
         assert both_sides[0] == pytest.approx(both_sides[1], abs=1e-6)
         read_out.append(both_sides[0])
     assert read_out[0] == pytest.approx(1.0)

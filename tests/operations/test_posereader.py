@@ -19,7 +19,7 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
-from rigtri.evaluation.pose_readers import Reader, Target, twist, weights
+from rigtri.evaluation.pose_readers import PoseReader, Target, twist, weights
 from rigtri.formats import read
 from rigtri.maths.matrices import compose, identity
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
@@ -51,31 +51,31 @@ def about_z(*degrees: float) -> Floats:
     return np.stack([from_axis_angle(Z, np.radians(d)) for d in degrees])
 
 
-def read_out(reader: Reader, turns: Floats, **nodes: Floats) -> Floats:
+def read_out(reader: PoseReader, turns: Floats, **nodes: Floats) -> Floats:
     return weights(reader, turned(*turns), identity(len(turns)), nodes)
 
 
-def posed(*degrees: float, **more: Any) -> Reader:
+def posed(*degrees: float, **more: Any) -> PoseReader:
     """An rbf reader of the y axis with poses turned about z."""
     targets = tuple(Target(f"p{k}", rotation=q) for k, q in enumerate(about_z(*degrees)))
-    return Reader("rbf", Y, targets, **more)
+    return PoseReader("rbf", Y, targets, **more)
 
 
 def test_a_dot_reader_is_the_cosine_not_below_zero() -> None:
-    reader = Reader("dot", Y, (Target("up", direction=Y),))
+    reader = PoseReader("dot", Y, (Target("up", direction=Y),))
     assert_allclose(read_out(reader, about_z(0, 60, 90, 120))[:, 0], [1, 0.5, 0, 0], atol=1e-12)
 
 
 def test_a_node_to_point_at_may_move() -> None:
     """The talk's node: the driver's axis against the way from driver to target."""
-    reader = Reader("dot", X, (Target("t", node="goal"),))
+    reader = PoseReader("dot", X, (Target("t", node="goal"),))
     goal = identity(3)
     goal[:, 3, :3] = [[5, 0, 0], [3, 4, 0], [-1, 0, 0]]
     assert_allclose(read_out(reader, np.tile(IDENTITY, (3, 1)), goal=goal)[:, 0], [1, 0.6, 0], atol=1e-12)
 
 
 def test_a_cone_is_one_inside_and_zero_outside() -> None:
-    reader = Reader("cone", Y, (Target("up", direction=Y),), inner=np.radians(20), outer=np.radians(60))
+    reader = PoseReader("cone", Y, (Target("up", direction=Y),), inner=np.radians(20), outer=np.radians(60))
     assert_allclose(
         read_out(reader, about_z(0, 20, 30, 40, 60, 80))[:, 0], [1, 1, 0.75, 0.5, 0, 0], atol=1e-9
     )
@@ -107,7 +107,7 @@ def test_two_gaussians_by_hand() -> None:
 def test_twist_poses_do_not_see_the_swing() -> None:
     turns = np.stack([from_axis_angle(Y, np.radians(d)) for d in (0, 90)])
     targets = tuple(Target(f"p{k}", rotation=q) for k, q in enumerate(turns))
-    reader = Reader("rbf", Y, targets, mode="twist", rest=IDENTITY)
+    reader = PoseReader("rbf", Y, targets, mode="twist", rest=IDENTITY)
     assert_allclose(read_out(reader, about_z(0, 30, 90)), [[1, 0]] * 3, atol=1e-9)
     assert_allclose(twist(reader, turns), [0, np.pi / 2], atol=1e-12)
     assert_allclose(read_out(reader, np.array([from_axis_angle(Y, np.pi / 4)])), [[0.5, 0.5]], atol=1e-9)
@@ -122,7 +122,7 @@ def test_readers_of_many_frames_are_those_of_each() -> None:
 
 def test_a_driver_without_axes_weighs_nothing() -> None:
     flat = turned(IDENTITY) * np.array([0.0, 0, 0, 1])[:, np.newaxis]
-    reader = Reader("dot", Y, (Target("up", direction=Y),))
+    reader = PoseReader("dot", Y, (Target("up", direction=Y),))
     assert weights(reader, flat, identity(1), {}).tolist() == [[0.0]]
 
 
@@ -187,7 +187,7 @@ def test_the_same_reader_evaluated_from_its_note_says_the_same(kind: str, tmp_pa
     times = np.linspace(0, second, 9)
     world = sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], times))
     said = weights(
-        Reader.of_note(note), world[:, rig.find(note["driver"])], world[:, rig.find(note["frame"])], {}
+        PoseReader.of_note(note), world[:, rig.find(note["driver"])], world[:, rig.find(note["frame"])], {}
     )
     assert_allclose(said[:, 0], weights_of(tmp_path / f"out.{kind}", times)[:, 0], atol=2e-4)
 
@@ -415,7 +415,7 @@ def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str
         clip = each.clip("walk")
         world = sampling.worlds(each, sampling.locals_at(each, clip, sampling.key_times(clip)))
         driver, frame = (world[:, each.find(note[key])] for key in ("driver", "frame"))
-        found.append(weights(Reader.of_note(note), driver, frame, {}))
+        found.append(weights(PoseReader.of_note(note), driver, frame, {}))
     assert_allclose(found[1], found[0], atol=1e-6)
     assert np.ptp(found[0]) > 0.01
 

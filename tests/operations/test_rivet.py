@@ -17,8 +17,8 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
-from rigtri.evaluation.point_skinning import Carried
-from rigtri.evaluation.timelines import looked_at, timelines
+from rigtri.evaluation.point_skinning import SkinnedPoints
+from rigtri.evaluation.timelines import keys_and_between, timelines
 from rigtri.formats import ReadOptions, read
 from rigtri.model.mesh_triangles import nearest, triangles
 from rigtri.model.records import Mesh, Surface
@@ -56,7 +56,7 @@ def farthest(path: Path, report: Report, mesh_name: str) -> float:
     mesh = next(mesh for mesh in rig.meshes if mesh.name == mesh_name)
     worst = 0.0
     for timeline in timelines(rig):
-        times = looked_at(sampling.key_times(timeline.clip))
+        times = keys_and_between(sampling.key_times(timeline.clip))
         times = times[:: max(1, len(times) // 20)]
         world = sampling.worlds(rig, sampling.locals_at(rig, timeline.clip, times, normalised=not rig.raw))
         points = sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, timeline.clip, times))
@@ -136,7 +136,9 @@ def test_few_points_are_carried_as_all_points_are_deformed(tmp_path: Path) -> No
         world = sampling.worlds(rig, sampling.locals_at(rig, timeline.clip, times))
         wanted = sampling.deformed(some, rig, world, sampling.morph_weights(some, timeline.clip, times))
         assert_allclose(
-            Carried(rig, some, np.array([2, 0, 1])).sample(timeline, times), wanted[:, [2, 0, 1]], atol=1e-12
+            SkinnedPoints(rig, some, np.array([2, 0, 1])).sample(timeline, times),
+            wanted[:, [2, 0, 1]],
+            atol=1e-12,
         )
 
 

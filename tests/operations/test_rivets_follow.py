@@ -9,7 +9,7 @@ import pytest
 from morphs import arm, arm_usd
 from places import slow
 
-from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
@@ -30,7 +30,7 @@ def off(path: Path) -> float:
         if note["type"] != "rivet":
             continue
         mesh = next(mesh for mesh in rig.meshes if mesh.node == rig.known(note["mesh"]))
-        held = Carried(rig, mesh, np.array(note["vertices"], dtype=np.int64))
+        held = SkinnedPoints(rig, mesh, np.array(note["vertices"], dtype=np.int64))
         weights = np.array(note["barycentric"])[np.newaxis, :, np.newaxis]
         for timeline in timelines(rig):
             ends = np.concatenate([track.times for track in timeline.clip.tracks])

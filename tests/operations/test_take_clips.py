@@ -18,7 +18,7 @@ from rigs import chain
 
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
-from rigtri.evaluation.constraint_solver import factored
+from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse
 from rigtri.maths.matrices import multiply as matrices
@@ -337,8 +337,8 @@ def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
     clip = rig.clip("walk")
     times = np.linspace(0.0, 1.0, 97)
     world = sampling.worlds(rig, sampling.locals_at(rig, clip, times))
-    parts = factored(matrices(world[:, head], inverse(world[:, hips])))
-    still = factored(matrices(rig.world[head], inverse(rig.world[hips]))[np.newaxis])
+    parts = to_parts(matrices(world[:, head], inverse(world[:, hips])))
+    still = to_parts(matrices(rig.world[head], inverse(rig.world[hips]))[np.newaxis])
     parents, translation, rotation = rig.parents.copy(), rig.translation.copy(), rig.rotation.copy()
     parents[head], translation[head], rotation[head] = hips, still.translation[0], still.rotation[0]
     own = (

@@ -15,12 +15,12 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.evaluation.sampling import key_times, locals_at
-from rigtri.evaluation.twist_joints import twists
+from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.text_description import describe
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import nearest_rotation
-from rigtri.maths.quaternions import conjugate, from_axes, multiply, turn_angle
+from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
@@ -62,9 +62,9 @@ def off_notes(rig: Rig) -> float:
     for clip in rig.clips:
         times = key_times(clip)[:50]
         local = locals_at(rig, clip, times) if len(times) else np.zeros((0, len(rig), 4, 4))
-        for twist in twists(rig):
+        for twist in twist_joints(rig):
             shown = from_axes(nearest_rotation(local[:, twist.node]))
-            off = turn_angle(multiply(conjugate(twist.rotations(local)), shown))
+            off = rotation_angle(multiply(conjugate(twist.rotations(local)), shown))
             worst = max(worst, float(off.max(initial=0.0)))
     return worst
 
@@ -86,7 +86,7 @@ def test_twist_joints_change_nothing_follow_their_notes_and_come_only_once(
     assert found.deviation == 0.0
     assert found.lost == ()
     rig = read(once, TRUSTING).rig
-    assert len(twists(rig)) == len(outcome.report.added)
+    assert len(twist_joints(rig)) == len(outcome.report.added)
     assert off_notes(rig) < 1e-3
     report = edit(once, twice, plain, options=TRUSTING).report
     assert once.read_bytes() == twice.read_bytes()
@@ -180,7 +180,7 @@ def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
     assert off_notes(rig) < 1e-3
     for clip in rig.clips:
         local = locals_at(rig, clip, key_times(clip)[:3])
-        nodes = [twist.node for twist in twists(rig)]
+        nodes = [twist.node for twist in twist_joints(rig)]
         assert_allclose(
             local[:, nodes, 3], np.broadcast_to(rig.local[nodes, 3], (len(local), len(nodes), 4)), atol=1e-6
         )

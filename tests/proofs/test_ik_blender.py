@@ -14,7 +14,7 @@ from test_bake import WHOLE, stored
 from rigtri.evaluation import sampling
 from rigtri.evaluation.active_controls import keyed_in, size_of
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import ReadOptions, read
@@ -29,7 +29,7 @@ REAL = ("kaykit_Barbarian.glb", "raylib_robot.glb")
 FILES = [SAMPLES / "biped.glb", *(path for path in asset_files(".glb") if path.name in REAL)]
 
 
-def job(limb: Ik, posed: Posed) -> dict[str, object]:
+def job(limb: Ik, posed: PoseCache) -> dict[str, object]:
     """A limb at rest and in all frames, as blender_limbs.py takes it."""
     root, middle, end = (limb.reference.world[node, 3, :3].tolist() for node in limb.limb.chain)
     places = [
@@ -56,7 +56,7 @@ def test_limbs_come_to_where_blender_puts_them(path: Path, tmp_path: Path) -> No
     timeline = timelines(up)[0]
     solver = Solver(up, keyed_in(up, timeline))
     times = sampling.key_times(timeline.clip)
-    moving = sampled(up, timeline.clip, np.linspace(times[0], times[-1], MOMENTS))
+    moving = sample_parts(up, timeline.clip, np.linspace(times[0], times[-1], MOMENTS))
     # What FK controls hold below IK is no matter of the solver.
     below = {fk.own.control for limb in solver.limbs for fk in limb.fk.values()}
     posed = solver.run({node: parts for node, parts in moving.items() if node not in below})

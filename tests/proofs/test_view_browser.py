@@ -17,7 +17,7 @@ from test_view import EVIL, evil
 
 import rigtri
 from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
-from rigtri.evaluation.timelines import moment
+from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -65,7 +65,7 @@ def oriented(app: Any, source: Path, target: Path) -> Path:
 
 def misplaced(rig: Rig, at: str, shown: dict[str, list[float]]) -> float:
     """How far three.js has any joint from where rigtri has it at a moment, as a share of the rig's size."""
-    timeline, time = moment(rig, at)
+    timeline, time = timeline_and_time(rig, at)
     local = None if timeline is None else locals_at(rig, timeline.clip, [time])
     world = worlds(rig, local).reshape(-1, 4, 4)
     joints = np.flatnonzero(rig.is_joint)
@@ -286,7 +286,7 @@ def moved(path: Path, at: str) -> dict[str, Floats]:
     """Where rigtri has the points of each mesh at a moment, (v, 3), by the last word of its name."""
     document = read(path)
     rig = document.rig
-    timeline, time = moment(rig, at)
+    timeline, time = timeline_and_time(rig, at)
     clip = None if timeline is None else timeline.clip
     world = worlds(rig, None if clip is None else locals_at(rig, clip, [time])).reshape(1, -1, 4, 4)
     times = np.array([time])

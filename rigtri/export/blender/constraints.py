@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import turn_of
-from rigtri.evaluation.twist_joints import Twist
+from rigtri.evaluation.constraint_solver import nearest_rotation_of
+from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.export.blender.controls import middle
 from rigtri.export.blender.plan import Plan, frame
 from rigtri.maths.matrices import from_frame, multiply, orthonormal_axes, transform_directions
@@ -69,7 +69,7 @@ def _orient(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -
     if rule.space != "world":
         _locally(plan, rule, driver, offset, share)
         return
-    turn = product(turn_of(plan.reference.world[driver]), turn_of(offset))
+    turn = product(nearest_rotation_of(plan.reference.world[driver]), nearest_rotation_of(offset))
     stand = from_frame(to_axes(turn), plan.reference.world[driver, 3, :3])
     name, bone = f"{plan.called(rule.child)} orient", plan.bone_axes(rule.child)
     socket = plan.socket(name, plan.node(driver), stand, bone=bone)
@@ -81,10 +81,14 @@ def _locally(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) 
     from rest, in its own axes; of a roll, with y along the axis of the roll."""
     rig, world, child = plan.rig, plan.reference.world, rule.child
     above, place = int(rig.parents[driver]), world[driver, 3, :3]
-    hung, own = plan.reference.turn(above), turn_of(plan.reference.local[driver])
+    hung, own = plan.reference.turn(above), nearest_rotation_of(plan.reference.local[driver])
     rolls = rule.space == "roll"
-    first = rule.rest if rolls else product(conjugate(turn_of(offset)), turn_of(plan.reference.local[child]))
-    second = product(own, turn_of(offset)) if rolls else own
+    first = (
+        rule.rest
+        if rolls
+        else product(conjugate(nearest_rotation_of(offset)), nearest_rotation_of(plan.reference.local[child]))
+    )
+    second = product(own, nearest_rotation_of(offset)) if rolls else own
     stands = [from_frame(to_axes(product(hung, turn)), place) for turn in (first, second)]
     axis = np.eye(3)["xyz".index(rule.roll)] if rolls else np.zeros(3)
     if rolls:
@@ -130,7 +134,7 @@ def _aim(plan: Plan, rule: Rule) -> None:
     if rule.world_up != "none":
         top = _top(plan, rule, hung, place)
         plan.constrain(tracker, "LOCKED_TRACK", top, track_axis="TRACK_Z", lock_axis="LOCK_Y")
-    own = from_frame(to_axes(product(turn, turn_of(rule.offsets[0]))), place)
+    own = from_frame(to_axes(product(turn, nearest_rotation_of(rule.offsets[0]))), place)
     socket = plan.socket(f"{name} aimed", tracker, own, bone=plan.bone_axes(child))
     plan.constrain(plan.node(child), "COPY_ROTATION", socket)
 
@@ -154,7 +158,7 @@ def _top(plan: Plan, rule: Rule, hung: str, place: Floats) -> str:
     return plan.socket(f"{name} up", origin, from_frame(np.eye(3), place + vector), bone=True)
 
 
-def twist(plan: Plan, found: Twist) -> None:
+def twist(plan: Plan, found: TwistJoint) -> None:
     """A twist joint: its share of the turn of its driver about the bone."""
     rig, world = plan.rig, plan.reference.world
     driver = found.path[0]

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.evaluation.zero_pose import Reference
+from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
@@ -29,7 +29,7 @@ class Plan:
     """The lists, as they grow. limbs: the IK ends by name, in the order of their switches."""
 
     rig: Rig
-    reference: Reference
+    reference: ControlsAtZero
     nodes: list[dict[str, Any]] = field(default_factory=list)
     sockets: list[dict[str, Any]] = field(default_factory=list)
     bones: list[dict[str, Any]] = field(default_factory=list)

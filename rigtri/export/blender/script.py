@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.solver import Solver, refuse_circles
-from rigtri.evaluation.twist_joints import twists
+from rigtri.evaluation.solver import Solver, refuse_cycles
+from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, left_out, twist
 from rigtri.export.blender.controls import controls, pole_place
 from rigtri.export.blender.plan import Plan
@@ -59,12 +59,12 @@ def blender_setup(
 def planned(rig: Rig, report: Report) -> Plan:
     """All constraints of a rig, in the order in which they come on top of each other."""
     solver = Solver(rig)
-    refuse_circles(rig)
+    refuse_cycles(rig)
     plan = Plan(rig, solver.reference)
     poles = {limb.limb.control: pole_place(plan, limb.rule) for limb in solver.limbs if limb.rule is not None}
     controls(plan, solver.limbs, poles)
     solved = {joint for limb in solver.limbs for joint in limb.limb.chain}
-    for each in twists(rig):
+    for each in twist_joints(rig):
         twist(plan, each)
     ordered = sorted(
         (rule for rule in rules_of(rig).values() if rule.kind != "polevector"),

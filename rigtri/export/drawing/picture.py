@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.evaluation.timelines import moment
+from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.export.drawing.bones import AIMED
 from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.scene import Scene, marks
@@ -114,7 +114,7 @@ def seen(rig: Rig, options: DrawOptions = DrawOptions(), report: Report | None =
 def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
     posed = pose_of(rig, PoseOptions(at=options.at), report)
     scene = Scene.of(rig, posed, options.selection)
-    timeline, time = moment(rig, options.at)
+    timeline, time = timeline_and_time(rig, options.at)
     found = marks(scene, arrows=options.arrows)
     covered: list[Patch] = []
     try:

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from rigtri.evaluation import sampling
-from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.export.drawing.bones import Bones
 from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.relations import follows, limbs
@@ -34,7 +34,7 @@ _DOT, _CORNER, _LONG = 0.06, 0.08, 0.12
 _LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
 
 
-def worlds(rig: Rig, posed: Posed) -> Floats:
+def worlds(rig: Rig, posed: PoseCache) -> Floats:
     """World matrices, (n, 4, 4), of a pose of one row."""
     if not posed.parts:
         return rig.world
@@ -64,7 +64,7 @@ class Scene:
     joints: tuple[int, ...]
 
     @staticmethod
-    def of(rig: Rig, posed: Posed, selection: Selection) -> Scene:
+    def of(rig: Rig, posed: PoseCache, selection: Selection) -> Scene:
         """The joints that a selection names; all nodes of a rig without joints.
 
         Raises NameNotFoundError and UsageError as `chosen` does.

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import UsageError
-from rigtri.evaluation.timelines import moment
+from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.export.viewer.page import Shown, page
 from rigtri.export.viewer.page_data import clip_names, clip_place, facts
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
-from rigtri.operations.pose import tell_outside
+from rigtri.operations.pose import warn_outside_clip
 from rigtri.report import Report
 
 # Warnings that the page shows, too: they are of what is seen there.
@@ -101,8 +101,8 @@ def _start(rig: Rig, begin: Begin, report: Report) -> dict[str, Any]:
     """The number of a clip, and the time to stand still at, in seconds."""
     if begin.clip is not None:
         return {"clip": clip_place(rig, rig.clip(begin.clip)), "time": None}
-    timeline, time = moment(rig, begin.pose or "rest")
+    timeline, time = timeline_and_time(rig, begin.pose or "rest")
     if timeline is None:
         return {"clip": -1, "time": None}
-    time = tell_outside(timeline, time, report)
+    time = warn_outside_clip(timeline, time, report)
     return {"clip": clip_place(rig, timeline.clip), "time": time / rig.per_second}

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rigtri.maths.quaternions import meant_unit, norm
+from rigtri.maths.quaternions import norm, normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Track
 
@@ -48,7 +48,7 @@ def round_tracks(tracks: Sequence[Track], before: Sequence[Track]) -> list[Singl
         # One array for all: thousands of tracks of a few keys are common.
         width = [tracks[k].values.shape[1] for k in mine]
         rows = np.concatenate([tracks[k].values.ravel() for k in mine])
-        rows = to_singles(meant_unit(rows.reshape(-1, 4)).ravel() if turns else rows)
+        rows = to_singles(normalise_for_storage(rows.reshape(-1, 4)).ravel() if turns else rows)
         start = 0
         for k, columns in zip(mine, width, strict=True):
             count = len(tracks[k].values) * columns
@@ -70,7 +70,7 @@ def round_spline(track: Track) -> Singles:
     by +4e/dt in the in-tangent before it.
     """
     exact = track.values
-    values = meant_unit(exact[:, 1]) if track.path == "rotation" else exact[:, 1]
+    values = normalise_for_storage(exact[:, 1]) if track.path == "rotation" else exact[:, 1]
     stored = exact.copy()
     stored[:, 1] = to_singles(values)
     error = stored[:, 1] - exact[:, 1]

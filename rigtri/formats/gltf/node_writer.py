@@ -20,7 +20,7 @@ from rigtri.formats.vrm.node_constraints import CONSTRAINT, stored, stored_axis
 from rigtri.formats.vrm.vrm0 import stored_vector
 from rigtri.formats.vrm.vrm1 import mesh_references
 from rigtri.maths.matrices import SKEW, decompose, inverse, multiply, skew
-from rigtri.maths.quaternions import meant_unit
+from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Constraint, Integers
 from rigtri.model.rig import Rig, illegible
@@ -90,7 +90,7 @@ class NodeWriter:
         old = [(node, was) for node, was in enumerate(self._was.tolist()) if was >= 0]
         for key, now, then in zip(PARTS, _parts(rig), _parts(source), strict=True):
             rows, before = now.tolist(), then.tolist()
-            shown = meant_unit(now).tolist() if key == "rotation" else rows
+            shown = normalise_for_storage(now).tolist() if key == "rotation" else rows
             for node, was in old:
                 if not has[node] and (had[was] or rows[node] != before[was]):
                     self._set_part(node, key, shown[node])
@@ -103,7 +103,7 @@ class NodeWriter:
             self._write_new(node)
 
     def _write_part(self, node: int, key: str, value: Floats) -> None:
-        self._set_part(node, key, _numbers(meant_unit(value) if key == "rotation" else value))
+        self._set_part(node, key, _numbers(normalise_for_storage(value) if key == "rotation" else value))
 
     def _set_part(self, node: int, key: str, numbers: list[float]) -> None:
         holder = self._node(node)

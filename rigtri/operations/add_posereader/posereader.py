@@ -11,7 +11,7 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling as pose
-from rigtri.evaluation.adaptive_sampling import fitted
+from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.pose_readers import (
     KERNELS,
     KINDS,
@@ -19,20 +19,20 @@ from rigtri.evaluation.pose_readers import (
     Kernel,
     Kind,
     Mode,
-    Reader,
+    PoseReader,
     relative,
     same_poses,
     weights,
 )
 from rigtri.evaluation.timelines import (
     Timeline,
+    as_float32,
     jumps,
     just_before,
     merged_weights,
-    moment,
-    placed,
-    single,
+    put_tracks,
     steps_only,
+    timeline_and_time,
     times_within,
 )
 from rigtri.limits import refuse_unworkable
@@ -45,7 +45,7 @@ from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.records import Interpolation, Mesh, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
-from rigtri.operations.add_rivet.rebind import remounted
+from rigtri.operations.add_rivet.rebind import rebind_rivets
 from rigtri.operations.control_names import refuse_taken
 from rigtri.operations.options import operation
 from rigtri.operations.rigtri_nodes import add, find, group, noted
@@ -154,7 +154,7 @@ def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -
     """
     options.checked()
     builder = _Builder(rig, options, report)
-    return remounted(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
+    return rebind_rivets(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
 
 
 def options_of(note: Mapping[str, Any]) -> AddPosereaderOptions:
@@ -212,7 +212,7 @@ class _Builder:
         self.frame = self._frame()
         self.axis = normalise(np.array(options.axis, dtype=np.float64))
         self.note = dict(note) if note is not None else self._note()
-        self.reader = Reader.of_note(self.note)
+        self.reader = PoseReader.of_note(self.note)
         if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
             raise GeometryError(
                 f"Targets '{same[0]}' and '{same[1]}' are one pose of '{rig.title(self.driver)}' "
@@ -251,7 +251,7 @@ class _Builder:
             times, found = self._baked(timeline)
             counts[timeline.name] = len(times)
             tracks = [*self._morph_tracks(timeline, times, found), *_value_tracks(values, times, found)]
-            self.rig = placed(self.rig, timeline, tracks)
+            self.rig = put_tracks(self.rig, timeline, tracks)
         if not self.note[replaced_keys.KEY]:
             del self.note[replaced_keys.KEY]
         self.rig = noted(self.rig, node, self.note)
@@ -370,7 +370,7 @@ class _Builder:
 
     def _posed(self, text: str) -> Floats:
         """The driver's rotation in the frame in a pose, (4,)."""
-        timeline, time = moment(self.rig, text)
+        timeline, time = timeline_and_time(self.rig, text)
         if timeline is None:
             return self._resting
         keys = pose.key_times(timeline.clip)
@@ -474,7 +474,7 @@ class _Builder:
             before = just_before(jumps(moving))
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
             try:
-                times = fitted(read, _error, times, within=self.options.within, keep=single)
+                times = adaptive_key_times(read, _error, times, within=self.options.within, keep=as_float32)
             except OverflowError as error:
                 raise GeometryError(
                     f"'{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import Timeline, placed, timelines
+from rigtri.evaluation.timelines import Timeline, put_tracks, timelines
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
 from rigtri.report import Report
@@ -102,4 +102,4 @@ def _put_back(rig: Rig, timeline: Timeline, now: Track, entry: Mapping[str, Any]
     unlisted = now.unlisted.union(entry.get("unlisted", ()))
     way = entry["interpolation"]
     before = replace(now, interpolation=way, times=times, values=values, unlisted=unlisted)
-    return placed(rig, timeline, [before])
+    return put_tracks(rig, timeline, [before])

@@ -16,7 +16,7 @@ from rigtri.operations.add_rivet.rivet import rebaked
 from rigtri.report import Report
 
 
-def remounted(rig: Rig, meshes: Collection[int], report: Report) -> Rig:
+def rebind_rivets(rig: Rig, meshes: Collection[int], report: Report) -> Rig:
     """The rig with the rivets of some meshes, by their nodes, where their triangles are now, in every clip.
 
     One that cannot be baked stays as it is, and is told.
@@ -38,7 +38,7 @@ def _rivets(rig: Rig, meshes: Collection[int]) -> list[int]:
     ]
 
 
-def remounted_on_spreads(rig: Rig, report: Report) -> Rig:
+def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
     """The same for meshes whose weights the rig's spreads share anew: as they will be in the file.
 
     Weights that are stored as whole numbers are rounded there, by half a unit at most.
@@ -57,7 +57,7 @@ def remounted_on_spreads(rig: Rig, report: Report) -> Rig:
         replace(skin, inverse_bind=skin.inverse_bind.astype(np.float32).astype(np.float64))
         for skin in rig.skins
     )
-    set_anew = remounted(replace(rig, read_meshes=lambda: anew, skins=skins_read), touched, report)
+    set_anew = rebind_rivets(replace(rig, read_meshes=lambda: anew, skins=skins_read), touched, report)
     return replace(set_anew, read_meshes=rig.read_meshes, skins=rig.skins)
 
 

@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.adaptive_sampling import fitted
-from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.evaluation.sampling import sample, worlds
 from rigtri.evaluation.timelines import (
     Timeline,
+    as_float32,
     jumps,
     just_before,
-    looked_at,
-    placed,
-    single,
+    keys_and_between,
+    put_tracks,
     steps_only,
     timelines,
     times_within,
 )
 from rigtri.limits import refuse_points, refuse_unworkable
-from rigtri.maths.quaternions import conjugate, from_axes, make_continuous, slerp, to_axes, turn_angle
+from rigtri.maths.quaternions import conjugate, from_axes, make_continuous, rotation_angle, slerp, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
@@ -181,7 +181,7 @@ class _Ground:
     @cached_property
     def points(self) -> list[Floats]:
         """The points of each primitive at rest, in the world."""
-        return [Carried(self.rig, mesh, np.arange(len(mesh.points))).at_rest() for mesh in self.meshes]
+        return [SkinnedPoints(self.rig, mesh, np.arange(len(mesh.points))).at_rest() for mesh in self.meshes]
 
     @cached_property
     def size(self) -> float:
@@ -281,16 +281,16 @@ class _Rivet:
             rig, node = add(rig, self.name, parent, note)
         else:
             rig = noted(rig, node, note)
-        resting = self._seats(Carried(rig, self.seat.mesh, self.seat.vertices).at_rest()[np.newaxis])[0]
+        resting = self._seats(SkinnedPoints(rig, self.seat.mesh, self.seat.vertices).at_rest()[np.newaxis])[0]
         rig = stand(rig, node, resting[:3], to_axes(resting[3:]))
-        held = Carried(rig, self.seat.mesh, self.seat.vertices, int(rig.parents[node]))
+        held = SkinnedPoints(rig, self.seat.mesh, self.seat.vertices, int(rig.parents[node]))
         counts: dict[str, int] = {}
         worst = 0.0
         for timeline in timelines(rig):
             if self.clips is not None and self.clips.isdisjoint(timeline.members):
                 continue
             tracks = self._tracks(held, timeline, node)
-            rig = placed(rig, timeline, tracks)
+            rig = put_tracks(rig, timeline, tracks)
             counts[timeline.name] = max(len(track.times) for track in tracks)
             worst = max(worst, self._off(held, timeline, tracks))
         self._record(rig, node, counts, worst)
@@ -306,7 +306,7 @@ class _Rivet:
         turns = np.where(flat(points)[:, np.newaxis], np.nan, turns)
         return np.concatenate([place, turns], axis=1)
 
-    def _tracks(self, held: Carried, timeline: Timeline, node: int) -> list[Track]:
+    def _tracks(self, held: SkinnedPoints, timeline: Timeline, node: int) -> list[Track]:
         """Translation and rotation of the rivet over a timeline, with as many keys as they need."""
         moving = held.affecting(timeline)
 
@@ -322,7 +322,7 @@ class _Rivet:
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
             bound = self.options.within * self.size
             try:
-                times = fitted(seats, self._error, times, within=bound, keep=single)
+                times = adaptive_key_times(seats, self._error, times, within=bound, keep=as_float32)
             except OverflowError as error:
                 raise GeometryError(
                     f"Rivet '{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
@@ -330,7 +330,7 @@ class _Rivet:
         values = self._whole(seats(times), timeline, times)
         if (self._apart(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
             times, values = times[:1], values[:1]
-        values = single(values)  # as what follows the rivet will read them
+        values = as_float32(values)  # as what follows the rivet will read them
         way: Interpolation = "STEP" if holds or len(times) == 1 else "LINEAR"
         return [
             Track(node, "translation", way, times, values[:, :3]),
@@ -366,13 +366,13 @@ class _Rivet:
 
     def _apart(self, values: Floats, others: Floats) -> Floats:
         """How far the end of what hangs on the rivet is moved, (f,), in file units."""
-        turned = turn_angle(product(conjugate(values[:, 3:]), others[:, 3:]))
+        turned = rotation_angle(product(conjugate(values[:, 3:]), others[:, 3:]))
         return np.asarray(length(values[:, :3] - others[:, :3]) + ARM * self.size * turned)
 
-    def _off(self, held: Carried, timeline: Timeline, tracks: Sequence[Track]) -> float:
+    def _off(self, held: SkinnedPoints, timeline: Timeline, tracks: Sequence[Track]) -> float:
         """The largest distance of the baked rivet, stored as float32, from the surface, in file units."""
         moving = held.affecting(timeline)
-        times = tracks[0].times if steps_only(moving) else looked_at(tracks[0].times)
+        times = tracks[0].times if steps_only(moving) else keys_and_between(tracks[0].times)
         surface = self._seats(held.sample(moving, times))[:, :3]
         return float(length(surface - sample(tracks[0], times)).max(initial=0.0))
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.sampling import Motion
-from rigtri.evaluation.twist_joints import Twist
-from rigtri.maths.quaternions import conjugate, multiply, slerp, turn_angle
+from rigtri.evaluation.twist_joints import TwistJoint
+from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Booleans, Clip, Track, key_values
 from rigtri.model.rig import Rig
@@ -24,7 +24,7 @@ _SHARES = (0.25, 0.5, 0.75)
 _SAME = 1e-6
 
 
-def keyed(rig: Rig, twist: Twist) -> tuple[Rig, dict[str, tuple[float, bool]]]:
+def keyed(rig: Rig, twist: TwistJoint) -> tuple[Rig, dict[str, tuple[float, bool]]]:
     """The rig with rotation keys for a twist joint in every clip that turns its driver.
 
     Also what was found, by clip: the largest angle between the joint and what it should be between
@@ -50,7 +50,7 @@ def keyed(rig: Rig, twist: Twist) -> tuple[Rig, dict[str, tuple[float, bool]]]:
 class _Follower:
     """A twist joint in one clip."""
 
-    def __init__(self, twist: Twist, small: Rig, clip: Clip) -> None:
+    def __init__(self, twist: TwistJoint, small: Rig, clip: Clip) -> None:
         self.twist, self.motion = twist, Motion(small, clip)
 
     def at(self, times: Floats) -> Floats:
@@ -88,7 +88,7 @@ class _Follower:
         off = np.zeros(len(span))
         for share, true in zip(_SHARES, trues, strict=True):
             shown = slerp(turns[:-1], turns[1:], np.full(len(span), share))
-            off = np.maximum(off, turn_angle(multiply(conjugate(shown), true)))
+            off = np.maximum(off, rotation_angle(multiply(conjugate(shown), true)))
         middle = _single(times[:-1] + 0.5 * span)
         return np.where((middle <= times[:-1]) | (middle >= times[1:]), 0.0, off)
 
@@ -127,7 +127,7 @@ def _same(old: Track, new: Track) -> bool:
     if len(old.times) != len(new.times) or np.abs(old.times - new.times).max(initial=0.0) > _SAME:
         return False
     turns = multiply(conjugate(key_values(old)), key_values(new))
-    return bool(turn_angle(turns).max(initial=0.0) < _SAME)
+    return bool(rotation_angle(turns).max(initial=0.0) < _SAME)
 
 
 def _without(clip: Clip, tracks: list[Track]) -> Clip:

@@ -19,7 +19,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.records import Mesh, Skin, Spread
 from rigtri.model.rig import Rig
-from rigtri.operations.add_rivet.rebind import remounted_on_spreads
+from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.control_names import refuse_taken
 from rigtri.operations.options import operation
@@ -110,7 +110,7 @@ def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
         _check_names(rig, bones, options)
     for each in bones:
         rig = _build(rig, each, options, report)
-    return remounted_on_spreads(rig, report) if options.split_weights else rig
+    return rebind_rivets_on_new_weights(rig, report) if options.split_weights else rig
 
 
 def _check_names(rig: Rig, bones: list[_Bone], options: AddTwistOptions) -> None:

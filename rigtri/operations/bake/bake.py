@@ -15,27 +15,27 @@ from typing import Literal, get_args
 import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, movers, size_of
+from rigtri.evaluation.active_controls import NOTHING, controls_and_poles, keyed_in, moved_at_rest, size_of
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, Refined, refined
-from rigtri.evaluation.inverse_solver import matched
-from rigtri.evaluation.key_reduction import needed, shares
-from rigtri.evaluation.pose_cache import Posed, sampled
+from rigtri.evaluation.inverse_solver import solve_controls
+from rigtri.evaluation.key_reduction import key_tolerances, reduce_keys
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.shared_key_times import as_read, times_of
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import (
     Timeline,
+    as_float32,
     jumps,
     just_before,
-    placed,
-    single,
+    put_tracks,
     steps_only,
     timelines,
     times_within,
 )
-from rigtri.evaluation.twist_joints import is_twist, twists
-from rigtri.evaluation.zero_pose import Reference
+from rigtri.evaluation.twist_joints import is_twist, twist_joints
+from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.maths.quaternions import make_continuous, unit
 from rigtri.maths.trigonometry import Floats
@@ -43,14 +43,19 @@ from rigtri.model.constraints import rules_of
 from rigtri.model.records import Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
-from rigtri.operations.bake.dependents import followed, followers, holding, refuse_circles
+from rigtri.operations.bake.dependents import (
+    followers,
+    rebake_followers,
+    refuse_cycles,
+    rivets_of_constraints,
+)
 from rigtri.operations.bake.residuals import fidelity
-from rigtri.operations.bake.sampling_warnings import tell_limited, tell_swinging
-from rigtri.operations.bake.stable_keys import stands
-from rigtri.operations.bake.stretch_limit import refuse_endless
+from rigtri.operations.bake.sampling_warnings import warn_spline_swings, warn_undersampled
+from rigtri.operations.bake.stable_keys import is_still_valid
+from rigtri.operations.bake.stretch_limit import refuse_overstretch
 from rigtri.operations.options import operation
 from rigtri.operations.pose import at_rest
-from rigtri.operations.solver_warnings import clip_troubles, troubles
+from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
 from rigtri.report import Report
 
 Direction = Literal["joints", "controls"]
@@ -137,7 +142,7 @@ class _Baker:
     def __init__(self, rig: Rig, options: BakeOptions, report: Report) -> None:
         self.rig, self.options, self.report, self.start = rig, options, report, rig
         self.solvers: dict[frozenset[int] | None, Solver] = {}
-        self.reference = Reference(rig)
+        self.reference = ControlsAtZero(rig)
         follows = options.to == "joints" and followers(rig)
         if not (
             self.reference.fk or self.reference.limbs or self.reference.roots or rules_of(rig) or follows
@@ -157,9 +162,9 @@ class _Baker:
             self._tell_limited()
             return self.rig
         self.report.reposed = True
-        held = holding(self.rig)
+        held = rivets_of_constraints(self.rig)
         told = len(self.report.added)
-        refuse_circles(self.rig)
+        refuse_cycles(self.rig)
         # What follows a rivet comes to rest once everything before it in the chain has; and then its keys,
         # as other nodes' key times depend on them: a few passes each.
         for _ in range(_PASSES * (len(held) + 1)):
@@ -177,7 +182,7 @@ class _Baker:
 
     def _once(self) -> None:
         """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
-        self.reference, self.solvers = Reference(self.rig), {}
+        self.reference, self.solvers = ControlsAtZero(self.rig), {}
         chosen = self._chosen()
         for timeline in chosen:
             self._to_joints(timeline)
@@ -190,14 +195,14 @@ class _Baker:
         Where joints share their key times those of followers come to them, too, so it is done again until
         there are no more times.
         """
-        told, mine = len(self.report.added), twists(self.rig)
+        told, mine = len(self.report.added), twist_joints(self.rig)
         seen = as_read(self.rig, without=[twist.node for twist in mine])
         for _ in range(_ROUNDS):
             del self.report.added[told:]
             rig = seen.rig
             for twist in mine:
                 rig, _ = keyed(rig, twist)
-            self.rig = seen.undone(followed(rig, clips, self.report), self.rig)
+            self.rig = seen.undone(rebake_followers(rig, clips, self.report), self.rig)
             last, seen = seen, as_read(self.rig)
             if last.same_times(seen):
                 break
@@ -233,7 +238,7 @@ class _Baker:
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
         """How far thinned keys of each node may be off, (n,): moves in its parent's units, and radians."""
-        return shares(self.rig, self.options.tolerance * self.size, self.size)
+        return key_tolerances(self.rig, self.options.tolerance * self.size, self.size)
 
     def _bound(self, node: int, path: Path) -> float:
         """How far thinned keys of a node may be off: moves in its parent's units, and radians."""
@@ -249,14 +254,14 @@ class _Baker:
     @cached_property
     def movers(self) -> frozenset[int]:
         """The nodes whose keys say that a control is at work: controls and poles."""
-        return movers(self.rig)
+        return controls_and_poles(self.rig)
 
     def _telling(self, timeline: Timeline, told: Collection[tuple[int, Path]]) -> Timeline:
         """The timeline without what is found anew, ``told``, and what follows it: the rest says when.
 
         So a second run, which reads keys that were thinned, looks at the same times.
         """
-        held = holding(self.rig)
+        held = rivets_of_constraints(self.rig)
         follow = {node for node, note in self.rig.notes.items() if note.get("type") in _FOLLOW} - held
         kept = tuple(
             t
@@ -282,8 +287,8 @@ class _Baker:
         return refined(curve, times, bound=bound, per_second=self.rig.per_second)
 
     def _tell_limited(self) -> None:
-        tell_limited(self.start, self.report, max(self.options.between, self.options.tolerance))
-        tell_swinging(self.start, self.report)
+        warn_undersampled(self.start, self.report, max(self.options.between, self.options.tolerance))
+        warn_spline_swings(self.start, self.report)
 
     @staticmethod
     def _jumps(timeline: Timeline, times: Floats) -> Floats:
@@ -305,19 +310,19 @@ class _Baker:
         samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
         times, parts = samples.times, samples.parts
         held = self._jumps(telling, times)
-        refuse_endless(self.rig, solver.limbs, parts, timeline.name, times)
+        refuse_overstretch(self.rig, solver.limbs, parts, timeline.name, times)
         tracks = [
             track
             for node in nodes
             for track in self._tracks(timeline, times, held, node, parts[node])
             if track.path in {path for path, _ in solver.writes[node]}
         ]
-        self.report.hear(clip_troubles(solver, timeline, times, parts))
-        room = times_of(placed(self.rig, timeline, tracks))
+        self.report.hear(clip_solver_warnings(solver, timeline, times, parts))
+        room = times_of(put_tracks(self.rig, timeline, tracks))
         fresh = [
             track
             for track in tracks
-            if not stands(
+            if not is_still_valid(
                 timeline.track(track.node, track.path),
                 track,
                 times,
@@ -326,7 +331,7 @@ class _Baker:
                 room=room.get((track.node, track.path), track.times),
             )
         ]
-        self.rig = placed(self.rig, timeline, fresh)
+        self.rig = put_tracks(self.rig, timeline, fresh)
         self._record(timeline, solver, samples, tracks, nodes)
 
     def _tracks(
@@ -343,11 +348,11 @@ class _Baker:
 
         held: the times up to which values may be held.
         """
-        rest = rest or Posed(self.rig).part(node)
+        rest = rest or PoseCache(self.rig).part(node)
         found = []
         for path, values, still in zip(_PATHS, parts, rest, strict=True):
             bound = self._bound(node, path)
-            values = single(make_continuous(values) if path == "rotation" else values)
+            values = as_float32(make_continuous(values) if path == "rotation" else values)
             if path != "rotation" and timeline.track(node, path) is None:
                 noise = NOTHING * (1.0 if path == "scale" else self.size)
                 if np.abs(values - still).max() <= min(noise, max(bound, 1e-30)):
@@ -362,7 +367,7 @@ class _Baker:
         if not solver.steps:
             return
         posed = solver.run({})
-        self.report.hear(troubles(solver, posed, lambda _: "the rest pose"))
+        self.report.hear(solver_warnings(solver, posed, lambda _: "the rest pose"))
         moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
         moves, _ = self.bounds
         least = np.minimum(moves, NOTHING * self.size)
@@ -388,7 +393,7 @@ class _Baker:
 
         def keep(node: int, parts: Parts) -> Parts:
             """Tracks for a control, and what they say at all times."""
-            at_zero = Posed(self.rig).part(node)
+            at_zero = PoseCache(self.rig).part(node)
             own = self._tracks(timeline, times, held, node, parts, rest=at_zero)
             tracks.extend(own)
             read = dict(zip(_PATHS, at_zero, strict=True))
@@ -396,8 +401,8 @@ class _Baker:
                 read[track.path] = track.values if track.times is times else sample(track, times)
             return Parts(read["translation"], unit(read["rotation"]), read["scale"])
 
-        found = matched(solver, sampled(self.rig, clip, times), keep)
-        self.rig = placed(self.rig, timeline, tracks)
+        found = solve_controls(solver, sample_parts(self.rig, clip, times), keep)
+        self.rig = put_tracks(self.rig, timeline, tracks)
         controls = sorted({node for block in found for node in block.found.controls})
         told, notices = fidelity(
             self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance
@@ -464,6 +469,6 @@ def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, b
     fresh = np.append(True, (values[1:] != values[:-1]).any(axis=1))
     if fresh.any() and np.isin(times[fresh][1:], held).all():
         return Track(node, path, "STEP", times[fresh], values[fresh])
-    keys = needed(times, values, bound)
+    keys = reduce_keys(times, values, bound)
     way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
     return Track(node, path, way, times if len(keys) == len(times) else times[keys], values[keys])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation.dependency_graph import circle, waits_for
-from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.dependency_graph import dependencies, find_cycle
+from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.model.constraints import rules_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
@@ -24,7 +24,7 @@ def followers(rig: Rig) -> list[int]:
     ]
 
 
-def holding(rig: Rig) -> frozenset[int]:
+def rivets_of_constraints(rig: Rig) -> frozenset[int]:
     """The rivets that a constraint looks at, or that hold what it looks at."""
     found = set[int]()
     for rule in rules_of(rig).values():
@@ -36,14 +36,14 @@ def holding(rig: Rig) -> frozenset[int]:
     return frozenset(found)
 
 
-def refuse_circles(rig: Rig) -> None:
+def refuse_cycles(rig: Rig) -> None:
     """GeometryError where what a constraint makes of a rivet moves the triangle that holds the rivet."""
-    held = sorted(holding(rig))
-    waits = waits_for(rig)
+    held = sorted(rivets_of_constraints(rig))
+    waits = dependencies(rig)
     for node in held:
         waits.setdefault(node, set()).update(_carrying(rig, node))
     for node in held:
-        way = circle(waits, [node], sorted(waits[node]))
+        way = find_cycle(waits, [node], sorted(waits[node]))
         if way:
             told = " → ".join(f"'{rig.title(each)}'" for each in (node, *way))
             raise GeometryError(
@@ -58,11 +58,13 @@ def _carrying(rig: Rig, rivet: int) -> set[int]:
     mesh_node, rows = rig.known(note["mesh"]), np.array(note["vertices"], dtype=np.int64)
     meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node][int(note["primitive"]) :]
     return (
-        set(Carried(rig, meshes[0], rows).nodes) if meshes and rows.max() < len(meshes[0].points) else set()
+        set(SkinnedPoints(rig, meshes[0], rows).nodes)
+        if meshes and rows.max() < len(meshes[0].points)
+        else set()
     )
 
 
-def followed(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
+def rebake_followers(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
     """The rig with rivets and pose readers where joints have them now: at rest, and in ``clips``.
 
     One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, and is told.

@@ -8,7 +8,7 @@ import numpy as np
 
 from rigtri.evaluation.active_controls import NOTHING
 from rigtri.evaluation.inverse_solver import Block
-from rigtri.evaluation.zero_pose import Reference
+from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -58,7 +58,7 @@ def _farthest(rig: Rig, blocks: Sequence[Block], times: Floats) -> tuple[int, fl
 
 def _advice(rig: Rig, joint: int) -> str:
     """What may help a joint that its controls do not give back."""
-    reference = Reference(rig)
+    reference = ControlsAtZero(rig)
     chains = [limb.chain for limb in reference.limbs if rig.is_below(joint, limb.chain[0])]
     bare = [node for chain in chains for node in chain if node not in reference.fk]
     if bare:

@@ -22,7 +22,7 @@ def _clips(report: Report) -> list[Mapping[str, Any]]:
     return [entry for entry in report.added if entry.get("type") == "clip"]
 
 
-def tell_limited(rig: Rig, report: Report, most: float) -> None:
+def warn_undersampled(rig: Rig, report: Report, most: float) -> None:
     """One warning for all clips that are off by more than ``most`` of the size between samples."""
     far = [entry for entry in _clips(report) if entry.get("limited") and entry["between_samples"] > most]
     if not far:
@@ -51,7 +51,7 @@ def _end_of(rig: Rig, name: str | None) -> str | None:
     return None
 
 
-def tell_swinging(rig: Rig, report: Report) -> None:
+def warn_spline_swings(rig: Rig, report: Report) -> None:
     """A warning for each clip of the report whose splines go from a turn to one of opposite sign.
 
     rig: with the clips as they were. glTF's splines are of components: between q and −q they pass near

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.evaluation.key_reduction import thinned
+from rigtri.evaluation.key_reduction import is_reduction_of
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import SAME_VALUE
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Track
 
 
-def stands(
+def is_still_valid(
     old: Track | None, new: Track, times: Floats, values: Floats, *, bound: float, room: Floats
 ) -> bool:
     """Whether a track is what thinning the values, (f, c) at ``times``, may have left, as ``new`` is.
@@ -26,4 +26,4 @@ def stands(
         return False
     # Radians: of turns by the unit quaternions that differ so.
     size = 2.0 if new.path == "rotation" else float(np.abs(values).max(initial=0.0))
-    return thinned(times, values, sample(old, times), bound, SAME_VALUE * size)
+    return is_reduction_of(times, values, sample(old, times), bound, SAME_VALUE * size)

@@ -9,7 +9,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -18,14 +18,14 @@ from rigtri.model.rig import Rig
 MOST = 1e4
 
 
-def refuse_endless(
+def refuse_overstretch(
     rig: Rig, limbs: Iterable[Ik], parts: Mapping[int, Parts], clip: str, times: Floats
 ) -> None:
     """GeometryError where IK with stretch makes bones more than `MOST` times as long as at rest.
 
     parts: of all nodes that are moved, at ``times``, (f,), of a clip.
     """
-    still = Posed(rig)
+    still = PoseCache(rig)
     for limb in (ik.limb for ik in limbs if ik.limb.stretch):
         for node in (node for node in limb.chain[1:] if node in parts):
             size = float(length(still.part(node).translation)[0])

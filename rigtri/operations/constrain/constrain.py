@@ -13,15 +13,15 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.constraint_solver import factored, rotate_of
-from rigtri.evaluation.dependency_graph import applied, circle, waits_for
+from rigtri.evaluation.constraint_solver import rotate_of, to_parts
+from rigtri.evaluation.dependency_graph import constrained_local, dependencies, find_cycle
 from rigtri.evaluation.sampling import rest, worlds
-from rigtri.evaluation.solver import refuse_circles
-from rigtri.evaluation.step_order import CircleError
+from rigtri.evaluation.solver import refuse_cycles
+from rigtri.evaluation.step_order import ControlCycleError
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.euler import ORDERS, Order, from_angles
 from rigtri.maths.matrices import SKEW, skew
-from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, turn_angle
+from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotation_angle
 from rigtri.maths.vectors import cross, length, normalise
 from rigtri.model.constraints import (
     CHANNELS,
@@ -38,7 +38,7 @@ from rigtri.model.constraints import (
 )
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
-from rigtri.operations.constrain.vrm_export import say, unsay
+from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
 from rigtri.operations.options import operation
 from rigtri.operations.rigtri_nodes import add, group, noted, renamed
 from rigtri.recognition.limbs import given
@@ -179,7 +179,7 @@ def _asked(rig: Rig, options: ConstrainOptions) -> Rule:
     child = chain[1] if chain else rig.find(options.child, "node")
     if len(set(drivers)) < len(drivers):
         raise UsageError("a driver is named twice; give it once, with the sum of the weights")
-    own = factored(rest(rig)[child]).rotation
+    own = to_parts(rest(rig)[child]).rotation
     orients: dict[str, Any] = {"rest": own, "none": IDENTITY}
     given = options.joint_orient
     joint_orient = orients[given] if isinstance(given, str) else from_angles(np.array(given) * _DEGREE, "xyz")
@@ -250,8 +250,8 @@ def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
 def _refuse_circles(rig: Rig, rule: Rule, place: int | None) -> None:
     """GeometryError where a driver, or what up leans to, waits for the child."""
     children = rule.chain or (rule.child,)
-    before = unsay(rig, place) if place is not None else rig
-    way = circle(waits_for(before, place), children, rule.sources)
+    before = remove_node_constraint(rig, place) if place is not None else rig
+    way = find_cycle(dependencies(before, place), children, rule.sources)
     if way:
         names = " → ".join(f"'{rig.title(node)}'" for node in (way[-1], *way))
         raise GeometryError(
@@ -263,11 +263,11 @@ def _refuse_circles(rig: Rig, rule: Rule, place: int | None) -> None:
 def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
     """GeometryError where a rule leaves no order in which `bake` could work; not for what had none before."""
     try:
-        refuse_circles(after)
-    except CircleError as error:
+        refuse_cycles(after)
+    except ControlCycleError as error:
         try:
-            refuse_circles(before)
-        except CircleError:
+            refuse_cycles(before)
+        except ControlCycleError:
             return
         drivers = ", ".join(f"'{before.title(node)}'" for node in rule.sources)
         raise GeometryError(
@@ -306,9 +306,9 @@ def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) 
         node = place
         if rig.notes[node]["kind"] != rule.kind:
             rig = renamed(rig, node, name)
-        rig = unsay(rig, node)
+        rig = remove_node_constraint(rig, node)
     if vrm:
-        rig, why, said = say(rig, rule, known)
+        rig, why, said = export_node_constraint(rig, rule, known)
         note |= {"vrm": said} if said else {}
         if said is None:
             report.warn(
@@ -338,9 +338,9 @@ def _record(rig: Rig, rule: Rule, node: int, note: dict[str, Any]) -> dict[str, 
     local = rest(rig)[np.newaxis]
     own = local[:, rule.child]
     with np.errstate(all="ignore"):
-        found = applied(rig, rule, worlds(rig, local), local, own)
-        parts, mine = factored(found[0]), factored(own[0])
-        turn = turn_angle(multiply(conjugate(mine.rotation), parts.rotation))
+        found = constrained_local(rig, rule, worlds(rig, local), local, own)
+        parts, mine = to_parts(found[0]), to_parts(own[0])
+        turn = rotation_angle(multiply(conjugate(mine.rotation), parts.rotation))
         angles = rotate_of(rule, parts.rotation) / _DEGREE
     if np.isfinite(angles).all():
         still = replace(rule, order="xyz", joint_orient=IDENTITY)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.constraint_solver import aimed, factored, lengths_for, turn_of
+from rigtri.evaluation.constraint_solver import aim_rotation, lengths_for, nearest_rotation_of, to_parts
 from rigtri.evaluation.sampling import rest, worlds
 from rigtri.maths.matrices import from_frame, identity, inverse, multiply, transform_points
 from rigtri.maths.quaternions import IDENTITY, conjugate, to_axes
@@ -37,7 +37,7 @@ def measured(rig: Rig, rule: Rule, *, keep: bool) -> Rule:
     if rule.kind == "aim":
         _check_aim(rig, rule, world)
     lost = ~np.isfinite(offsets).all(axis=(1, 2))
-    fine = rule.kind in ("point", "polevector") or np.isfinite(factored(local[rule.child]).rotation).all()
+    fine = rule.kind in ("point", "polevector") or np.isfinite(to_parts(local[rule.child]).rotation).all()
     if lost.any() or not fine:
         names = [rule.drivers[k] for k in np.flatnonzero(lost)] if count > 1 else list(rule.drivers)
         raise GeometryError(
@@ -60,15 +60,15 @@ def _check_aim(rig: Rig, rule: Rule, world: Floats) -> None:
 
 def _offsets(rule: Rule, world: Floats, local: Floats, parent: Floats) -> Floats:
     drivers = world[list(rule.drivers)]
-    mine = factored(local[rule.child])
+    mine = to_parts(local[rule.child])
     if rule.kind == "parent":
         return multiply(world[rule.child], inverse(drivers))
     if rule.kind == "point":
         return _moves(world[rule.child, 3, :3] - drivers[:, 3, :3])
     if rule.kind == "orient":
-        turns, own = turn_of(drivers), product(turn_of(parent), mine.rotation)
+        turns, own = nearest_rotation_of(drivers), product(nearest_rotation_of(parent), mine.rotation)
         if rule.space != "world":
-            turns, own = turn_of(local[list(rule.drivers)]), mine.rotation
+            turns, own = nearest_rotation_of(local[list(rule.drivers)]), mine.rotation
         if rule.space == "local":
             return _turns(product(own, conjugate(turns)))
         return _turns(product(conjugate(turns), own))
@@ -80,7 +80,7 @@ def _offsets(rule: Rule, world: Floats, local: Floats, parent: Floats) -> Floats
         weights = rule.weights if rule.weights.any() else np.ones(len(rule.drivers))
         plain = replace(rule, offsets=identity(1), weights=weights)
         up = world[rule.up_object][np.newaxis] if rule.up_object >= 0 else None
-        found = aimed(plain, drivers[np.newaxis], parent[np.newaxis], mine, up)
+        found = aim_rotation(plain, drivers[np.newaxis], parent[np.newaxis], mine, up)
         return _turns(product(conjugate(found), mine.rotation))
     return _pole_offsets(rule, world, drivers)
 

@@ -14,11 +14,11 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import factored, turn_of
-from rigtri.evaluation.dependency_graph import applied
+from rigtri.evaluation.constraint_solver import nearest_rotation_of, to_parts
+from rigtri.evaluation.dependency_graph import constrained_local
 from rigtri.evaluation.sampling import rest, worlds
 from rigtri.maths.matrices import skew
-from rigtri.maths.quaternions import conjugate, multiply, turn_angle
+from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.constraints import Rule
@@ -33,7 +33,7 @@ _LOCAL = "--space local compares those too"
 _EVEN = 1e-5
 
 
-def say(rig: Rig, rule: Rule, known: Sequence[Constraint]) -> tuple[Rig, str, Said | None]:
+def export_node_constraint(rig: Rig, rule: Rule, known: Sequence[Constraint]) -> tuple[Rig, str, Said | None]:
     """The rig with the rule as a node constraint too, "" and its kind; or the rig, why not, and None.
 
     known: constraints of the file; one that says just this is used as it is.
@@ -54,7 +54,7 @@ def say(rig: Rig, rule: Rule, known: Sequence[Constraint]) -> tuple[Rig, str, Sa
     return replace(rig, constraints=(*rig.constraints, new)), "", kind
 
 
-def unsay(rig: Rig, node: int) -> Rig:
+def remove_node_constraint(rig: Rig, node: int) -> Rig:
     """The rig without the node constraint that the rule of a node of ours was also told by.
 
     The note says by ``vrm`` that there is one, and of which kind.
@@ -101,7 +101,7 @@ def _why_no_frame(rig: Rig, rule: Rule) -> str:
         return "one of the nodes keeps a matrix instead of a rotation"
     if child in rig.frame_of:
         return "the child's axes are held by a node of their own"
-    scales = factored(rest(rig)[[child, driver]]).scale
+    scales = to_parts(rest(rig)[[child, driver]]).scale
     if not (rig.scale[[child, driver]] > 0).all() or not (scales > 0).all():
         return "one of the nodes is mirrored"
     compared = rule.kind == "aim" or rule.space == "world"
@@ -117,24 +117,24 @@ def _why_elsewhere(rig: Rig, rule: Rule) -> str:
     if rule.kind == "orient" and rule.space == "world":
         if rig.parents[rule.child] != rig.parents[rule.drivers[0]]:
             return f"it compares own axes, and the nodes have two parents; {_LOCAL}"
-        if turn_angle(turn_of(rule.offsets[0])) > _SAME:
+        if rotation_angle(nearest_rotation_of(rule.offsets[0])) > _SAME:
             return f"it compares own axes, which differ at rest; {_LOCAL}"
-    if rule.kind == "aim" and turn_angle(turn_of(rule.offsets[0])) > _SAME:
+    if rule.kind == "aim" and rotation_angle(nearest_rotation_of(rule.offsets[0])) > _SAME:
         return "it keeps no offset, and the axis does not point at the driver at rest"
     local = rest(rig)[np.newaxis]
     own = local[:, rule.child]
-    found = applied(rig, rule, worlds(rig, local), local, own)
+    found = constrained_local(rig, rule, worlds(rig, local), local, own)
     if _apart(found[0], own[0]) > _SAME:
         return "it would turn the child at rest"
     return ""
 
 
 def _apart(a: Floats, b: Floats) -> float:
-    return float(turn_angle(multiply(conjugate(turn_of(a)), turn_of(b))))
+    return float(rotation_angle(multiply(conjugate(nearest_rotation_of(a)), nearest_rotation_of(b))))
 
 
 def _even(world: Floats) -> bool:
     """Whether a matrix turns and scales alike in all directions, and mirrors nothing."""
-    scale = factored(world).scale
+    scale = to_parts(world).scale
     even = scale.max() - scale.min() <= _EVEN * scale.max()
     return bool(scale.min() > 0 and even and skew(world) <= _EVEN)

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.constraint_solver import factored
+from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.sampling import rest, worlds
 from rigtri.frames.mirror_modes import mirrored_axes
 from rigtri.maths.matrices import identity, orthonormal_axes
-from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, to_axes, turn_angle
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotation_angle, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Rule, rules_of
 from rigtri.model.rig import Rig
@@ -76,7 +76,7 @@ def _mirrored(rig: Rig, rule: Rule, options: MirrorOptions) -> Rule | None:
         drivers=tuple(node for node in drivers if node is not None),
         chain=tuple(node for node in chain if node is not None),
         joint_orient=_joint_orient(rig, rule, child, options),
-        rest=factored(rest(rig)[child]).rotation,
+        rest=to_parts(rest(rig)[child]).rotation,
         aim=aim if rule.kind == "aim" else rule.aim,
         up=up if rule.kind == "aim" else rule.up,
         up_vector=above if rule.kind == "aim" else rule.up_vector,
@@ -89,15 +89,15 @@ def _joint_orient(rig: Rig, rule: Rule, child: int, options: MirrorOptions) -> F
     local, given = rest(rig), rule.joint_orient
     if _same(given, IDENTITY):
         return IDENTITY.copy()
-    if _same(given, factored(local[rule.child]).rotation):
-        return factored(local[child]).rotation
+    if _same(given, to_parts(local[rule.child]).rotation):
+        return to_parts(local[child]).rotation
     here, there = (_turn(rig, int(rig.parents[node])) for node in (rule.child, child))
     seen = mirrored_axes(to_axes(multiply(here, given)), options.mode, options.across)
     return multiply(conjugate(there), from_axes(seen))
 
 
 def _same(one: Floats, two: Floats) -> bool:
-    return bool(turn_angle(multiply(conjugate(one), two)) <= ALIKE)
+    return bool(rotation_angle(multiply(conjugate(one), two)) <= ALIKE)
 
 
 def _turn(rig: Rig, node: int) -> Floats:

@@ -17,7 +17,7 @@ from rigtri.frames.mirror_modes import MIRRORS, side_of, twin_of
 from rigtri.frames.mirror_plane import parting, tell
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.limits import refuse_unworkable
-from rigtri.maths.quaternions import meant_unit
+from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import UNTOLD
 from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
@@ -117,7 +117,7 @@ def _as_written(rig: Rig, before: Rig) -> Rig:
     A second run reads the written ones, and must find everything where it is.
     """
     turned = (rig.rotation != before.rotation).any(axis=1, keepdims=True)
-    return replace(rig, rotation=np.where(turned, meant_unit(rig.rotation), rig.rotation))
+    return replace(rig, rotation=np.where(turned, normalise_for_storage(rig.rotation), rig.rotation))
 
 
 def _both_sides(rig: Rig, options: MirrorOptions) -> Selection:

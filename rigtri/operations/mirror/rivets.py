@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.point_skinning import Carried
+from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.frames.mirror_modes import side_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -94,7 +94,7 @@ def _seat(rig: Rig, node: int, note: Mapping[str, Any]) -> tuple[Floats, float] 
     mesh = primitives[int(note["primitive"])]
     if not len(mesh.points) or rows.max() >= len(mesh.points) or rows.min() < 0:
         return None
-    corners = Carried(rig, mesh, rows).at_rest()
+    corners = SkinnedPoints(rig, mesh, rows).at_rest()
     points = mesh.points[np.isfinite(mesh.points).all(axis=1)]
     a, b, c = note["barycentric"]
     place = a * corners[0] + b * corners[1] + c * corners[2]

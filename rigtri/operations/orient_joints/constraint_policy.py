@@ -17,7 +17,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.frames.node_constraints import alike, axis_fits, axis_straightened
 from rigtri.frames.reframe import turned
-from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, to_axes, turn_angle
+from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotation_angle, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Constraint
 from rigtri.model.rig import Rig
@@ -114,7 +114,7 @@ def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> 
 
 
 def _apart(a: Floats, b: Floats) -> float:
-    return float(turn_angle(multiply(conjugate(a), b)))
+    return float(rotation_angle(multiply(conjugate(a), b)))
 
 
 def _names(rig: Rig, nodes: Sequence[int]) -> str:

@@ -18,8 +18,8 @@ from rigtri.maths.quaternions import (
     multiply,
     norm,
     rotate,
+    rotation_angle,
     to_axes,
-    turn_angle,
     unit,
 )
 from rigtri.maths.triangle import axis_of, frame
@@ -140,7 +140,7 @@ def _nearest_turn(start: Floats, end: Floats) -> Floats:
         return IDENTITY
     q = unit(vectors[:, order[3]])
     q = -q if q[3] < 0 else q
-    return IDENTITY if turn_angle(q) < NO_ROTATION else q
+    return IDENTITY if rotation_angle(q) < NO_ROTATION else q
 
 
 def _eigen(symmetric: Floats) -> tuple[Floats, Floats]:

@@ -10,7 +10,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.frames.reframe import turned
 from rigtri.maths.matrices import SKEW, determinant, skew
-from rigtri.maths.quaternions import conjugate, multiply, to_axes, turn_angle
+from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
@@ -122,7 +122,7 @@ def _records(
 ) -> list[dict[str, Any]]:
     """What became of each joint, why, and how sure that is."""
     rig, moves, records = plan.tree.rig, turned(turns), []
-    degrees_of, errors = np.degrees(turn_angle(turns)).tolist(), _aim_errors(plan, turns)
+    degrees_of, errors = np.degrees(rotation_angle(turns)).tolist(), _aim_errors(plan, turns)
     for joint in plan.tree.joints:
         aim, up = plan.aims.get(joint), plan.ups.get(joint)
         left = _left(plan, joint, wanted, moves)
@@ -168,7 +168,7 @@ def _decision(plan: Plan, joint: int, wanted: Floats, got: Floats, parted: bool)
     rig, policy = plan.tree.rig, str(plan.options.on_nonuniform_scale)
     if parted or joint in rig.frame_of:
         policy = "split"
-    elif float(turn_angle(multiply(conjugate(wanted), got))) <= EXACT:
+    elif float(rotation_angle(multiply(conjugate(wanted), got))) <= EXACT:
         policy = "in place"
     elif policy == "split":  # a constraint reads or writes its rotation
         policy = "skip"

@@ -22,8 +22,8 @@ from rigtri.maths.quaternions import (
     from_axis_angle,
     multiply,
     norm,
+    rotation_angle,
     to_axes,
-    turn_angle,
     unit,
 )
 from rigtri.maths.trigonometry import Floats, arc_tangent
@@ -124,7 +124,7 @@ def allowed_turns(
 
 
 def _apart(a: Floats, b: Floats) -> float:
-    return float(turn_angle(multiply(conjugate(a), b)))
+    return float(rotation_angle(multiply(conjugate(a), b)))
 
 
 def nearest_exact(wanted: Floats, scales: Scales, node: int, aim: int) -> Floats:

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rigtri.evaluation.timelines import Timeline, placed, single
-from rigtri.evaluation.zero_pose import IkLimb, Reference
+from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks
+from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.records import Path, Track
 from rigtri.model.rig import SWITCH, Rig
@@ -65,15 +65,15 @@ def holding(rig: Rig, told: Switches, every: Sequence[Timeline]) -> Rig:
         if times:
             start = np.min(times, axis=0)
             fresh = [
-                Track(limb.control, _PATH, "STEP", start, single(rig.translation[[limb.control]]))
+                Track(limb.control, _PATH, "STEP", start, as_float32(rig.translation[[limb.control]]))
                 for limb in limbs
                 if keyed.isdisjoint((limb.control, limb.pole))
             ]
-            done = placed(done, timeline, fresh)
+            done = put_tracks(done, timeline, fresh)
     return done
 
 
-def let_go(rig: Rig, told: Switches, every: Sequence[Timeline], report: Report) -> Rig:
+def drop_switched_off_ik_keys(rig: Rig, told: Switches, every: Sequence[Timeline], report: Report) -> Rig:
     """The rig without keys of IK ends that are off, and of their poles, in the timelines, with a notice."""
     gone = {node for limb in _limbs(rig, told.off) for node in (limb.control, limb.pole)}
     members = {k for timeline in every for k in timeline.members}
@@ -92,4 +92,4 @@ def let_go(rig: Rig, told: Switches, every: Sequence[Timeline], report: Report) 
 
 
 def _limbs(rig: Rig, ends: frozenset[int]) -> list[IkLimb]:
-    return [limb for limb in Reference(rig).limbs if limb.control in ends] if ends else []
+    return [limb for limb in ControlsAtZero(rig).limbs if limb.control in ends] if ends else []

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.key_reduction import needed
+from rigtri.evaluation.key_reduction import reduce_keys
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.quaternions import make_continuous, unit
 from rigtri.maths.trigonometry import Floats
@@ -87,4 +87,4 @@ def _needed(path: Path, times: Floats, values: Floats, bound: float) -> Integers
         values = unit(values)
     elif values.shape[-1] == 4:  # weights, which are no turns
         values = np.pad(values, ((0, 0), (0, 1)))
-    return np.union1d(needed(times, values, bound), [0, len(times) - 1])
+    return np.union1d(reduce_keys(times, values, bound), [0, len(times) - 1])

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import keyed_in, movers, size_of
+from rigtri.evaluation.active_controls import controls_and_poles, keyed_in, size_of
 from rigtri.evaluation.frame_batches import blocks
-from rigtri.evaluation.pose_cache import sampled
+from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.trigonometry import Floats
@@ -21,7 +21,7 @@ from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.report import Report
 
 
-def tell_lost(seen: Comparison, most: float, report: Report) -> None:
+def warn_lost_motion(seen: Comparison, most: float, report: Report) -> None:
     """A warning where joints move otherwise between EDITED's keys for those that RIG's controls had there.
 
     most: what is not told, as a share of the size. Only tracks count that say what RIG's say at their keys.
@@ -29,7 +29,7 @@ def tell_lost(seen: Comparison, most: float, report: Report) -> None:
     rig, home = seen.both.rig, seen.taken.home
     if home is None:
         return
-    known = movers(rig)
+    known = controls_and_poles(rig)
     agreed = (pair for pair in seen.pairs if pair[0].node in known and seen.agree(pair))
     told = [(was, seen.clock.told(now)) for was, now in agreed]
     thin = [(was, now, times) for was, now in told if len(times := _more(was, now))]
@@ -55,7 +55,7 @@ def _apart(rig: Rig, a: Timeline, b: Timeline, times: Floats) -> tuple[float, in
     solver, joints = Solver(rig, keyed_in(rig, a)), np.flatnonzero(rig.is_joint).tolist()
     worst = (0.0, -1, 0.0)
     for rows in blocks(len(times)):
-        one, other = (solver.run(sampled(rig, t.clip, times[rows])) for t in (a, b))
+        one, other = (solver.run(sample_parts(rig, t.clip, times[rows])) for t in (a, b))
         for joint in joints:
             far = np.nan_to_num(length(one.world(joint)[:, 3, :3] - other.world(joint)[:, 3, :3]))
             at = int(far.argmax())

@@ -12,7 +12,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
-from rigtri.operations.take_clips.lost_motion import tell_lost
+from rigtri.operations.take_clips.lost_motion import warn_lost_motion
 from rigtri.report import Report
 
 # As that of take-clips: how far what nobody has edited may be off, as a share of the size.
@@ -83,7 +83,7 @@ def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report
         seen.settled()
     except GeometryError:  # nothing says where it lies, so it stays
         return tracks
-    tell_lost(seen, between, report)
+    warn_lost_motion(seen, between, report)
     if not seen.clock.shift:
         return tracks
     by = seen.clock.shift / seen.clock.factor

@@ -20,10 +20,10 @@ from rigtri.maths.vectors import length
 from rigtri.model.rig import ADDED, Rig
 from rigtri.operations.options import operation
 from rigtri.operations.take_clips.armature_motion import bind_poses, put_back
-from rigtri.operations.take_clips.ik_switches import holding, ik_ends, let_go, switches
+from rigtri.operations.take_clips.ik_switches import drop_switched_off_ik_keys, holding, ik_ends, switches
 from rigtri.operations.take_clips.messages import some
 from rigtri.operations.take_clips.node_matching import pairs
-from rigtri.operations.take_clips.unkeyed_poses import held
+from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.report import Report
 
 # Matrices that differ by less, moves as a share of the largest, went through another program's float32.
@@ -74,8 +74,8 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     if told.on | told.off:
         whole = put_back(whole, described, both.of, report)
     rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
-    whole = held(whole, rested, described, both.of, report)
-    whole = let_go(whole, told, timelines(whole), report)
+    whole = key_unkeyed_poses(whole, rested, described, both.of, report)
+    whole = drop_switched_off_ik_keys(whole, told, timelines(whole), report)
     return holding(whole, told, timelines(whole))
 
 

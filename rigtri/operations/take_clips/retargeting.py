@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import factored
-from rigtri.evaluation.sampling import each_once, sample
+from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.maths.matrices import (
     compose,
     determinant,
@@ -61,7 +61,7 @@ class Transfer:
     def frames(self) -> Floats:
         """The times at which anything of the clip has a key."""
         distinct = {id(track.times): track.times for track in self.clip.tracks}
-        return each_once(np.concatenate([*distinct.values(), np.zeros(0)]))
+        return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
     def nodes(self) -> list[int]:
         """The nodes of the rig that the clip moves: by keys of their own, or joints by what stands between.
@@ -97,7 +97,7 @@ class Transfer:
         tracks = [t for k in (*own, *above) if k in self.driven for t in self.driven[k].values()]
         # What the rig alone moves on the way is undone wherever the clip has a key.
         tracks = tracks or list(self.clip.tracks)
-        times = each_once(np.concatenate([track.times for track in tracks]))
+        times = sorted_unique(np.concatenate([track.times for track in tracks]))
         placed = multiply(left, self._along(own, times))
         if parent >= 0:
             carrier = multiply(both.turns[parent], self._along(above, times))
@@ -106,7 +106,7 @@ class Transfer:
         for k in reversed(apart):
             tracks_of = self.own.get(k, {})
             carrier = multiply(local_of(both.rig, k, tracks_of, self.ours(times)), carrier)
-        parts = factored(multiply(placed, inverse(carrier)))
+        parts = to_parts(multiply(placed, inverse(carrier)))
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
         way: Interpolation = "STEP" if held else "LINEAR"
         return tuple(
@@ -168,7 +168,7 @@ def local_of(rig: Rig, node: int, own: Mapping[Path, Track], times: Floats) -> F
 def rest_parts(rig: Rig, node: int) -> Mapping[Path, Floats]:
     """Translation, rotation and scale of a node at rest, one row each."""
     if rig.has_matrix[node]:
-        return dict(zip(PATHS, factored(rig.local[node][np.newaxis]), strict=True))
+        return dict(zip(PATHS, to_parts(rig.local[node][np.newaxis]), strict=True))
     rows = slice(node, node + 1)
     parts = (rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
     return dict(zip(PATHS, parts, strict=True))

@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.constraint_solver import factored
-from rigtri.evaluation.key_reduction import shares
-from rigtri.evaluation.timelines import placed, timelines
+from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.evaluation.key_reduction import key_tolerances
+from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Booleans, Clip, Track
@@ -25,7 +25,7 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.generated_names import span
-from rigtri.operations.take_clips.ik_switches import holding, ik_ends, let_go, switches
+from rigtri.operations.take_clips.ik_switches import drop_switched_off_ik_keys, holding, ik_ends, switches
 from rigtri.operations.take_clips.key_merging import merged, thinned
 from rigtri.operations.take_clips.messages import moves, some, strangers, tell, tell_tracks
 from rigtri.operations.take_clips.morph_targets import MorphNames
@@ -103,7 +103,9 @@ def take_clips(rig: Rig, edited: Rig, *, options: TakeClipsOptions, report: Repo
         taken_all.add(taken.name)
         if rig is not before:
             changed.add(taken.name)
-    rig = let_go(rig, told, [each for each in timelines(rig) if each.name in taken_all], report)
+    rig = drop_switched_off_ik_keys(
+        rig, told, [each for each in timelines(rig) if each.name in taken_all], report
+    )
     return holding(rig, told, [each for each in timelines(rig) if each.name in changed])
 
 
@@ -152,7 +154,7 @@ class _Taking:
             rig = self._with_new_clip()
         else:
             self._one_range()
-            rig = placed(self.rig, home, self.changed) if self.changed else self.rig
+            rig = put_tracks(self.rig, home, self.changed) if self.changed else self.rig
         self._tell()
         if rig is not self.rig:
             self.report.reposed = True
@@ -240,7 +242,7 @@ class _Taking:
 
     @cached_property
     def _shares(self) -> tuple[Floats, Floats]:
-        return shares(self.rig, self.thin * self.both.size, self.both.size)
+        return key_tolerances(self.rig, self.thin * self.both.size, self.both.size)
 
     def _rest(self, track: Track) -> Floats:
         """What the rig says at rest, (1, c)."""
@@ -259,7 +261,7 @@ class _Taking:
                 self.rig.is_joint[node] and self.both.other.is_joint[theirs]
             ):
                 continue
-            parts = factored(self.transfer.still(node)[np.newaxis])
+            parts = to_parts(self.transfer.still(node)[np.newaxis])
             for path, values in zip(PATHS, parts, strict=True):
                 if np.isfinite(values).all():
                     self._add(self._fresh(Track(node, path, "STEP", start, values)))

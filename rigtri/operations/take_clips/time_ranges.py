@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.key_insertion import split
+from rigtri.evaluation.key_insertion import subdivide_spline
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import Timeline, single
+from rigtri.evaluation.timelines import Timeline, as_float32
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Track
 from rigtri.model.rig import Rig
@@ -59,11 +59,11 @@ class Clock:
         """Times of the edited file as those of the rig, (k,)."""
         if self.factor == 1.0 and not self.shift:
             return theirs
-        return single(theirs * self.factor + self.shift)
+        return as_float32(theirs * self.factor + self.shift)
 
     def moved(self, track: Track) -> Track:
         """A track where the clip lies, in EDITED's own unit."""
-        return replace(track, times=single(track.times + self.shift / self.factor))
+        return replace(track, times=as_float32(track.times + self.shift / self.factor))
 
     def told(self, track: Track) -> Track:
         """A track at the rig's times; arrays that are one stay one."""
@@ -202,7 +202,7 @@ def _on_curve(track: Track, times: Floats) -> Floats:
         if len(track.times) < 2:
             return track.values
         every = np.union1d(track.times, times)
-        return np.asarray(split(track, every)[np.isin(every, times)])
+        return np.asarray(subdivide_spline(track, every)[np.isin(every, times)])
     values = sample(track, times)
     at = np.clip(np.searchsorted(track.times, times), 0, len(track.times) - 1)
     own = track.times[at] == times

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.evaluation.key_reduction import parent_sizes, reach_of
+from rigtri.evaluation.key_reduction import lever_arms, parent_sizes
 from rigtri.maths.similarity_fit import SAME_PLACE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -64,7 +64,7 @@ class Tolerances:
 
     @cached_property
     def _reach(self) -> Floats:
-        return reach_of(self.both.rig, self.both.size)
+        return lever_arms(self.both.rig, self.both.size)
 
     def _angles(self, track: Track) -> Floats:
         """What angles about three axes lose of turns of USD prims, (k,): much where two axes nearly meet."""

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.sampling import sample
-from rigtri.maths.quaternions import conjugate, make_continuous, norm, slerp, turn_angle, unit
+from rigtri.maths.quaternions import conjugate, make_continuous, norm, rotation_angle, slerp, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -34,7 +34,7 @@ _STEEPER = 1.5
 def apart(path: str, a: Floats, b: Floats) -> Floats:
     """How far values, (k, c), are apart, (k,): turns in radians."""
     if path == "rotation":
-        return turn_angle(product(conjugate(unit(a)), unit(b)))
+        return rotation_angle(product(conjugate(unit(a)), unit(b)))
     return np.asarray(length(a - b)) if path == "translation" else np.abs(a - b).max(axis=1, initial=0.0)
 
 

@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.constraint_solver import Parts
-from rigtri.evaluation.pose_cache import Posed
+from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import placed, single, timelines
-from rigtri.maths.quaternions import conjugate, multiply, turn_angle
+from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
+from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Path, Track
 from rigtri.model.rig import Rig
@@ -29,7 +29,7 @@ _LOOKS, _NEAR = 1001, 1e-4
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 
 
-def held(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
+def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
     """``rested`` with a key in each clip for what no clip moves of controls that stand otherwise in ``rig``.
 
     rested: the same rig with its controls at rest. described: the rig that a DCC was given; ``of``: the
@@ -43,8 +43,8 @@ def held(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: R
         times = [track.times[:1] for track in timeline.clip.tracks if len(track.times)]
         if times:
             start = np.min(times, axis=0)
-            tracks = [Track(node, path, "STEP", start, single(value)) for node, path, value in fresh]
-            done = placed(done, timeline, tracks)
+            tracks = [Track(node, path, "STEP", start, as_float32(value)) for node, path, value in fresh]
+            done = put_tracks(done, timeline, tracks)
     if done is not rested:
         text = f"No clip has keys of {told(rested, fresh)}, posed otherwise than in the file of --rig"
         report.warn("held-without-keys", f"{text}: held so in all clips")
@@ -57,12 +57,13 @@ def unkeyed(
     """The nodes and channels, with (1, c) values, that stand in ``edited`` otherwise than in ``rested``,
     and that no clip of it has keys of.
 
-    of: the nodes to look at of ``rested``, with those of ``edited``. described, others: as of `held`.
+    of: the nodes to look at of ``rested``, with those of ``edited``. described, others: see
+    `key_unkeyed_poses`.
     """
     keyed = {(track.node, track.path) for clip in edited.clips for track in clip.tracks}
     tracks = [track for clip in described.clips for track in clip.tracks if track.node in others]
     moving = [replace(track, node=others[track.node]) for track in tracks]
-    now, rest = Posed(edited), Posed(rested)
+    now, rest = PoseCache(edited), PoseCache(rested)
     return [
         (node, path, value)
         for node, there in of.items()
@@ -102,7 +103,7 @@ def _dot(a: Floats, b: Floats) -> Floats:
 def _otherwise(now: Parts, rest: Parts, rig: Rig) -> dict[Path, Floats]:
     """What of a node is not as at rest."""
     size = float(np.abs(rig.world[:, 3, :3]).max(initial=0.0)) or 1.0
-    turned = float(turn_angle(multiply(conjugate(rest.rotation), now.rotation))[0])
+    turned = float(rotation_angle(multiply(conjugate(rest.rotation), now.rotation))[0])
     apart: dict[Path, float] = {
         "translation": float(np.abs(now.translation - rest.translation).max()) / size,
         "rotation": turned,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from rigtri.errors import RigtriError
-from rigtri.evaluation.solver import refuse_circles
-from rigtri.evaluation.step_order import CircleError
+from rigtri.evaluation.solver import refuse_cycles
+from rigtri.evaluation.step_order import ControlCycleError
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.verification.checks.findings import Findings
@@ -22,8 +22,8 @@ def check_circles(path: Path, rule: str, findings: Findings, *, allow_external: 
     """
     try:
         rig = read(path, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
-        refuse_circles(rig)
-    except CircleError as circle:
+        refuse_cycles(rig)
+    except ControlCycleError as circle:
         noted = [node for node in circle.nodes if node in rig.notes]
         node = next((n for n in noted if rig.notes[n].get("type") in WAITING), [*noted, *circle.nodes][0])
         place, pointer = _place(rig, node)

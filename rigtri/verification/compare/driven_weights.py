@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation import sampling
-from rigtri.evaluation.timelines import Timeline, looked_at, timelines
+from rigtri.evaluation.timelines import Timeline, keys_and_between, timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.records import Clip, Mesh, Track
@@ -66,7 +66,7 @@ def _alike(
     """Both tracks sampled at one set of times, without the driven columns."""
     known = [track for track in tracks if track is not None]
     keys = np.unique(np.concatenate([track.times for track in known]))
-    times = looked_at(keys)
+    times = keys_and_between(keys)
     width = known[0].values.shape[-1]
     still = np.zeros(width) if resting is None or len(resting) != width else resting
     found = []

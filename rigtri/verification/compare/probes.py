@@ -182,7 +182,7 @@ def points_of(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> Points:
     if mine.dual_quaternion or not same_mesh(mine, theirs):
         return Points(rigs, meshes)
     skinned = mine.skin is not None and mine.joints.shape[1] > 0
-    weights = sampling.shares(mine) if skinned else np.ones((len(mine.points), 1))
+    weights = sampling.normalised_weights(mine) if skinned else np.ones((len(mine.points), 1))
     if not (np.isfinite(weights).all() and np.isfinite(mine.points).all()):
         return Points(rigs, meshes)
     if skinned:

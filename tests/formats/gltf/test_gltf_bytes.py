@@ -18,7 +18,7 @@ from rigtri.formats.gltf.float32_rounding import Singles, round_spline, round_tr
 from rigtri.formats.gltf.json_style import Spelling, parse
 from rigtri.formats.gltf.uris import escape, file_of, is_own
 from rigtri.frames.reframe import reframe
-from rigtri.maths.quaternions import meant_unit, unit
+from rigtri.maths.quaternions import normalise_for_storage, unit
 from rigtri.model.records import Track
 
 TURN = unit([[0.1, 0.2, 0.3, 0.9]])
@@ -148,7 +148,7 @@ def test_only_our_own_buffer_files_are_ours() -> None:
 
 def test_stored_rotations_are_unit_and_within_the_range_of_the_format() -> None:
     q = np.array([[0, 0, 0, 1.0000003], [0, 0, 0, 1.1], [0.5, 0.5, 0.5, 0.5]])
-    assert meant_unit(q).tolist() == [[0, 0, 0, 1], [0, 0, 0, 1.1], [0.5, 0.5, 0.5, 0.5]]
+    assert normalise_for_storage(q).tolist() == [[0, 0, 0, 1], [0, 0, 0, 1.1], [0.5, 0.5, 0.5, 0.5]]
 
 
 def test_half_turns_keep_their_way_round_when_rounded() -> None:

@@ -14,7 +14,7 @@ from usd_files import MESH, animation, deviation, read, save, scene, skeleton, w
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import placed, timelines, without_steps
+from rigtri.evaluation.timelines import put_tracks, timelines, without_steps
 from rigtri.formats import ReadOptions
 from rigtri.formats import read as open_file
 from rigtri.maths.quaternions import from_axis_angle
@@ -55,7 +55,7 @@ def keys(
 
 
 def played(rig: Rig, *tracks: Track) -> Rig:
-    return placed(rig, timelines(rig)[0], tracks)
+    return put_tracks(rig, timelines(rig)[0], tracks)
 
 
 def samples_of(path: Path, name: str, prim: str = "/Root/Anim") -> list[float]:

@@ -17,7 +17,7 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import each_once, sample
+from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.evaluation.timelines import without_steps
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import bind
@@ -203,7 +203,7 @@ class _Plan:
                 distinct[id(item.times)] = item.times
         if not distinct:
             return item.times if item is not None else np.zeros(0)
-        return each_once(np.concatenate([*distinct.values()]))
+        return sorted_unique(np.concatenate([*distinct.values()]))
 
     def _differs(self, name: str, times: Floats) -> bool:
         item = self.animation.properties.get(name)

@@ -26,7 +26,7 @@ from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Prop
 from rigtri.formats.usd.reading.joint_tokens import holder_token, split_token
 from rigtri.formats.usd.reading.reader import Source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
-from rigtri.maths.matrices import decompose, from_frame, inverse, local, turn_before
+from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_before
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -250,7 +250,7 @@ def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Fl
     _, turn, scale = decompose(rig.local[joint])
     bind = inverse(inverse_bind)
     size = length(own[:3, :3]) * np.where(scale < 0, -1.0, 1.0)
-    return turn_before(conjugate(turn), from_frame(bind[:3, :3] / size[:, np.newaxis], bind[3, :3]))
+    return rotate_before(conjugate(turn), from_frame(bind[:3, :3] / size[:, np.newaxis], bind[3, :3]))
 
 
 def _aligned_clip(wide: Clip, clip: Clip, rig: Rig) -> Clip:
