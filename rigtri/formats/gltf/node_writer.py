@@ -3,7 +3,7 @@
 Nodes keep their indices; new ones come behind the last. A property that is not
 written and has not changed stays unwritten.
 
-Source: glTF 2.0 §3.5; GODOT_single_root; docs/design.md.
+Source: glTF 2.0 §3.5; GODOT_single_root; docs/decisions.md.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The files that a glTF refers to, when it moves to another folder.
 
-Source: glTF 2.0 §2.8; docs/design.md.
+Source: glTF 2.0 §2.8; docs/decisions.md.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Those are x, y, z with z towards the other side; a `Bound` has them as glTF does.
 
-Source: VRM 0.0 README; the ends of chains: docs/design.md.
+Source: VRM 0.0 README; the ends of chains: docs/decisions.md.
 """
 
 from __future__ import annotations

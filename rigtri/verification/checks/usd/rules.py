@@ -1,6 +1,6 @@
 """What may be wrong with the skeletons and animations of a USD stage.
 
-Source: UsdSkel schemas and API; docs/design.md.
+Source: UsdSkel schemas and API; docs/decisions.md.
 """
 
 from __future__ import annotations
