@@ -61,7 +61,7 @@ class SkinnedPoints:
     @property
     def _unit(self) -> bool:
         """Whether viewers of the file make rotations unit."""
-        return not self.rig.raw
+        return not self.rig.rules.raw_quaternions
 
     @property
     def _skinned(self) -> bool:

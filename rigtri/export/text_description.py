@@ -80,8 +80,8 @@ def as_json(rig: Rig) -> dict[str, Any]:
     """The same for machines: every node with its place and frame at rest, skins, clips, notes."""
     seen = _Seen(rig)
     return {
-        "up": _numbers(np.array(rig.up)),
-        "facing": None if rig.facing is None else _numbers(np.array(rig.facing)),
+        "up": _numbers(np.array(rig.rules.up)),
+        "facing": None if rig.rules.facing is None else _numbers(np.array(rig.rules.facing)),
         "nodes": [_node_json(seen, node) for node in range(len(rig))],
         "skins": [_skin_json(rig, skin) for skin in rig.skins],
         "clips": [_clip_json(rig, clip) for clip in rig.shown_clips],
@@ -164,9 +164,9 @@ def _heading(rig: Rig) -> str:
         _count(len(rig.skins), "skin"),
         _count(len(rig.shown_clips), "clip"),
     ]
-    facing = f", facing {_direction(np.array(rig.facing))}" if rig.facing is not None else ""
-    frozen = f"; {rig.frozen}" if rig.frozen else ""
-    return f"{', '.join(counts)}; up {_direction(np.array(rig.up))}{facing}{frozen}"
+    facing = f", facing {_direction(np.array(rig.rules.facing))}" if rig.rules.facing is not None else ""
+    frozen = f"; {rig.rules.orient_locked}" if rig.rules.orient_locked else ""
+    return f"{', '.join(counts)}; up {_direction(np.array(rig.rules.up))}{facing}{frozen}"
 
 
 def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:
@@ -234,8 +234,8 @@ def _flags(seen: _Seen, node: int) -> Iterator[str]:
     bound = sum(b.node == node for b in rig.bound)
     if bound:
         yield _count(bound, "offset")
-    if node in rig.fixed:
-        yield f"fixed: {rig.fixed[node]}"
+    if node in rig.rules.fixed:
+        yield f"fixed: {rig.rules.fixed[node]}"
 
 
 def _joint_flags(seen: _Seen, node: int) -> Iterator[str]:

@@ -83,7 +83,7 @@ class Reach:
     @cached_property
     def _meshes(self) -> list[Mesh]:
         try:
-            return [mesh for mesh in self._rig.drawn() if fits(mesh, self._rig)]
+            return [mesh for mesh in self._rig.content.read_outlines() if fits(mesh, self._rig)]
         except FileError:
             return []
 

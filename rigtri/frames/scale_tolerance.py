@@ -58,7 +58,7 @@ def against_parent(rig: Rig, turn: Floats) -> Integers:
     """
     above = np.where((rig.parents >= 0)[:, np.newaxis], turn[rig.parents], IDENTITY)
     apart = np.minimum(np.abs(turn - above), np.abs(turn + above)).max(axis=1) > SAME_TURN
-    return np.flatnonzero(apart & rig.raw & (_off_unit(rig) > SIX_DIGITS))
+    return np.flatnonzero(apart & rig.rules.raw_quaternions & (_off_unit(rig) > SIX_DIGITS))
 
 
 def ties(rig: Rig, reach: Reach, tolerance: float) -> tuple[Constraint, ...]:
@@ -69,7 +69,7 @@ def ties(rig: Rig, reach: Reach, tolerance: float) -> tuple[Constraint, ...]:
     again, of the length L, where C = Cp, and else not. Only of a rig whose format says that
     viewers do so.
     """
-    if not rig.raw:
+    if not rig.rules.raw_quaternions:
         return ()
     off = _off_unit(rig)
     if off.max(initial=0.0) <= 2 * ROUNDING:

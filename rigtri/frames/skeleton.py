@@ -77,7 +77,7 @@ def skeleton(
             "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "
             "name its top node with --root NAME; list the nodes with: rigtri inspect FILE"
         )
-    joints = [joint for joint in joints if joint not in rig.aside]
+    joints = [joint for joint in joints if joint not in rig.rules.data_nodes]
     inside = set(joints)
     above: dict[int, int] = {}
     below: dict[int, list[int]] = {joint: [] for joint in joints}

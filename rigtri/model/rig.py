@@ -8,11 +8,11 @@ nodes; matrices are row-vector matrices (`rigtri.maths.matrices`).
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,11 +20,10 @@ from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import normalise
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.control_shapes import Lines, Shape, nothing
-from rigtri.model.records import Booleans, Bound, Clip, Constraint, Fold, Integers, Mesh, Skin, Spread, Track
-
-if TYPE_CHECKING:
-    from rigtri.model.source import RigSource
+from rigtri.model.content import Content, RigSource
+from rigtri.model.format_rules import FormatRules
+from rigtri.model.pending_edits import PendingEdits
+from rigtri.model.records import Booleans, Bound, Clip, Constraint, Integers, Mesh, Skin, Track
 
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
 # would need n² characters.
@@ -66,23 +65,11 @@ class Rig:
     the rest pose as stored, signs and unnormalised quaternions included; a node
     with ``has_matrix`` keeps its rest in ``matrix`` (n, 4, 4) instead.
     payload: (n,), the node whose mesh, camera or light a node shows, −1 for none.
-    keys: what only the format understands; None for a node that is new.
-    fixed: nodes whose axes mean something in themselves, with the reason. frozen: why no
-    joint of this file may have axes of its own, "" where they may; then ``parallel`` are the
-    nodes that may stand, all of them, parallel to the world. aside: nodes of ``fixed`` whose
-    transform is data and places nothing, so that they are no joints whoever names them.
-    whole: why no joint of this file may be split, "" where they may.
-    humanoid: VRM bone names. notes: what rigtri has stored on a node. shapes: lines to be drawn
-    at nodes; what a file has drawn before is payload, and stays as it is. spreads, folds: what is to
-    be done to the weights of meshes when the rig is written. morphed: the morph weights at rest that nodes
-    are to get then.
-    removed: nodes that the file to be written is to be without; they have no names any more.
-    facing: the direction the character looks in, where the format prescribes one.
-    raw: viewers of this format show rotations as they are, unit or not (UsdSkel).
-    lines: reads the lines that the file draws at the node of a key, None where it draws something else.
-    drawn: reads what is drawn, to measure; asked only when needed. read_meshes: the same with all
-    points, as `meshes`. shelf: the node that a new group of ours goes under, −1 where it is a root.
-    per_second: units of clips' time in a second. origin: the file, of a rig that was read by itself.
+    keys: what only the format understands; None for a node that is new. labels: ``#index`` in the file.
+    bound: vectors that the format keeps in the frame of a node. humanoid: VRM bone names.
+    notes: what rigtri has stored on a node. rules: what the format prescribes. pending: what is to be done
+    to the file when the rig is written. content: what the file draws, read when needed.
+    source: the file, of a rig that `rigtri.read` gave.
     """
 
     names: tuple[str, ...]
@@ -98,36 +85,21 @@ class Rig:
     skins: tuple[Skin, ...] = ()
     clips: tuple[Clip, ...] = ()
     bound: tuple[Bound, ...] = ()
-    fixed: Mapping[int, str] = field(default_factory=dict)
-    frozen: str = ""
-    parallel: frozenset[int] = frozenset()
-    aside: frozenset[int] = frozenset()
     constraints: tuple[Constraint, ...] = ()
-    whole: str = ""
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
-    shapes: Mapping[int, Shape] = field(default_factory=dict)
-    spreads: tuple[Spread, ...] = ()
-    folds: tuple[Fold, ...] = ()
-    morphed: Mapping[int, Floats] = field(default_factory=dict)
-    lines: Callable[[Hashable], Lines | None] = nothing
-    removed: frozenset[int] = frozenset()
-    facing: tuple[float, float, float] | None = None
-    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    raw: bool = False
-    drawn: Callable[[], Sequence[Mesh]] = tuple
-    read_meshes: Callable[[], Sequence[Mesh]] = tuple
-    shelf: int = -1
-    per_second: float = 1.0
-    origin: RigSource | None = None
+    rules: FormatRules = field(default_factory=FormatRules)
+    pending: PendingEdits = field(default_factory=PendingEdits)
+    content: Content = field(default_factory=Content)
+    source: RigSource | None = None
 
     def __len__(self) -> int:
         return len(self.names)
 
-    @cached_property
+    @property
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn and can be read; none for a rig that no file was read for."""
-        return self.read_meshes()
+        return self.content.meshes
 
     @cached_property
     def local(self) -> Floats:
@@ -487,18 +459,12 @@ class Rig:
                 for clip in self.clips
             ),
             bound=tuple(replace(b, node=new[b.node]) for b in self.bound),
-            fixed={new[k]: reason for k, reason in self.fixed.items()},
-            parallel=frozenset(new[k] for k in self.parallel),
-            aside=frozenset(new[k] for k in self.aside),
             constraints=tuple(replace(c, node=new[c.node], source=new[c.source]) for c in self.constraints),
             humanoid={bone: new[k] for bone, k in self.humanoid.items()},
             notes={new[k]: note for k, note in self.notes.items()},
-            shapes={new[k]: shape for k, shape in self.shapes.items()},
-            morphed={new[k]: weights for k, weights in self.morphed.items()},
-            drawn=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.drawn()],
-            removed=frozenset(new[k] for k in self.removed if new[k] >= 0),
-            read_meshes=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.meshes],
-            shelf=new[self.shelf] if self.shelf >= 0 else self.shelf,
+            rules=self.rules.reordered(new),
+            pending=self.pending.reordered(new),
+            content=self.content.reordered(new),
         )
 
     def with_nodes(

@@ -183,7 +183,7 @@ class _Builder:
         """The control over all: below the first root joint, as low as the lowest joint, along the world."""
         top = self.tree.roots[0]
         points = self.ref.world[list(self.tree.joints), 3, :3]
-        up = np.asarray(self.rig.up, dtype=np.float64)
+        up = np.asarray(self.rig.rules.up, dtype=np.float64)
         place = self.ref.position(top).copy()
         low = float(dot(points, up).min())
         place = place + up * (low - float(dot(place, up)))

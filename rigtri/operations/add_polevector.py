@@ -171,7 +171,7 @@ def _bend(
     others: tuple[Limb, ...],
     given: Floats | None,
 ) -> Bend | None:
-    facing = options.facing if options.facing is not None else rig.facing
+    facing = options.facing if options.facing is not None else rig.rules.facing
     found = bend(
         rig,
         limb,

@@ -38,7 +38,8 @@ def draw(rig: Rig, node: int, drawing: Drawing) -> Rig:
     size = float(drawing.size)
     lines = drawn(drawing.shape, size=size, normal=drawing.normal, color=color, ahead=drawing.ahead)
     note = {**rig.notes[node], "shape": drawing.shape, "size": size, "color": list(color)}
-    return replace(noted(rig, node, note), shapes={**rig.shapes, node: lines})
+    pending = replace(rig.pending, shapes={**rig.pending.shapes, node: lines})
+    return replace(noted(rig, node, note), pending=pending)
 
 
 def draw_anew(rig: Rig, node: int, drawing: Drawing, asked: frozenset[str], report: Report) -> Rig:
@@ -46,7 +47,7 @@ def draw_anew(rig: Rig, node: int, drawing: Drawing, asked: frozenset[str], repo
     note = rig.notes[node]
     if not asked:
         return rig
-    if node not in rig.shapes and not _is_ours(rig, node, note):
+    if node not in rig.pending.shapes and not _is_ours(rig, node, note):
         report.warn(
             "shape-kept",
             f"the lines of '{rig.title(node)}' are not those that rigtri has drawn; they stay as they are",
@@ -66,7 +67,7 @@ def draw_anew(rig: Rig, node: int, drawing: Drawing, asked: frozenset[str], repo
 
 def _is_ours(rig: Rig, node: int, note: Mapping[str, Any]) -> bool:
     """Whether the file shows what the note says."""
-    lines = rig.lines(rig.keys[node])
+    lines = rig.content.read_lines(rig.keys[node])
     if lines is None or any(key not in note for key in KEYS):
         return False
     return lines.are(str(note["shape"]), float(note["size"]), note["color"])

@@ -63,8 +63,8 @@ def select(
             kept[joint] = "not selected"
         elif joint not in within:
             kept[joint] = "not in the skin"
-        elif joint in rig.fixed:
-            kept[joint] = rig.fixed[joint]
+        elif joint in rig.rules.fixed:
+            kept[joint] = rig.rules.fixed[joint]
         elif not selection.named and not all_named and (reason := stays.why(joint)):
             kept[joint] = reason
         else:
@@ -90,8 +90,8 @@ def _check_named(rig: Rig, selection: Selection) -> None:
     named += [name for chain in selection.chains for name in chain]
     for name in named:
         node = rig.find(name)
-        if node in rig.fixed and node not in rig.aside:
-            raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.fixed[node]}")
+        if node in rig.rules.fixed and node not in rig.rules.data_nodes:
+            raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.rules.fixed[node]}")
 
 
 def _named(tree: Skeleton, selection: Selection) -> set[int]:
@@ -101,7 +101,7 @@ def _named(tree: Skeleton, selection: Selection) -> set[int]:
         named.update(along(rig, rig.find(start), rig.find(end)))
     for top in selection.below:
         named.update(rig.below(rig.find(top)))
-    if selection.named and not named & known and not named & rig.aside:
+    if selection.named and not named & known and not named & rig.rules.data_nodes:
         raise UsageError("the selection holds no joint; see the joints with: rigtri inspect FILE")
     return named & known
 

@@ -56,16 +56,16 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 asked = from_keywords(kind, rig, keywords, function.__name__) if options is None else options
                 keywords = {"options": asked}
             report = report if report is not None else Report()
-            if rig.origin is None:
+            if rig.source is None:
                 return function(rig, *others, report=report, **keywords)
             own = Report()
             try:
                 # What leaves float64 becomes inf or NaN; writing sees it.
                 with np.errstate(all="ignore"):
-                    made = function(replace(rig, origin=None), *others, report=own, **keywords)
+                    made = function(replace(rig, source=None), *others, report=own, **keywords)
             finally:
                 report.take(own)
-            return replace(made, origin=rig.origin.after(own))
+            return replace(made, source=rig.source.after(own))
 
         called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]
         return called

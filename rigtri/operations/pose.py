@@ -119,7 +119,10 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     weights = _morphed(rig, timeline, time)
     report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
     report.reposed |= bool(moved or weights)
-    return replace(taken, morphed={**rig.morphed, **weights}) if weights else taken
+    if not weights:
+        return taken
+    morph_weights = {**rig.pending.morph_weights, **weights}
+    return replace(taken, pending=replace(taken.pending, morph_weights=morph_weights))
 
 
 def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floats]:
@@ -127,7 +130,12 @@ def _morphed(rig: Rig, timeline: Timeline | None, time: float) -> dict[int, Floa
     tracks = [] if timeline is None else [t for t in timeline.clip.tracks if t.path == "weights"]
     found = {track.node: as_float32(sample(track, [time])[0]) for track in tracks}
     still = (
-        {mesh.node: rig.morphed.get(mesh.node, mesh.morph_weights) for mesh in rig.drawn()} if found else {}
+        {
+            mesh.node: rig.pending.morph_weights.get(mesh.node, mesh.morph_weights)
+            for mesh in rig.content.read_outlines()
+        }
+        if found
+        else {}
     )
     return {
         node: weights

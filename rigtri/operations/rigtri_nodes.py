@@ -25,7 +25,7 @@ def group(rig: Rig) -> tuple[Rig, int]:
     for node, note in rig.notes.items():
         if note.get("type") == "group":
             return rig, node
-    return add(rig, GROUP, rig.shelf, {"v": 1, "type": "group"})
+    return add(rig, GROUP, rig.rules.group_parent, {"v": 1, "type": "group"})
 
 
 def home(rig: Rig) -> tuple[Rig, int]:

@@ -154,7 +154,9 @@ class _Limb:
     def _all_times(self, timeline: Timeline) -> Floats:
         """The moments, and where the clip has keys; splines are sampled as `bake` does."""
         splines = any(t.interpolation == "CUBICSPLINE" and len(t.times) > 1 for t in timeline.clip.tracks)
-        times = np.union1d(self.times, times_within(timeline, 60.0 if splines else None, self.rig.per_second))
+        times = np.union1d(
+            self.times, times_within(timeline, 60.0 if splines else None, self.rig.rules.per_second)
+        )
         if steps_only(timeline):
             return times
         before = just_before(jumps(timeline))

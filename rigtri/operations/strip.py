@@ -58,17 +58,20 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
         rig,
         names=names,
         notes=notes,
-        removed=rig.removed | gone,
         constraints=_others(rig),
-        shapes={node: shape for node, shape in rig.shapes.items() if node not in gone},
+        pending=replace(
+            rig.pending,
+            removed=rig.pending.removed | gone,
+            shapes={node: shape for node, shape in rig.pending.shapes.items() if node not in gone},
+            weight_redistributions=(),  # each is among joints of ours
+            joint_merges=folds,
+        ),
         clips=tuple(
             replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in gone))
             if any(track.node in gone for track in clip.tracks)
             else clip
             for clip in rig.clips
         ),
-        spreads=(),  # each is among joints of ours
-        folds=folds,
         skins=tuple(
             _without(skin, gone, next((fold for fold in folds if fold.skin == number), None))
             for number, skin in enumerate(rig.skins)

@@ -170,7 +170,9 @@ def _check_numbers(before: Rig, after: Rig) -> None:
 
 def _check_order(rig: Rig) -> None:
     """UsageError where nodes were taken out of the file and others added: no writer does both at once."""
-    if rig.removed and any(key is None and node not in rig.removed for node, key in enumerate(rig.keys)):
+    if rig.pending.removed and any(
+        key is None and node not in rig.pending.removed for node, key in enumerate(rig.keys)
+    ):
         raise UsageError(
             "strip has taken nodes out of the file, and others were added after it: write what strip has "
             "left, read that, and add to it"
@@ -215,9 +217,9 @@ def _without(after: Document, document: Document, rig: Rig, driven: Driven) -> C
     places = {key: node for node, key in enumerate(document.rig.keys)}
     aside: Driven = {document.rig.address(places[key]): columns for key, columns in driven.items()}
     result = compare(*stilled(after, document, aside))
-    stay = [name for node, name in enumerate(document.rig.names) if node not in rig.removed]
+    stay = [name for node, name in enumerate(document.rig.names) if node not in rig.pending.removed]
     lost = [f"node {name}" for name in (Counter(stay) - Counter(after.rig.names)).elements()]
-    shown = [mesh.name for mesh in document.meshes() if mesh.node not in rig.removed]
+    shown = [mesh.name for mesh in document.meshes() if mesh.node not in rig.pending.removed]
     lost += [f"mesh {name}" for name in (Counter(shown) - Counter(m.name for m in after.meshes())).elements()]
     return replace(result, different=(*result.different, *(f"{name} went too" for name in lost)))
 
@@ -237,9 +239,9 @@ def _checked(
         return self_check(document, document)
     with called(names):
         after = document.reopen(written.part)
-        if rig.spreads:
+        if rig.pending.weight_redistributions:
             return check_split(document, after)
-        if rig.removed:
+        if rig.pending.removed:
             return _without(after, document, rig, report.driven)
         reposed = report.reposed and rig is not document.rig
         meant, made = intended(document, rig, after, reposed=reposed)

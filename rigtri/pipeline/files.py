@@ -36,7 +36,7 @@ def known(document: Document, path: Path, options: ReadOptions, content: bytes |
     told = Report()
     told.hear(document.warnings)
     _protect(document.rig)
-    return replace(document.rig, origin=Origin(path, document, options, told, content))
+    return replace(document.rig, source=Origin(path, document, options, told, content))
 
 
 def _protect(rig: Rig) -> None:
@@ -65,14 +65,14 @@ def write(
     Everything is as in `edit.edit`, and so are the errors; UsageError for a rig that no `read`
     has read. The report of the outcome has what all operations have told.
     """
-    origin = rig.origin
+    origin = rig.source
     if not isinstance(origin, Origin):
         raise UsageError("this rig was not read by rigtri.read; there is no file to write it back into")
 
     def step(first: Rig, report: Report) -> Rig:
         report.take(origin.told)
         same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "origin")
-        return first if same else replace(rig, origin=None)
+        return first if same else replace(rig, source=None)
 
     with _file(origin) as path:
         return edit(

@@ -47,7 +47,7 @@ def to_pygltflib(rig: Rig, **keywords: Any) -> GLTF2:
     """
     from pygltflib import GLTF2
 
-    origin = rig.origin
+    origin = rig.source
     if not isinstance(origin, Origin) or origin.path.suffix.lower() not in (".glb", ".vrm", ".vrma"):
         raise UsageError("to_pygltflib takes rigs of from_pygltflib, and those that were read from a .glb")
     with temp_dirs.folder() as folder:

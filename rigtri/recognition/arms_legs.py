@@ -59,7 +59,7 @@ def find_limbs(draft: Draft) -> list[Found]:
     else:
         shaped = []
         if not named:
-            draft.stand(Vector(*draft.tree.rig.up), Vector())
+            draft.stand(Vector(*draft.tree.rig.rules.up), Vector())
     found = [_agreed(draft, each, shaped) for each in named]
     taken = {joint for each in found for joint in each.joints}
     rest = [each for each in shaped if not taken.intersection(each.joints)]
@@ -155,7 +155,7 @@ def _same(one: Body, other: Body) -> bool:
 def _stand_by_names(draft: Draft, named: list[Found]) -> None:
     """Left and ahead as the names have them, up as the body or the file has it."""
     body = draft.shape.body
-    up = body.up if body is not None and _is_clear(body) else Vector(*draft.tree.rig.up)
+    up = body.up if body is not None and _is_clear(body) else Vector(*draft.tree.rig.rules.up)
     at, across = draft.tree.at, Vector()
     for one in named:
         for other in named:

@@ -161,7 +161,7 @@ def _alone(tree: Tree, limbs: Limbs, others: Sequence[Limbs]) -> tuple[Body, Bod
 
 def _ups(tree: Tree, *others: Vector) -> list[tuple[Vector, float]]:
     """Directions that may be up, unit, each with how far it is trusted: the file's, and ``others``."""
-    found = [(Vector(*tree.rig.up), 1.0)]
+    found = [(Vector(*tree.rig.rules.up), 1.0)]
     return found + [(up.unit, _OTHER_UP) for up in others if any(up.unit)]
 
 
@@ -233,7 +233,7 @@ def _legs_alone(tree: Tree, legs: Limbs, longest: float) -> Body:
 
 def _arms_alone(tree: Tree, arms: Limbs, longest: float) -> Body:
     """A pair as arms, and no legs: the upper part of a body."""
-    up = Vector(*tree.rig.up)
+    up = Vector(*tree.rig.rules.up)
     points = [
         (1.0, within(_head(_beyond(tree, arms, arms), arms, up), 0.3, 1.0)),
         (0.6, within(arms.quality, 0.3, 0.7)),

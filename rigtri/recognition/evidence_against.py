@@ -143,7 +143,7 @@ def _upside_down(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     legs, arms = ([k for k in found if k.kind == kind and k.side] for kind in ("leg", "arm"))
     if len(legs) != 2 or len(arms) != 2 or _is_named(draft, each):
         return ""
-    up, at = Vector(*draft.tree.rig.up), draft.tree.at
+    up, at = Vector(*draft.tree.rig.rules.up), draft.tree.at
     low, high = (at[one.joints[0]].dot(up) + at[other.joints[0]].dot(up) for one, other in (legs, arms))
     if low > high and draft.up.dot(up) < -0.5:
         return "its legs begin above its arms"

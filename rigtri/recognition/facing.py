@@ -38,7 +38,7 @@ def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) ->
         yield 2.0 * _toes(tree, body.legs, ahead), "the feet point there"
     if body.form == "biped":
         yield from _bends(tree, body, plane, poses)
-    said = tree.rig.facing
+    said = tree.rig.rules.facing
     if said is not None:
         yield 0.4 * Vector(*said).dot(ahead), "the format says so"
 

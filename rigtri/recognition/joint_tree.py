@@ -136,7 +136,7 @@ def joints_of(rig: Rig) -> list[int]:
     """The nodes that a body can be made of: joints, not ours, and what is above joints; else all nodes."""
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
     if not joints:
-        return [k for k in range(len(rig)) if k not in rig.own and k not in rig.aside]
+        return [k for k in range(len(rig)) if k not in rig.own and k not in rig.rules.data_nodes]
     over, inside = _branches(rig, joints), set(joints)
     for node, count in over.items():
         if count > 1 and node not in rig.holders:

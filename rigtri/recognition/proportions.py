@@ -32,9 +32,9 @@ def forward(rig: Rig, limbs: Sequence[Limb], world: Floats) -> Floats:
 
     Without limbs, as its format says; else the left is at +x, as in glTF and USD.
     """
-    up = np.asarray(rig.up, dtype=np.float64)
+    up = np.asarray(rig.rules.up, dtype=np.float64)
     usual = cross([1.0, 0.0, 0.0], up)
-    facing = usual if rig.facing is None else np.asarray(rig.facing, dtype=np.float64)
+    facing = usual if rig.rules.facing is None else np.asarray(rig.rules.facing, dtype=np.float64)
     for left, right in _pairs(limbs):
         facing = cross(world[left.start, 3, :3] - world[right.start, 3, :3], up)
         break

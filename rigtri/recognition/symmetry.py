@@ -100,7 +100,7 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
     """The plane that most of the body is alike on both sides of; None without pairs."""
     if not pairs:
         return None
-    whole, up = tree.span, Vector(*tree.rig.up)
+    whole, up = tree.span, Vector(*tree.rig.rules.up)
     # Fingers are alike, too: they have no say beside arms.
     heard = [
         (*between(tree, pair), pair.reach) for pair in pairs[:24] if pair.reach > _HEARD * pairs[0].reach

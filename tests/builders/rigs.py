@@ -86,7 +86,7 @@ def random_turns(seed: int, count: int) -> Floats:
 def lawful(rig: Rig, turns: Floats) -> Floats:
     """The same turns, but none for nodes that are held by the file or by constraints."""
     ties = [(c.node, c.source, int(rig.parents[c.node]), int(rig.parents[c.source])) for c in rig.constraints]
-    held = {*rig.fixed, *(node for tie in ties for node in tie if node >= 0)}
+    held = {*rig.rules.fixed, *(node for tie in ties for node in tie if node >= 0)}
     turns = turns.copy()
     turns[list(held)] = IDENTITY
     return turns

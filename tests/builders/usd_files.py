@@ -105,7 +105,7 @@ def turned(rig: Rig, seed: int = 1, only: list[int] | None = None) -> Rig:
     random = np.random.default_rng(seed)
     turn = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
     for skin in rig.skins:
-        joints = [n for n in skin.joints.tolist() if n not in rig.fixed and (only is None or n in only)]
+        joints = [n for n in skin.joints.tolist() if n not in rig.rules.fixed and (only is None or n in only)]
         turn[joints] = unit(random.normal(size=(len(joints), 4)))
     turn[~scale_allows(rig, turn)] = IDENTITY
     for tie in ties(rig, Reach(rig), TOLERANCE):  # parents come first

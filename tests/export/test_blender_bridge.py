@@ -155,7 +155,7 @@ def compared(path: Path, folder: Path, **more: Any) -> tuple[Shown, list[float]]
     (found,) = blender_setup(
         {"source": str(path), "script": script, "poses": poses, "only_fk": [0]}, folder=folder
     )
-    y_up = path.suffix == ".glb" or rig.up[1] > 0
+    y_up = path.suffix == ".glb" or rig.rules.up[1] > 0
     off = [apart(rig, found, k, pose, only_fk=not k, y_up=y_up) for k, pose in enumerate(poses)]
     return found, off
 
@@ -568,7 +568,7 @@ def test_bones_of_real_characters_follow_controls(name: str, app: Any, tmp_path:
         {"source": str(rigged), "script": str(script), "poses": poses, "only_fk": [0]}, folder=tmp_path
     )
     checked(found)
-    y_up = is_gltf or rig.up[1] > 0
+    y_up = is_gltf or rig.rules.up[1] > 0
     off = [
         apart(rig, found, k, pose, only_fk=not k, y_up=y_up, meters=meters) for k, pose in enumerate(poses)
     ]

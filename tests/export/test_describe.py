@@ -18,6 +18,7 @@ from rigtri.export.text_description import as_json, describe
 from rigtri.formats import read
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.format_rules import FormatRules
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -81,7 +82,8 @@ def test_a_joint_tells_axis_child_length_and_bend() -> None:
 
 
 def test_arrows_of_a_joint_are_those_of_its_axes_seen_from_where_the_character_looks() -> None:
-    turned = replace(arm(), facing=(0.0, 0.0, -1.0), rotation=np.tile([0.0, 0, 0, 1], (3, 1)))
+    rules = FormatRules(facing=(0.0, 0.0, -1.0))
+    turned = replace(arm(), rules=rules, rotation=np.tile([0.0, 0, 0, 1], (3, 1)))
     turned.rotation[2] = from_axis_angle([0, 0, 1], np.radians(45))
     assert "x←y↑z⊗" in line(turned, "a")
     assert "x↖y↗z⊗" in line(turned, "c")
@@ -147,7 +149,10 @@ def scaled(rig: Rig, scale: list[float]) -> Rig:
         (lambda rig: scaled(rig, [1, 1.33, 1]), "scale 1 1.33 1"),
         (lambda rig: scaled(rig, [-1, 1, 1]), "mirrored"),
         (lambda rig: replace(rig, rotation=rig.rotation * 0.9), "rotation of length 0.9"),
-        (lambda rig: replace(rig, fixed={0: "its axes mean something"}), "fixed: its axes mean something"),
+        (
+            lambda rig: replace(rig, rules=FormatRules(fixed={0: "its axes mean something"})),
+            "fixed: its axes mean something",
+        ),
         (lambda rig: replace(rig, humanoid={"head": 0}), "vrm:head"),
         (lambda rig: replace(rig, payload=np.array([0, -1, -1])), "carries a mesh, camera or light"),
         (

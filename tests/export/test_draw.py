@@ -30,6 +30,7 @@ from rigtri.formats import read
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
+from rigtri.model.content import Content
 from rigtri.model.records import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection, chosen
@@ -183,7 +184,7 @@ def test_meshes_that_cannot_be_read_leave_the_skeleton() -> None:
         raise FileError("point 3 names joint 99")
 
     report = Report()
-    svg = draw(replace(arm(), read_meshes=refuse), report=report)
+    svg = draw(replace(arm(), content=Content(read_meshes=refuse)), report=report)
     assert {"a", "b", "c"} <= set(texts(svg))
     assert "joint 99" in report.warnings[0].text
 
@@ -283,7 +284,7 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
     surface = Surface("triangles", np.zeros(0, np.int64), np.array([0, 1, 2, 0, 2, 3]), np.zeros((0, 3)))
     mesh = Mesh("body", 0, square, 0, np.array([[2]] * 4), np.ones((4, 1)), surface=lambda: surface)
     moved = rig.translation + np.array([[0, 0, 0], [0, 0, 0], [2, 0, 0]])
-    with_mesh = replace(rig, read_meshes=lambda: (mesh,), translation=moved)
+    with_mesh = replace(rig, content=Content(read_meshes=lambda: (mesh,)), translation=moved)
     svg = draw(with_mesh, options=DrawOptions(view="front"))
     (body,) = [e for e in drawn(svg) if e.attrib.get("class") == "body"]
     numbers = np.array(re.findall(r"[-\d.]+", body.attrib["d"]), dtype=float).reshape(-1, 2)

@@ -23,6 +23,7 @@ from rigtri.frames.reframe import Scales, reframe, split
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.content import Content
 from rigtri.model.records import Clip, Mesh, Skin, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import Style
@@ -222,7 +223,7 @@ def test_what_clips_do_with_morphs_counts_as_reach() -> None:
     rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
     body = Mesh("body", 2, np.array([[0.0, 0, 0], [1, 0, 0]]), morphs=np.array([[[0.0, 4, 0], [0, 0, 0]]]))
     turn = Track(2, "weights", "LINEAR", np.arange(2.0), np.array([[0.0], [1.5]]))
-    still = replace(rig, drawn=lambda: [body])
+    still = replace(rig, content=Content(read_outlines=lambda: [body]))
     played = replace(still, clips=(Clip("smile", (turn,)),))
     assert np.allclose(reaches(still), [9, 6, 1])  # of a size of 1, of the two points at rest
     assert np.allclose(reaches(played), [14, 11, 6])
@@ -299,7 +300,7 @@ def test_a_bound_of_reach_is_no_less_where_few_points_tell_the_size_of_what_is_s
     )
     meshes = [skinned, Mesh("staff", 2, 0.5 * points), Mesh("nothing", 1, np.zeros((0, 3)))]
     for drawn in (meshes, meshes[:1], meshes[1:], meshes[2:]):
-        found = Reach(replace(rig, drawn=partial(list, drawn)))
+        found = Reach(replace(rig, content=Content(read_outlines=partial(list, drawn))))
         assert (found.at_most >= found.exact).all()
         assert found.exact.any()
 

@@ -124,7 +124,7 @@ def test_what_a_clip_stretches_reaches_further(path: Any, tmp_path: Path) -> Non
     node, value = (elbow, np.full(3, 2.0)) if path == "scale" else (wrist, 2.0 * rig.translation[wrist])
     track = Track(node, path, "LINEAR", np.zeros(1), value[np.newaxis])
     still, moved = reaches(replace(rig, clips=())), reaches(replace(rig, clips=(Clip("long", (track,)),)))
-    longer = float(length(rig.translation[wrist])) / size_of(rig, rig.drawn())
+    longer = float(length(rig.translation[wrist])) / size_of(rig, rig.content.read_outlines())
     assert moved[elbow] == pytest.approx(2 * still[elbow] if path == "scale" else still[elbow] + longer)
     assert moved[wrist] == pytest.approx(still[wrist] * (2.0 if path == "scale" else 1.0))
 

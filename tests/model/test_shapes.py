@@ -71,7 +71,7 @@ def with_shape(rig: Rig, report: Report) -> Rig:
     for kind in ("circle", "cube"):
         rig, node = add(rig, f"{kind}_ctl", parent, {"v": 1, "type": "control"})
         shape = drawn(kind, size=0.1, normal=np.eye(3)[0], color=(1.0, 0.8, 0.0))
-        rig = replace(rig, shapes={**rig.shapes, node: shape})
+        rig = replace(rig, pending=replace(rig.pending, shapes={**rig.pending.shapes, node: shape}))
     return rig
 
 

@@ -29,7 +29,7 @@ def reaching(name: str) -> Rig:
     inward = rig.world[rig.find("upper_arm_L"), 3, :3] - rig.world[hand, 3, :3]
     move = (0.4 * inward + [0.0, 0.1, 0.05]) @ np.linalg.inv(rig.world[hand, :3, :3])
     rig = replace(rig, clips=(Clip("other", ()),))
-    rig = animated(rig, hand, "translation", [[0, 0, 0], move], times=(0.0, rig.per_second))
+    rig = animated(rig, hand, "translation", [[0, 0, 0], move], times=(0.0, rig.rules.per_second))
     return replace(rig, clips=rig.clips[-1:])
 
 
@@ -51,7 +51,7 @@ def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
 def test_joints_follow_ik_between_keys(name: str) -> None:
     rig, report = reaching(name), Report()
     baked = bake(rig, options=BakeOptions(between=5e-6), report=report)
-    times = np.linspace(0.0, rig.per_second, 500)
+    times = np.linspace(0.0, rig.rules.per_second, 500)
     timeline = timelines(rig)[0]
     there = Solver(rig, keyed_in(rig, timeline)).run(sample_parts(rig, timeline.clip, times))
     world = sampling.worlds(baked, sampling.locals_at(baked, baked.clips[0], times))

@@ -56,7 +56,7 @@ def turned(rig: Rig, joint: str) -> Rig:
     """The control of the joint turns by half a right angle, at other times than the joint did."""
     control = next(n for n, note in rig.notes.items() if note.get("type") == "control")
     assert rig.notes[control]["joint"] == joint
-    times = np.array([0.0, 0.5, 1.0]) * rig.per_second
+    times = np.array([0.0, 0.5, 1.0]) * rig.rules.per_second
     values = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in (0.0, 0.5, 0.8)])
     values = values.astype(np.float32).astype(np.float64)
     first = rig.clips[0]
@@ -84,7 +84,7 @@ def test_rivets_and_readers_follow_what_controls_make_of_the_joints(kind: str, t
     assert once.read_bytes() == twice.read_bytes()
     rig = read(once).rig
     clip = timelines(rig)[0].clip
-    times = np.linspace(0.0, 1.0, 9) * rig.per_second
+    times = np.linspace(0.0, 1.0, 9) * rig.rules.per_second
     assert off_surface(rig, clip, times) < 3e-5
     weights = next(t for t in clip.tracks if t.path == "weights")
     plain = read(source).rig
@@ -92,7 +92,7 @@ def test_rivets_and_readers_follow_what_controls_make_of_the_joints(kind: str, t
     for time, angle in ((0.0, 0.0), (0.5, 0.5), (1.0, 0.8)):
         axis = np.array([0.0, 1.0, 0.0]) @ at_rest[:3, :3]
         cosine = max(0.0, float(np.sin(angle) * axis[1] + np.cos(angle) * -axis[0]))
-        assert_allclose(sampling.sample(weights, [time * rig.per_second])[0, 0], cosine, atol=2e-4)
+        assert_allclose(sampling.sample(weights, [time * rig.rules.per_second])[0, 0], cosine, atol=2e-4)
 
 
 def test_what_is_constrained_to_a_rivet_follows_where_the_rivet_comes_to(tmp_path: Path) -> None:

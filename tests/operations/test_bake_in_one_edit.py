@@ -27,7 +27,7 @@ from rigtri.report import Report
 def nodding(rig: Rig) -> Rig:
     """The control of the head turns in the first clip, and so it does at rest."""
     head = control(rig, "head", "fk")
-    times = np.array([0.0, 1.0]) * rig.per_second
+    times = np.array([0.0, 1.0]) * rig.rules.per_second
     turns = np.stack([from_axis_angle([1.0, 0.0, 0.0], angle) for angle in (0.0, 0.5)])
     track = Track(head, "rotation", "LINEAR", times, turns.astype(np.float32).astype(np.float64))
     first = rig.clips[0]
@@ -57,7 +57,7 @@ def test_what_was_added_and_baked_in_one_edit_is_what_was_meant(name: str, tmp_p
     head = before.find("head")
     turned = np.abs(after.world[after.find("head")] - before.world[head]).max()
     assert turned > 0.1
-    time = [0.9 * before.per_second]
+    time = [0.9 * before.rules.per_second]
     moved = [sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], time))[0] for rig in (before, after)]
     assert np.abs(moved[0][head] - moved[1][after.find("head")]).max() > 0.1
 

@@ -44,7 +44,7 @@ def built(rig: Rig, report: Report) -> Rig:
 def edited(rig: Rig) -> Rig:
     """The FK controls of a hand and its lower arm turn, with keys at other times than the joints had."""
     mine = {control(rig, joint, "fk"): a for joint, a in (("hand_L", 1.1), ("forearm_L", 0.7))}
-    times = single(np.array([0.0, 0.37, 0.61, 1.0]) * rig.per_second)
+    times = single(np.array([0.0, 0.37, 0.61, 1.0]) * rig.rules.per_second)
     fresh = []
     for node, angle in mine.items():
         axis = [1.0, 0.3, 0.2]
@@ -84,7 +84,7 @@ def test_what_follows_joints_is_made_of_the_keys_that_are_read(name: str, tmp_pa
     edit(ready, once, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
     was, now = read(ready).rig, read(once).rig
     turned = [
-        sampling.locals_at(rig, rig.clips[0], [0.37 * rig.per_second])[0, rig.find("hand_L")]
+        sampling.locals_at(rig, rig.clips[0], [0.37 * rig.rules.per_second])[0, rig.find("hand_L")]
         for rig in (was, now)
     ]
     assert np.abs(turned[0] - turned[1]).max() > 0.1
@@ -120,7 +120,7 @@ def flung(rig: Rig, seed: int) -> Rig:
     """IK ends of stretching limbs go far away, so what rounds above them shows."""
     rng = np.random.default_rng(seed)
     rig = add_controls(rig, options=WHOLE)
-    times = np.array([0.0, 0.4, 1.0]) * rig.per_second
+    times = np.array([0.0, 0.4, 1.0]) * rig.rules.per_second
     ends = [control(rig, joint, "ik") for joint in ("foot_L", "foot_R", "hand_L")]
     places = [rng.normal(size=(3, 3)) * [[1.0], [30.0], [3.0]] for _ in ends]
     fresh = (Track(e, "translation", "LINEAR", times, v) for e, v in zip(ends, places, strict=True))

@@ -77,7 +77,7 @@ def test_a_flat_shape_lies_across_its_bone_and_grows_with_it() -> None:
     options = AddControlsOptions(selection=Selection(joints=("b", "c")), size=2.0)
     out = add_controls(FINGER, options=options)
     for joint, child in (("b", "c"), ("c", "d")):
-        shape = out.shapes[controls(out)[joint]]
+        shape = out.pending.shapes[controls(out)[joint]]
         bone = FINGER.translation[FINGER.find(child)]
         axis = np.eye(3)[np.argmax(np.abs(bone))]
         assert_allclose(shape.strips[0] @ axis, 0.0, atol=1e-9)
@@ -87,7 +87,7 @@ def test_a_flat_shape_lies_across_its_bone_and_grows_with_it() -> None:
 def test_sides_have_their_colours(samples: Path) -> None:
     out = add_controls(read(samples / "biped.glb").rig, options=WHOLE)
     blue, red, yellow = (
-        [s.color for n, s in out.shapes.items() if out.notes[n].get("side") == side]
+        [s.color for n, s in out.pending.shapes.items() if out.notes[n].get("side") == side]
         for side in ("left", "right", "")
     )
     assert len(set(blue)) == len(set(red)) == len(set(yellow)) == 1
@@ -112,7 +112,7 @@ def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> Non
     for character, tip in ((rig, [0, 0, 1]), (faces_back, [0, 0, -1]), (FINGER, [0, 0, 1])):
         out = add_controls(character, options=AddControlsOptions(root_control=True))
         (root,) = controls(out, "root").values()
-        points = np.concatenate(out.shapes[root].strips)
+        points = np.concatenate(out.pending.shapes[root].strips)
         assert_allclose(points[np.argmax(np.abs(points[:, 2]) - np.abs(points[:, 0]))][[0, 1]], 0, atol=1e-9)
         assert_allclose((points @ tip).max(), np.abs(points).max())
         assert np.count_nonzero(points @ tip > 0.99 * np.abs(points).max()) == 1
@@ -125,10 +125,10 @@ def test_shapes_of_the_trunk_reach_around_it(samples: Path) -> None:
     shoulders = [world[rig.find(f"upper_arm_{side}"), 3, :3] for side in "LR"]
     half = np.linalg.norm(shoulders[0] - shoulders[1]) / 2
     for joint in ("hips", "spine"):
-        shape = out.shapes[controls(out)[joint]]
+        shape = out.pending.shapes[controls(out)[joint]]
         assert np.linalg.norm(shape.strips[0], axis=1).min() > half
     # Below one limb, or none, the bone alone counts.
-    assert np.linalg.norm(out.shapes[controls(out)["toe_L"]].strips[0], axis=1).max() < half
+    assert np.linalg.norm(out.pending.shapes[controls(out)["toe_L"]].strips[0], axis=1).max() < half
 
 
 def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> None:
@@ -277,7 +277,7 @@ def redone(path: Path, out: Path, **told: Any) -> Report:
 
 
 def lines(rig: Rig, joint: str) -> Any:
-    return rig.lines(rig.keys[controls(rig)[joint]])
+    return rig.content.read_lines(rig.keys[controls(rig)[joint]])
 
 
 @pytest.mark.parametrize("suffix", ["glb", "usda", "usdz"])

@@ -37,7 +37,7 @@ MOVE = np.array([0.3, 0.0, 0.4])  # half a unit
 def carried(rig: Rig) -> Rig:
     """The rig whose root control goes half a unit away in a second of the first clip."""
     root = control(rig, "hips", "root")
-    rest, times = rig.translation[root], np.array([0.0, 1.0]) * rig.per_second
+    rest, times = rig.translation[root], np.array([0.0, 1.0]) * rig.rules.per_second
     track = Track(root, "translation", "LINEAR", times, np.stack([rest, rest + MOVE]))
     first = rig.clips[0]
     return replace(rig, clips=(replace(first, tracks=(*first.tracks, track)), *rig.clips[1:]))

@@ -19,6 +19,7 @@ from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotat
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, normalise
+from rigtri.model.format_rules import FormatRules
 from rigtri.model.records import Clip, Skin, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS, Style
@@ -550,7 +551,7 @@ def test_a_joint_of_scale_zero_cannot_turn() -> None:
 
 
 def test_a_named_joint_that_may_not_turn_is_an_error() -> None:
-    rig = replace(arm(), fixed={1: "an extension holds it"})
+    rig = replace(arm(), rules=FormatRules(fixed={1: "an extension holds it"}))
     with pytest.raises(GeometryError, match="an extension holds it"):
         oriented(rig, selection=Selection(joints=("b",)))
     report = Report()

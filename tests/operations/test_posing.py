@@ -62,7 +62,7 @@ def test_the_command_writes_the_pose_it_prints(name: str, tmp_path: Path) -> Non
     out = tmp_path / name
     rig = read(SAMPLES / name).rig
     clip = rig.shown_clips[0].name
-    at = f"{clip}@{0.25 * rig.per_second}"
+    at = f"{clip}@{0.25 * rig.rules.per_second}"
     printed = run("pose", SAMPLES / name, "--at", at, "--json")
     assert printed.exit_code == 0, printed.output
     found = json.loads(printed.stdout)
@@ -193,7 +193,7 @@ def test_a_written_pose_looks_as_the_clip_does_morphs_included(kind: str, tmp_pa
     out, again = (tmp_path / f"{name}.{kind}" for name in ("out", "again"))
     before = read(source).rig
     clip = next(c for c in before.clips if any(t.path == "weights" for t in c.tracks))
-    time = 0.3 * before.per_second
+    time = 0.3 * before.rules.per_second
     times = np.array([time])
 
     def posed(rig: Rig, report: Report) -> Rig:

@@ -58,7 +58,9 @@ def farthest(path: Path, report: Report, mesh_name: str) -> float:
     for timeline in timelines(rig):
         times = keys_and_between(sampling.key_times(timeline.clip))
         times = times[:: max(1, len(times) // 20)]
-        world = sampling.worlds(rig, sampling.locals_at(rig, timeline.clip, times, normalised=not rig.raw))
+        world = sampling.worlds(
+            rig, sampling.locals_at(rig, timeline.clip, times, normalised=not rig.rules.raw_quaternions)
+        )
         points = sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, timeline.clip, times))
         for entry in report.added:
             place = (points[:, entry["vertices"]] * np.array(entry["barycentric"])[:, np.newaxis]).sum(axis=1)

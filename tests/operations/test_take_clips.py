@@ -492,7 +492,7 @@ def test_gltf_and_usd_take_from_each_other(ours: str, theirs: str, tmp_path: Pat
     outcome = edit(SAMPLES / ours, target, step)
     assert outcome.verification is not None
     home = rig_of(target)
-    seconds = home.per_second / edited.per_second
+    seconds = home.rules.per_second / edited.rules.per_second
     times = sampling.key_times(edited.clip("walk"))
     mine, its = places(home, "walk", times * seconds), places(edited, "walk", times)
     both = mine.keys() & its.keys()
@@ -656,6 +656,10 @@ def beside(angle: float) -> tuple[Floats, Floats]:
     return np.stack([middle, middle]), np.stack([middle, noisy])
 
 
+def with_raw(rig: Rig, raw: bool = True) -> Rig:
+    return replace(rig, rules=replace(rig.rules, raw_quaternions=raw))
+
+
 @pytest.mark.parametrize(("raw", "same"), [(True, True), (False, False)])
 def test_angles_of_usd_prims_tell_turns_badly_where_two_axes_nearly_meet(raw: bool, same: bool) -> None:
     rig = rig_of().with_nodes(["locator"], [0], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
@@ -663,13 +667,13 @@ def test_angles_of_usd_prims_tell_turns_badly_where_two_axes_nearly_meet(raw: bo
     times = np.array([0.0, 1.0])
     ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, told))
     edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, noisy))
-    assert (take_clips(ours, replace(edited, raw=raw)) is ours) == same
+    assert (take_clips(ours, with_raw(edited, raw)) is ours) == same
     # Noise of that size is an edit where the axes are far apart.
     far, _ = beside(0.5)
     turned = np.stack([far[0], multiply(from_axis_angle([1.0, 0.0, 0.0], 1e-3), far[0])])
     ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, far))
     edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, turned))
-    assert take_clips(ours, replace(edited, raw=True)) is not ours
+    assert take_clips(ours, with_raw(edited)) is not ours
 
 
 def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() -> None:
@@ -682,12 +686,12 @@ def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() 
         halves = values.astype(np.float16).astype(np.float64)
         return with_path(rig, "neck", Track(0, "scale", "LINEAR", times[:count], halves[:count]))
 
-    assert take_clips(ours, replace(told(grown, 9), raw=True)) is ours
+    assert take_clips(ours, with_raw(told(grown, 9))) is ours
     assert take_clips(ours, told(grown, 9)) is not ours
     # The last four samples are within 0.01 of the fifth.
-    assert take_clips(ours, replace(told(grown, 5), raw=True)) is ours
-    assert take_clips(ours, replace(told(grown + 0.02, 5), raw=True)) is not ours
-    assert take_clips(ours, replace(told(grown + 0.005, 9), raw=True)) is not ours
+    assert take_clips(ours, with_raw(told(grown, 5))) is ours
+    assert take_clips(ours, with_raw(told(grown + 0.02, 5))) is not ours
+    assert take_clips(ours, with_raw(told(grown + 0.005, 9))) is not ours
 
 
 def test_a_turn_is_an_edit_where_what_hangs_on_it_moves_by_more_than_can_be_lost() -> None:

@@ -57,7 +57,7 @@ def opened(path: Path) -> Rig:
         skeleton(rig)
     except FileError as error:
         leave_out_refused(path, error)
-    if rig.frozen:
+    if rig.rules.orient_locked:
         leave_out(path, FROZEN)
     return rig
 

@@ -112,7 +112,9 @@ def size_of(rig: Rig) -> float:
 
 def in_blender(rig: Rig, points: Floats, path: Path) -> Floats:
     """Places of the file, (..., 3), as Blender has them: z up, in metres."""
-    turned = points if rig.up[2] else np.stack([points[..., 0], -points[..., 2], points[..., 1]], axis=-1)
+    turned = (
+        points if rig.rules.up[2] else np.stack([points[..., 0], -points[..., 2], points[..., 1]], axis=-1)
+    )
     return turned * (metres(path) if path.suffix in USD else 1.0)
 
 
@@ -152,8 +154,8 @@ def test_blender_draws_every_control_at_its_joint_and_keeps_the_bones(path: Path
     same_bones(before, scene)
     things = by_note(scene["things"], "stored")
     world, near = worlds(rig), CLOSE * size_of(rig) * (metres(path) if path.suffix in USD else 1.0)
-    assert len(rig.shapes) > 20
-    for node, shape in rig.shapes.items():
+    assert len(rig.pending.shapes) > 20
+    for node, shape in rig.pending.shapes.items():
         thing = things[key_of(dict(rig.notes[node]))]
         assert thing["visible"]
         assert_allclose(
@@ -259,8 +261,8 @@ def test_three_js_draws_every_control_at_its_joint(path: Path, tmp_path: Path) -
     (scene,) = three_rig(out, folder=tmp_path)
     things = by_note(scene["things"], "note")
     world, near = worlds(rig), 1e-6 * size_of(rig)
-    assert len(rig.shapes) > 20
-    for node, shape in rig.shapes.items():
+    assert len(rig.pending.shapes) > 20
+    for node, shape in rig.pending.shapes.items():
         thing = things[key_of(dict(rig.notes[node]))]
         assert thing["visible"]
         assert thing["name"] == rig.names[node]

@@ -14,11 +14,12 @@ from rigtri.errors import UsageError
 from rigtri.export.drawing.view import NAMED, View, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross
+from rigtri.model.format_rules import FormatRules
 from rigtri.model.rig import Rig
 
 
 def gltf() -> Rig:
-    return replace(chain((0, 0, 0), (0, 1, 0)), facing=(0.0, 0.0, 1.0))
+    return replace(chain((0, 0, 0), (0, 1, 0)), rules=FormatRules(facing=(0.0, 0.0, 1.0)))
 
 
 @given(directions, directions)
@@ -47,7 +48,7 @@ def test_a_gltf_character_faces_z_and_its_left_is_x(asked: str, right: list[int]
 
 
 def test_where_z_is_up_the_front_is_seen_upright() -> None:
-    view = view_of(replace(gltf(), up=(0.0, 0.0, 1.0), facing=(0.0, -1.0, 0.0)), "front")
+    view = view_of(replace(gltf(), rules=FormatRules(up=(0.0, 0.0, 1.0), facing=(0.0, -1.0, 0.0))), "front")
     assert np.allclose([view.right, view.up, view.eye], [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 

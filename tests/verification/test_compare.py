@@ -376,7 +376,7 @@ def test_the_summary_tells_what_rotations_that_are_not_unit_show() -> None:
 @BOTH
 def test_another_up_axis_is_named(compare: Compare) -> None:
     held = character()
-    after = replace(held, rig=replace(held.rig, up=(0.0, 0.0, 1.0)))
+    after = replace(held, rig=replace(held.rig, rules=replace(held.rig.rules, up=(0.0, 0.0, 1.0))))
     assert compare(held, after).changed == ("up is Z, was Y",)
 
 

@@ -51,7 +51,7 @@ def blender_setup(
             "The file has no controls, constraints or twist joints of rigtri's to set up in Blender; "
             "add some first: rigtri add-controls IN -o OUT --whole-character"
         )
-    up = "y" if np.argmax(np.abs(rig.up)) == 1 else "z"
+    up = "y" if np.argmax(np.abs(rig.rules.up)) == 1 else "z"
     document = {"file": file, "gltf": gltf, "up": up, "meters": meters, **plan.document()}
     return Setup(script(document), document)
 

@@ -50,7 +50,7 @@ def joints_of(rig: Rig) -> Skeleton:
         return Skeleton(rig, (), {}, {}, np.zeros(0, dtype=bool))
     if rig.is_joint.any() or "hips" in rig.humanoid:
         return skeleton(rig)
-    every = [node for node in range(len(rig)) if node not in rig.own and node not in rig.aside]
+    every = [node for node in range(len(rig)) if node not in rig.own and node not in rig.rules.data_nodes]
     return skeleton(rig, joints=every or range(len(rig)))
 
 
@@ -197,8 +197,8 @@ def _bend(a: Floats, b: Floats, c: Floats) -> str:
 def _controls(scene: Scene) -> Iterator[Mark]:
     """The lines that the file draws at controls, poles and what else rigtri has put there."""
     rig = scene.rig
-    for node in sorted(set(rig.notes) | set(rig.shapes)) if scene.all else ():
-        drawn = rig.shapes.get(node) or rig.lines(rig.keys[node])
+    for node in sorted(set(rig.notes) | set(rig.pending.shapes)) if scene.all else ():
+        drawn = rig.pending.shapes.get(node) or rig.content.read_lines(rig.keys[node])
         if drawn is None:
             continue
         told = f"{rig.notes.get(node, {}).get('type', 'shape')} {rig.title(node)}"

@@ -82,7 +82,7 @@ def view_of(rig: Rig, asked: str = "front") -> View:
     Up is the format's. The front is where its limbs say that it faces, else where its format
     prescribes; the side is its left one. UsageError for anything else.
     """
-    up = np.asarray(rig.up, dtype=np.float64)
+    up = np.asarray(rig.rules.up, dtype=np.float64)
     ahead = forward(rig, recognise(rig), rig.world)
     left = cross(up, ahead)
     eyes = {

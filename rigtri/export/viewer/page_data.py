@@ -147,7 +147,7 @@ def _kind(rig: Rig, node: int) -> str:
 def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
     """The lines that USD files draw at nodes of ours; those of glTF any loader reads."""
     for node in rig.notes:
-        lines = rig.lines(rig.keys[node]) if _of_usd(rig) else None
+        lines = rig.content.read_lines(rig.keys[node]) if _of_usd(rig) else None
         if lines is not None and node in place:
             segments = _numbers(lines.segments)
             yield {"node": place[node], "segments": segments, "color": list(lines.color)}
@@ -177,7 +177,7 @@ def _track(rig: Rig, track: Track, place: dict[int, int]) -> dict[str, Any]:
         "node": place[track.node],
         "path": track.path,
         "step": track.interpolation == "STEP",
-        "times": _numbers(track.times / rig.per_second),
+        "times": _numbers(track.times / rig.rules.per_second),
         "values": _numbers(track.values),
     }
 

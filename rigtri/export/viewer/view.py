@@ -105,4 +105,4 @@ def _start(rig: Rig, begin: Begin, report: Report) -> dict[str, Any]:
     if timeline is None:
         return {"clip": -1, "time": None}
     time = warn_outside_clip(timeline, time, report)
-    return {"clip": clip_place(rig, timeline.clip), "time": time / rig.per_second}
+    return {"clip": clip_place(rig, timeline.clip), "time": time / rig.rules.per_second}

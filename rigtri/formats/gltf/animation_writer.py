@@ -338,7 +338,7 @@ class ClipWriter:
 
     def _keys(self, rows: Singles, kind: str, *, bounds: bool = False) -> int:
         """An accessor with times or values; where keys are put back, the one that has them still."""
-        for index in range(len(self._accessors)) if self._rig.removed else ():
+        for index in range(len(self._accessors)) if self._rig.pending.removed else ():
             try:
                 raw = self._accessors.value(index).object()
                 shape = raw.get("type"), raw.get("count"), raw.get("componentType")

@@ -22,7 +22,7 @@ def write_shapes(draft: Draft, storage: Storage, rig: Rig, index: list[int]) -> 
 
     A shape of a node that has a mesh replaces what that mesh draws, in place.
     """
-    for node, shape in sorted(rig.shapes.items()):
+    for node, shape in sorted(rig.pending.shapes.items()):
         holder = draft.own("nodes", index[node])
         primitive = _primitive(draft, storage, shape)
         mesh = holder.get("mesh")

@@ -42,6 +42,8 @@ from rigtri.formats.json_values import Value
 from rigtri.formats.vrm.scene_facts import read_facts
 from rigtri.formats.vrm.vrm1 import read_bindings
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.content import Content
+from rigtri.model.format_rules import FormatRules
 from rigtri.model.records import Bound, Constraint, Mesh
 from rigtri.model.rig import Rig, illegible
 from rigtri.model.scene_facts import Scenery
@@ -206,24 +208,26 @@ class GltfDocument:
                 Bound(tree.place[node], np.array(vector), key=pointer)
                 for node, vector, pointer in bindings.bound
             ),
-            fixed=fixed,
-            frozen=bindings.frozen,
-            parallel=frozenset(tree.place[node] for node in bindings.bones)
-            if bindings.frozen
-            else frozenset(),
-            aside=frozenset(tree.place[node] for node in bindings.aside),
             constraints=tuple(
                 Constraint(c.kind, tree.place[c.node], tree.place[c.source], np.array(c.axis), c.pointer)
                 for c in bindings.constraints
             ),
-            whole=bindings.whole,
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
             notes=self._notes(extras),
-            facing=bindings.facing,
+            rules=FormatRules(
+                fixed=fixed,
+                orient_locked=bindings.orient_locked,
+                world_aligned=frozenset(tree.place[node] for node in bindings.bones)
+                if bindings.orient_locked
+                else frozenset(),
+                data_nodes=frozenset(tree.place[node] for node in bindings.data_nodes),
+                split_locked=bindings.split_locked,
+                facing=bindings.facing,
+            ),
             # Not of the document: a rig that held it would keep the file open in a ring.
-            drawn=self._drawn.outlines,
-            read_meshes=self._drawn.meshes,
-            lines=partial(read_lines, gltf, self.accessors),
+            content=Content(
+                partial(read_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes
+            ),
         )
         self._freeze(rig, ordered, fixed)
         return rig

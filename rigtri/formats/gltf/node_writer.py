@@ -97,7 +97,7 @@ class NodeWriter:
         for node, was in old:
             if has[node] and not (had[was] and rig.matrix[node].tolist() == source.matrix[was].tolist()):
                 self._write_matrix(node, rig.matrix[node])
-        for node, weights in rig.morphed.items():
+        for node, weights in rig.pending.morph_weights.items():
             self._node(node)["weights"] = _numbers(weights)
         for node in self._new:
             self._write_new(node)

@@ -56,9 +56,10 @@ class WeightWriter:
     def write(self, rig: Rig) -> None:
         """Share weights in all meshes that are drawn with the skins of spreads."""
         by_skin: dict[int, list[Spread]] = {}
-        for spread in rig.spreads:
+        for spread in rig.pending.weight_redistributions:
             by_skin.setdefault(int(str(rig.skins[spread.skin].key)), []).append(spread)
-        folds = {int(str(rig.skins[fold.skin].key)): fold for fold in rig.folds if not fold.idle}
+        merges = (fold for fold in rig.pending.joint_merges if not fold.idle)
+        folds = {int(str(rig.skins[fold.skin].key)): fold for fold in merges}
         for skin in {**by_skin, **folds}:
             for mesh in self._meshes(skin):
                 self._check_alone(mesh, skin)

@@ -69,8 +69,8 @@ def write_file(document: Readable, rig: Rig, part: Path, target: Path) -> Sequen
             raise FileError(f"{container.path}: {error}; scale the file down") from None
         if draft.changed or not storage.idle:
             nodes.repair(document.rest.repaired)
-        if rig.removed:
-            prune(draft, storage, {nodes.index[node] for node in rig.removed})
+        if rig.pending.removed:
+            prune(draft, storage, {nodes.index[node] for node in rig.pending.removed})
     binary, companions = storage.finish(target.stem)
     if not draft.changed and binary is None:
         _write(part, [container.source])

@@ -39,6 +39,7 @@ from rigtri.formats.usd.reading.reader import Source, read_source
 from rigtri.formats.usd.reading.scene_facts import read_scenery
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text.statements import UnknownTextError
+from rigtri.model.content import Content
 from rigtri.model.records import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
@@ -57,7 +58,7 @@ class UsdDocument:
         # Of the source alone: a rig that held its document would keep the stage open in a ring.
         drawn = partial(_read_meshes, source, self._notices)
         lines = partial(read_lines, source.stage)
-        rig = replace(source.rig, drawn=drawn, read_meshes=drawn, lines=lines)
+        rig = replace(source.rig, content=Content(lines, drawn, drawn))
         self._source, self._options, self._layer = replace(source, rig=rig), options, layer
 
     @classmethod
@@ -115,7 +116,7 @@ class UsdDocument:
             expected = Expected()
             routed = route_variants.routed(source, rig, edits, expected)
             every = [*first, *routed, *last]
-            self._write(every, part, target, notices, strips=bool(rig.removed))
+            self._write(every, part, target, notices, strips=bool(rig.pending.removed))
             if {*map(id, routed)} != {*map(id, edits)} or self._in_instances(edits):
                 expected.check(self._composed(part)[0], [*first, *edits])
         self._notices += [notice for notice in notices if notice not in self._notices]

@@ -27,9 +27,9 @@ class Follows:
 class Bindings:
     """humanoid: bone → node. fixed: node → reason. bound: node, vector and where it stands in the JSON.
 
-    whole: why no joint may be split, "" where they may.
-    frozen: why joints may have no axes of their own, "" where they may; bones: the nodes, then,
-    that have to be parallel to the world, or whose children have to. aside: nodes that hold
+    split_locked: why no joint may be split, "" where they may.
+    orient_locked: why joints may have no axes of their own, "" where they may; bones: the nodes, then,
+    that have to be aligned with the world, or whose children have to. data_nodes: nodes that hold
     data in place of a transform.
     """
 
@@ -37,10 +37,10 @@ class Bindings:
     fixed: dict[int, str] = field(default_factory=dict)
     bound: list[tuple[int, list[float], Pointer]] = field(default_factory=list)
     facing: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    frozen: str = ""
-    whole: str = ""
+    orient_locked: str = ""
+    split_locked: str = ""
     bones: set[int] = field(default_factory=set)
-    aside: set[int] = field(default_factory=set)
+    data_nodes: set[int] = field(default_factory=set)
     constraints: list[Follows] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
 

@@ -18,7 +18,7 @@ _SHOWN = ("mesh", "camera")
 
 
 def read_vrm_0(vrm: Value, above: Sequence[int], found: Bindings) -> None:
-    found.facing, found.frozen = (0.0, 0.0, -1.0), VRM_0
+    found.facing, found.orient_locked = (0.0, 0.0, -1.0), VRM_0
     count = len(above)
     humanoid = vrm.get("humanoid")
     for bone in humanoid.each("humanBones") if humanoid else ():

@@ -42,7 +42,7 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
             constraint = Value(held, f"{gltf.where} nodes[{node}]").need("extensions").get(CONSTRAINT)
             if constraint is not None:
                 read_constraint(constraint, node, above, found)
-    if found.frozen:
+    if found.orient_locked:
         demand(gltf, above, found)
     notice_circles(above, found)
     _notice_dangling(extensions.raw if extensions is not None else {}, len(above), found)
@@ -57,7 +57,7 @@ def _human_bones(extension: Value, count: int, found: Bindings) -> None:
 
 
 def _vrm_1(vrm: Value, above: Sequence[int], found: Bindings) -> None:
-    found.whole = SPLIT
+    found.split_locked = SPLIT
     _human_bones(vrm, len(above), found)
     _look_at(vrm, "VRMC_vrm", found)
 
@@ -114,7 +114,7 @@ def _animation(extension: Value, above: Sequence[int], found: Bindings) -> None:
         for name, item in group.members() if group else ():
             node = item.need("node").index(len(above), "node")
             data[node] = f"its translation is the weight of the expression '{name}' (VRMA)"
-    found.aside.update(data)
+    found.data_nodes.update(data)
     for node, reason in data.items():
         found.fix(node, reason)
     for node in data:

@@ -468,7 +468,7 @@ class _Builder:
             return weights(self.reader, driver, frame, dict(zip(self._nodes(), nodes, strict=True)))
 
         times = times_within(
-            moving if moving.clip.tracks else timeline, self.options.fps, self.rig.per_second
+            moving if moving.clip.tracks else timeline, self.options.fps, self.rig.rules.per_second
         )
         if not steps_only(moving):
             before = just_before(jumps(moving))

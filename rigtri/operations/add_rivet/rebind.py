@@ -44,7 +44,7 @@ def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
     Weights that are stored as whole numbers are rounded there, by half a unit at most.
     """
     told = {note.get("mesh") for note in rig.notes.values() if note.get("type") == "rivet"}
-    skins = {spread.skin for spread in rig.spreads}
+    skins = {spread.skin for spread in rig.pending.weight_redistributions}
     if not told or not skins:
         return rig
     meshes = rig.meshes
@@ -57,14 +57,15 @@ def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
         replace(skin, inverse_bind=skin.inverse_bind.astype(np.float32).astype(np.float64))
         for skin in rig.skins
     )
-    set_anew = rebind_rivets(replace(rig, read_meshes=lambda: anew, skins=skins_read), touched, report)
-    return replace(set_anew, read_meshes=rig.read_meshes, skins=rig.skins)
+    content = replace(rig.content, read_meshes=lambda: anew)
+    set_anew = rebind_rivets(replace(rig, content=content, skins=skins_read), touched, report)
+    return replace(set_anew, content=rig.content, skins=rig.skins)
 
 
 def _spread(mesh: Mesh, rig: Rig) -> Mesh:
     """A mesh with the weights that the spreads of its skin give it."""
     joints, weights = mesh.joints, mesh.weights
-    for spread in rig.spreads if len(joints) else ():
+    for spread in rig.pending.weight_redistributions if len(joints) else ():
         if spread.skin == mesh.skin:
             points = transform_points(mesh.points, mesh.bind)
             joints, weights = shared(spread, points, joints, weights)

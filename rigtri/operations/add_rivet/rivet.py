@@ -314,7 +314,7 @@ class _Rivet:
             return self._seats(held.sample(moving, times))
 
         times = times_within(
-            moving if moving.clip.tracks else timeline, self.options.fps, held.rig.per_second
+            moving if moving.clip.tracks else timeline, self.options.fps, held.rig.rules.per_second
         )
         holds = steps_only(moving)
         if not holds:

@@ -174,7 +174,9 @@ def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig
         made.append(node)
     if options.split_weights:
         found = _spreads(rig, of, line, options, report)
-        rig = _with_influences(replace(rig, spreads=(*rig.spreads, *found)), made[0], found)
+        every = (*rig.pending.weight_redistributions, *found)
+        pending = replace(rig.pending, weight_redistributions=every)
+        rig = _with_influences(replace(rig, pending=pending), made[0], found)
     return rig
 
 
@@ -183,7 +185,7 @@ def _with_influences(rig: Rig, node: int, spreads: Sequence[Spread]) -> Rig:
 
     Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
     """
-    if not rig.raw or INFLUENCES in rig.notes[node]:
+    if not rig.rules.raw_quaternions or INFLUENCES in rig.notes[node]:
         return rig
     skins = {spread.skin for spread in spreads}
     widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}

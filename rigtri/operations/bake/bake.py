@@ -272,7 +272,7 @@ class _Baker:
 
     def _times(self, timeline: Timeline) -> Floats:
         """Where joints, or controls, get keys to begin with."""
-        times = times_within(timeline, self.options.fps, self.rig.per_second)
+        times = times_within(timeline, self.options.fps, self.rig.rules.per_second)
         if not steps_only(timeline):
             before = just_before(jumps(timeline))
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
@@ -284,7 +284,7 @@ class _Baker:
         if steps_only(telling) or not curve.nodes:
             return Refined(times, curve.at(times), 0.0, limited=False)
         bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
-        return refined(curve, times, bound=bound, per_second=self.rig.per_second)
+        return refined(curve, times, bound=bound, per_second=self.rig.rules.per_second)
 
     def _tell_limited(self) -> None:
         warn_undersampled(self.start, self.report, max(self.options.between, self.options.tolerance))

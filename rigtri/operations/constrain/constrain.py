@@ -183,7 +183,7 @@ def _asked(rig: Rig, options: ConstrainOptions) -> Rule:
     orients: dict[str, Any] = {"rest": own, "none": IDENTITY}
     given = options.joint_orient
     joint_orient = orients[given] if isinstance(given, str) else from_angles(np.array(given) * _DEGREE, "xyz")
-    up_vector = options.up_vector or (rig.up if options.world_up == "vector" else options.up)
+    up_vector = options.up_vector or (rig.rules.up if options.world_up == "vector" else options.up)
     return Rule(
         kind=options.kind,
         child=child,

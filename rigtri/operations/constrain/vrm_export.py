@@ -77,7 +77,7 @@ def _kind(rule: Rule) -> Said | None:
 
 def _why_not(rig: Rig, rule: Rule) -> str:
     """Why no node constraint says a rule, by its options alone; "" where one may."""
-    if rig.frozen:
+    if rig.rules.orient_locked:
         return "a VRM 0 file has none"
     if _kind(rule) is None:
         return "it has only rotation, roll and aim"

@@ -143,9 +143,10 @@ def mirror_poles(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 
 def _drawn_alike(rig: Rig, node: int, found: int) -> Rig:
     """Draw at a new node what is drawn, in the same run, at its twin."""
-    if node not in rig.shapes:
+    if node not in rig.pending.shapes:
         return noted(rig, found, {key: v for key, v in rig.notes[found].items() if key not in KEYS})
-    return replace(rig, shapes={**rig.shapes, found: rig.shapes[node]})
+    shapes = {**rig.pending.shapes, found: rig.pending.shapes[node]}
+    return replace(rig, pending=replace(rig.pending, shapes=shapes))
 
 
 def _home(rig: Rig, node: int) -> tuple[Rig, int]:

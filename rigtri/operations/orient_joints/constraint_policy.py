@@ -85,7 +85,7 @@ def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> 
     rig, result = plan.tree.rig, turns.copy()
     own = {rig.frame_of.get(joint, joint) for joint in wanted}
     joints = {rig.frame_of.get(joint, joint): joint for joint in plan.tree.joints}
-    held = {node: _held(plan, joint) for node, joint in joints.items()} | dict(rig.fixed)
+    held = {node: _held(plan, joint) for node, joint in joints.items()} | dict(rig.rules.fixed)
     # What leads and has no turn of its own does not get one for the sake of what follows it.
     kept = {node: plan.kept.get(joint, "unchanged") for node, joint in joints.items() if node not in own}
     for bond in bonds(rig, plan.ties):

@@ -195,11 +195,11 @@ def tell_fixed(plan: Plan) -> None:
     chains = (name for chain in selection.chains for name in chain)
     for name in filter(rig.has, (*selection.joints, *selection.below, *chains)):
         node = rig.find(name)
-        if node in rig.aside:
-            plan.report.warn("fixed", f"left alone: {rig.title(node)}: {rig.fixed[node]}")
+        if node in rig.rules.data_nodes:
+            plan.report.warn("fixed", f"left alone: {rig.title(node)}: {rig.rules.fixed[node]}")
     reasons: dict[str, list[str]] = {}
     for joint, reason in plan.kept.items():
-        if plan.tree.rig.fixed.get(joint) == reason:
+        if plan.tree.rig.rules.fixed.get(joint) == reason:
             reasons.setdefault(reason, []).append(plan.tree.rig.title(joint))
     for reason, names in reasons.items():
         more = f" and {len(names) - 3} more" if len(names) > 3 else ""

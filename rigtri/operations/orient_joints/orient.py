@@ -56,7 +56,7 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
         parted |= stored_splits(rig, wanted, options.frames)
     for joint in plan.unsplittable.intersection(parted):
         del parted[joint]
-    if parted and rig.whole:
+    if parted and rig.rules.split_locked:
         raise GeometryError(_refusal(rig, list(parted)))
     exact = turns.copy()
     exact[list(parted)] = IDENTITY
@@ -102,9 +102,9 @@ def _zeroed(rig: Rig, before: Rig) -> Rig:
 
     What has not changed stays as it is.
     """
-    if rig is before or not rig.parallel:
+    if rig is before or not rig.rules.world_aligned:
         return rig
-    nodes = sorted(rig.parallel)
+    nodes = sorted(rig.rules.world_aligned)
     q = rig.rotation[nodes]
     nothing = (np.abs(q[:, :3]).max(axis=1) <= LAST_BITS) & (q != before.rotation[nodes]).any(axis=1)
     rotation = rig.rotation.copy()
@@ -114,7 +114,7 @@ def _zeroed(rig: Rig, before: Rig) -> Rig:
 
 def _refusal(rig: Rig, joints: list[int]) -> str:
     names = ", ".join(f"'{rig.title(joint)}'" for joint in joints)
-    return f"{names} cannot be split: {rig.whole}. Choose --on-nonuniform-scale snap or skip."
+    return f"{names} cannot be split: {rig.rules.split_locked}. Choose --on-nonuniform-scale snap or skip."
 
 
 def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:

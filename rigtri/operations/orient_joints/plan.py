@@ -106,12 +106,12 @@ class Plan:
     def of(rig: Rig, options: OrientJointsOptions, report: Report) -> Plan:
         # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
         elsewhere = options.like is not None or options.frames is not None
-        tree = skeleton(rig, options.root, plain=elsewhere, joints=rig.parallel)
-        ref = reference(tree, "nodes" if rig.parallel else options.pose)
+        tree = skeleton(rig, options.root, plain=elsewhere, joints=rig.rules.world_aligned)
+        ref = reference(tree, "nodes" if rig.rules.world_aligned else options.pose)
         selection = options.selection
         chains = tuple((start, end) for start, end, _ in options.chain_styles)
         selection = replace(selection, chains=(*selection.chains, *chains))
-        everything = elsewhere or options.root is not None or bool(rig.parallel)
+        everything = elsewhere or options.root is not None or bool(rig.rules.world_aligned)
         turning, kept = select(tree, ref, selection, all_named=everything)
         styles = {}
         for start, end, style in options.chain_styles:
@@ -126,7 +126,7 @@ class Plan:
             {rig.find(a): rig.find(b, "node") for a, b in options.aim_at},
             limb_children(tree, limbs),
         )
-        if rig.frozen:  # names that are not there have been told by now
+        if rig.rules.orient_locked:  # names that are not there have been told by now
             _check_parallel(rig, options)
         aims = {joint: aim_of(tree, ref, joint, rules) for joint in turning}
         return Plan(tree, ref, options, report, turning, kept, aims, limbs, styles)
@@ -391,19 +391,21 @@ def _check_parallel(rig: Rig, options: OrientJointsOptions) -> None:
     """
     style = options.style.world and all(style.world for _, _, style in options.chain_styles)
     elsewhere = options.like is not None or options.frames is not None or options.mirror is not None
-    if not rig.parallel or not style or elsewhere or options.snap or any(options.offset):
+    if not rig.rules.world_aligned or not style or elsewhere or options.snap or any(options.offset):
         raise FileError(
-            f"No joint of this file may have axes of its own: {rig.frozen}. Take --world, which makes "
-            "all of them zero, or convert the file to VRM 1.0 first."
+            f"No joint of this file may have axes of its own: {rig.rules.orient_locked}. Take --world, "
+            "which makes all of them zero, or convert the file to VRM 1.0 first."
         )
     if options.selection != Selection() or options.chain_styles or options.root is not None:
-        raise UsageError(f"{rig.frozen}, so --world is for all joints of this file: name none")
+        raise UsageError(f"{rig.rules.orient_locked}, so --world is for all joints of this file: name none")
     if options.pose not in (None, "nodes"):
-        raise UsageError(f"--pose {options.pose}: {rig.frozen}; rotations are zero in the pose of the nodes")
+        raise UsageError(
+            f"--pose {options.pose}: {rig.rules.orient_locked}; rotations are zero in the pose of the nodes"
+        )
 
 
 def _facing(rig: Rig, options: OrientJointsOptions) -> Floats | None:
-    facing = options.facing if options.facing is not None else rig.facing
+    facing = options.facing if options.facing is not None else rig.rules.facing
     if facing is None:
         return None
     direction = np.asarray(facing, dtype=np.float64)

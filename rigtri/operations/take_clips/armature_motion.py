@@ -36,7 +36,12 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report, *,
     for joint, place in theirs.items():
         node = of.get(joint, -1)
         above = int(rig.parents[node]) if node in ours else -1
-        if above < 0 or above in keyed or rig.is_joint[above] or tuple(rig.up) != tuple(described.up):
+        if (
+            above < 0
+            or above in keyed
+            or rig.is_joint[above]
+            or tuple(rig.rules.up) != tuple(described.rules.up)
+        ):
             continue
         back = multiply(multiply(inverse(ours[node]), place), controls)
         if np.abs(multiply(ours[node], back) - ours[node]).max() > _SAME * max(1.0, np.abs(place).max()):

@@ -126,7 +126,7 @@ class ClipNames:
     @property
     def _factor(self) -> float:
         """The rig's units of time in one of the edited file."""
-        return self.rig.per_second / self.edited.per_second
+        return self.rig.rules.per_second / self.edited.rules.per_second
 
     def _gather(self) -> None:
         """Parts that fit no clip, but each other, as one: what was said of any of them, or a new one.
@@ -264,7 +264,7 @@ class ClipNames:
     def one_timeline(self) -> bool:
         """Whether all that the rig plays is one, whatever it is called, as in USD."""
         clips = self.rig.clips
-        return any(isinstance(clip.key, tuple) for clip in clips) if clips else self.rig.raw
+        return any(isinstance(clip.key, tuple) for clip in clips) if clips else self.rig.rules.raw_quaternions
 
     def merged(self, name: str, parts: list[Timeline]) -> Taken:
         """Clips of the edited file as the one clip of the rig that they are. AmbiguousNameError."""

@@ -188,7 +188,7 @@ class _Taking:
         moved = self.transfer.of(node)
         fresh = [now for track in moved.tracks if (now := self._fresh(track)) is not None]
         # No clip can move a glTF node with a matrix; a USD joint has its keys beside its rest.
-        if fresh and self.rig.has_matrix[node] and not self.rig.raw:
+        if fresh and self.rig.has_matrix[node] and not self.rig.rules.raw_quaternions:
             self.report.warn(
                 "matrix-node",
                 f"'{self.rig.title(node)}' has a matrix, which no clip can move; its motion was left out",

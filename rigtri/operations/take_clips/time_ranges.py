@@ -29,7 +29,7 @@ class Clock:
     """Times of the edited file as times of the rig: in its unit, and from its start where lengths are one."""
 
     def __init__(self, rig: Rig, edited: Rig, taken: Taken) -> None:
-        self.factor = rig.per_second / edited.per_second
+        self.factor = rig.rules.per_second / edited.rules.per_second
         self.shift = 0.0
         # Where the clip may be moved to when its start and its length are others: to RIG's start first.
         self.choices: tuple[float, ...] = ()
@@ -47,7 +47,7 @@ class Clock:
                     self.shift = -late
                 else:
                     self.choices = (-late, 0.0, last - end * self.factor)
-            elif abs(late) > MISSED * rig.per_second:
+            elif abs(late) > MISSED * rig.rules.per_second:
                 self.beside = (0.0, -late)
 
     def settle(self, shift: float) -> None:
@@ -129,7 +129,7 @@ def ranges(
     assert taken.home is not None  # a new clip has its own range
     ours, there = span(taken.home.clip), span(taken.clip)
     theirs = (there[0] * clock.factor, there[1] * clock.factor)
-    near = _NEAR * min(frame_of(taken.clip) * clock.factor, rig.per_second / _FEWEST)
+    near = _NEAR * min(frame_of(taken.clip) * clock.factor, rig.rules.per_second / _FEWEST)
 
     def differ() -> bool:
         return any(abs(a - b) > near for a, b in zip(clock.times(np.array(there)), ours, strict=True))

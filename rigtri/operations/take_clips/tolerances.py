@@ -70,7 +70,7 @@ class Tolerances:
         """What angles about three axes lose of turns of USD prims, (k,): much where two axes nearly meet."""
         both = self.both
         noise = np.zeros(len(track.times))
-        if not both.other.raw:
+        if not both.other.rules.raw_quaternions:
             return noise
         theirs, _, above = both.line(track.node)
         prims = [k for k in (both.of[track.node], *theirs) if not both.other.is_joint[k]]
@@ -88,7 +88,7 @@ class Tolerances:
         both, theirs = self.both, self.both.of[track.node]
         lost = np.zeros(len(track.times))
         own = self.transfer.driven.get(theirs, {}).get("scale")
-        if not (both.other.raw and both.other.is_joint[theirs]):
+        if not (both.other.rules.raw_quaternions and both.other.is_joint[theirs]):
             return np.asarray(lost)
         now = np.abs(key_values(track)).max(axis=1, initial=0.0)
         lost = lost + _HALF * now

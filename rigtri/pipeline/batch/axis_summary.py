@@ -34,7 +34,7 @@ class Axes:
 
 def axes_of(rig: Rig) -> Axes | None:
     """The axes of all joints of a rig; None where it has none."""
-    joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.removed]
+    joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.pending.removed]
     if not joints:
         return None
     place = {node: k for k, node in enumerate(joints)}

@@ -61,7 +61,9 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     """
     known = {id(track) for clip in before.clips for track in clip.tracks}
     off = np.zeros(len(before))
-    for track in (t for clip in after.clips for t in clip.tracks if after.raw and id(t) not in known):
+    for track in (
+        t for clip in after.clips for t in clip.tracks if after.rules.raw_quaternions and id(t) not in known
+    ):
         if track.path == "scale" and track.node < len(before) and before.is_joint[track.node]:
             values = key_values(track)
             apart = np.abs(values - values.astype(np.float16).astype(np.float64))

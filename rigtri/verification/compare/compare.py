@@ -418,7 +418,7 @@ def _compare(
     tally = _Tally(watched)
     _run(before, after, tally, normalised=True)
     raw = tally.largest
-    if max(was, now) > (UNIT_AS_SHOWN if before.raw else UNIT):
+    if max(was, now) > (UNIT_AS_SHOWN if before.rules.raw_quaternions else UNIT):
         unscaled = _Tally(watched)
         _run(before, after, unscaled, normalised=False)
         raw = unscaled.largest
@@ -440,7 +440,7 @@ def _compare(
         changed=m.changed,
         different=tuple(different),
         poses=tally.poses,
-        raw_counts=before.raw,
+        raw_counts=before.rules.raw_quaternions,
     )
 
 

@@ -51,8 +51,8 @@ def match(before: Rig, after: Rig, *, by_key: bool) -> Matching:
     skin = _in_order([skin.name for skin in before.skins], [skin.name for skin in after.skins])
     clip = _clips(before, after)
     news = _News()
-    if before.up != after.up:
-        news.changed.append(f"up is {_axis(after.up)}, was {_axis(before.up)}")
+    if before.rules.up != after.rules.up:
+        news.changed.append(f"up is {_axis(after.rules.up)}, was {_axis(before.rules.up)}")
     _compare_nodes(before, after, node, shown, news)
     _compare_skins(before, after, node, skin, news)
     _compare_clips(before, after, node, shown, clip, news)

@@ -42,7 +42,7 @@ class Intended:
         found = []
         for mesh in meshes:
             node = self.place[mesh.node]
-            weights = self.rig.morphed.get(node, mesh.morph_weights)
+            weights = self.rig.pending.morph_weights.get(node, mesh.morph_weights)
             if node != mesh.node or weights is not mesh.morph_weights:
                 mesh = replace(mesh, node=node, morph_weights=weights)
             found.append(mesh)
@@ -67,7 +67,7 @@ def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> tup
     """
     before = document.rig
     old = {key: node for node, key in enumerate(before.keys)}
-    redrawn = frozenset(old[rig.keys[node]] for node in rig.shapes if rig.keys[node] in old)
+    redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
     keyed = _keyed(before, rig, after.rig)
     if keyed is before and not redrawn and not reposed:
         return document, after

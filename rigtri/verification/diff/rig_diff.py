@@ -276,10 +276,10 @@ def _whole(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
         before.title(back[k]) if k in back else after.title(k): dict(note) for k, note in after.notes.items()
     }
     yield from _table("controls and locators", mine, theirs, str)
-    if before.up != after.up:
-        yield Change("whole", "changed", "up", rows(before.up, after.up))
-    if before.facing != after.facing:
-        yield Change("whole", "changed", "facing", f"{before.facing} → {after.facing}")
+    if before.rules.up != after.rules.up:
+        yield Change("whole", "changed", "up", rows(before.rules.up, after.rules.up))
+    if before.rules.facing != after.rules.facing:
+        yield Change("whole", "changed", "facing", f"{before.rules.facing} → {after.rules.facing}")
 
 
 def _table(group: str, mine: Mapping[str, Any], theirs: Mapping[str, Any], told: Any) -> Iterator[Change]:

@@ -34,7 +34,7 @@ def turned(document: GltfDocument, target: Path, seed: int = 7) -> GltfDocument:
     rig = document.rig
     turn = unit(np.random.default_rng(seed).normal(size=(len(rig), 4)))
     turn[~rig.is_joint] = IDENTITY
-    turn[list(rig.fixed)] = IDENTITY
+    turn[list(rig.rules.fixed)] = IDENTITY
     turn[~scale_allows(rig, turn)] = IDENTITY
     for companion in document.write(reframe(rig, turn), target, target):
         content = companion.content

@@ -106,8 +106,8 @@ def test_the_rig_is_what_the_file_says(tmp_path: Path) -> None:
     assert rig.has_matrix.tolist() == [k == "" for k in rig.names]
     assert rig.payload[camera] == camera
     assert rig.payload[hips] == -1
-    assert rig.facing == (0.0, 0.0, 1.0)
-    assert list(rig.fixed) == [rig.find("foot")]
+    assert rig.rules.facing == (0.0, 0.0, 1.0)
+    assert list(rig.rules.fixed) == [rig.find("foot")]
     # Row vectors: the last row of the stored sixteen numbers is the position.
     np.testing.assert_allclose(worlds(rig)[rig.find("#4"), 3, :3], [1.5, 3, -2])
     assert [skin.name for skin in rig.skins] == ["all", ""]
@@ -217,7 +217,7 @@ def test_a_sheared_matrix_is_noticed_and_fixed_where_it_is_a_joint(tmp_path: Pat
     node["matrix"] = [1, 0.5, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 1]
     document = opened(builder, tmp_path)
     assert [notice.code for notice in document.warnings] == ["matrix-sheared"]
-    assert "sheared" in document.rig.fixed[0]
+    assert "sheared" in document.rig.rules.fixed[0]
 
 
 def test_unknown_required_extensions_are_noticed(tmp_path: Path) -> None:

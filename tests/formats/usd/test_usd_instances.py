@@ -27,7 +27,7 @@ def test_a_crowd_is_turned_and_still_shares_one_prototype(arc: str, override: st
     source = crowd(tmp_path, arc)
     before = contents(tmp_path)
     document = read(source, override=override)
-    assert not document.rig.fixed
+    assert not document.rig.rules.fixed
     assert len(document.rig.skins) == 3
     out = write(document, alike(document.rig), tmp_path / "out.usda")
     assert {name: found for name, found in contents(tmp_path).items() if name in before} == before

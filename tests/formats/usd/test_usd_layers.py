@@ -151,7 +151,7 @@ def test_an_animation_from_value_clips_is_turned_by_samples_of_a_stronger_layer(
     source = clipped(tmp_path, single if "template" in how else LONG, how)
     before = contents(tmp_path)
     document = read(source, override=override)
-    assert not document.rig.fixed
+    assert not document.rig.rules.fixed
     out = write(document, turned(document.rig), tmp_path / "out.usda")
     assert {name: found for name, found in contents(tmp_path).items() if name in before} == before
     assert deviation(source, out) < 2e-6

@@ -72,7 +72,7 @@ def test_only_the_animation_is_written(tmp_path: Path) -> None:
 
 def test_an_animation_without_rotations_cannot_turn(tmp_path: Path) -> None:
     rig = read(save(tmp_path, library(animation(rotations="")))).rig
-    assert "has no rotations" in rig.fixed[1]
+    assert "has no rotations" in rig.rules.fixed[1]
 
 
 def test_blend_shapes_alone_are_no_skeleton(tmp_path: Path) -> None:

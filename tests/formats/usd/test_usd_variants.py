@@ -66,7 +66,7 @@ def edited(source: Path, folder: Path, turned: Callable[[Rig], Rig] = turned, **
     """The file with random new axes; no other file was touched, and no selection."""
     before = contents(folder)
     document = read(source, **options)
-    assert not document.rig.fixed
+    assert not document.rig.rules.fixed
     out = write(document, turned(document.rig), folder / "out.usda")
     assert {name: found for name, found in contents(folder).items() if name in before} == before
     assert self_check(document, document.reopen(out)).passes()

@@ -181,7 +181,7 @@ def test_an_over_outside_the_variant_can_be_edited(tmp_path: Path) -> None:
     )
     source = save(tmp_path, text)
     document = read(source)
-    assert not document.rig.fixed
+    assert not document.rig.rules.fixed
     assert deviation(source, write(document, turned(document.rig), tmp_path / "out.usda")) < 1e-6
 
 

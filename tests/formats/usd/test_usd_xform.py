@@ -109,8 +109,8 @@ def test_turning_back_takes_the_ops_away(tmp_path: Path) -> None:
 
 def test_meshes_cameras_and_lights_keep_their_axes_and_say_why(tmp_path: Path) -> None:
     rig = read(save(tmp_path, SMOOTH), root="/Rig").rig
-    assert "is itself a Mesh" in rig.fixed[rig.find("bone")]
-    assert rig.find("shin") not in rig.fixed
+    assert "is itself a Mesh" in rig.rules.fixed[rig.find("bone")]
+    assert rig.find("shin") not in rig.rules.fixed
 
 
 def test_animated_translate_and_orient_are_tracks_before_and_after(tmp_path: Path) -> None:
@@ -177,8 +177,8 @@ def Xform "Car" {
 }
 """
     rig = read(save(tmp_path, text), root="/Car").rig
-    assert "physics joint" in rig.fixed[rig.find("wheel")]
-    assert "constraintTargets:hinge" in rig.fixed[rig.find("door")]
+    assert "physics joint" in rig.rules.fixed[rig.find("wheel")]
+    assert "constraintTargets:hinge" in rig.rules.fixed[rig.find("door")]
 
 
 def test_root_is_refused_above_a_skeleton(tmp_path: Path) -> None:

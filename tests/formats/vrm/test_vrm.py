@@ -83,8 +83,8 @@ def vrm_0() -> Builder:
 def test_vrm_1_names_bones_and_looks_along_z(tmp_path: Path) -> None:
     rig = opened(vrm_1(), tmp_path).rig
     assert rig.humanoid == {"hips": 0, "head": 1}
-    assert rig.facing == (0.0, 0.0, 1.0)
-    assert rig.fixed == {}
+    assert rig.rules.facing == (0.0, 0.0, 1.0)
+    assert rig.rules.fixed == {}
     assert rig.find("vrm:head") == 1
 
 
@@ -136,8 +136,8 @@ def test_vrm_1_expressions_follow_a_mesh_that_moves_to_another_node(tmp_path: Pa
 def test_no_joint_of_a_vrm_0_file_may_turn(tmp_path: Path) -> None:
     rig = opened(vrm_0(), tmp_path).rig
     assert rig.humanoid == {"head": 1}
-    assert rig.facing == (0.0, 0.0, -1.0)
-    assert "VRM 0.x" in rig.frozen
+    assert rig.rules.facing == (0.0, 0.0, -1.0)
+    assert "VRM 0.x" in rig.rules.orient_locked
 
 
 def test_vrma_data_nodes_and_their_parents_are_frozen(tmp_path: Path) -> None:
@@ -150,8 +150,8 @@ def test_vrma_data_nodes_and_their_parents_are_frozen(tmp_path: Path) -> None:
         }
     }
     rig = opened(builder, tmp_path).rig
-    assert sorted(rig.fixed) == [1, 2, 4, 5]
-    assert "expression 'happy'" in rig.fixed[2]
+    assert sorted(rig.rules.fixed) == [1, 2, 4, 5]
+    assert "expression 'happy'" in rig.rules.fixed[2]
     assert rig.humanoid == {"head": 0}
     assert [bound.node for bound in rig.bound] == [0]
 

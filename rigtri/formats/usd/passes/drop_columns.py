@@ -27,7 +27,7 @@ def undriven(source: Source, rig: Rig) -> tuple[Rig, list[Edit]]:
     What a joint that stays, of any skeleton, is driven by stays. FileError where an animation cannot
     be edited.
     """
-    if not rig.removed:
+    if not rig.pending.removed:
         return rig, []
     stay: set[str] = set()
     gone: set[str] = set()
@@ -35,7 +35,7 @@ def undriven(source: Source, rig: Rig) -> tuple[Rig, list[Edit]]:
         if kind(skin.key) == "skeleton":
             tokens = source.skeletons[parts(skin.key)[1]].tokens
             for node, token in zip(skin.joints.tolist(), tokens, strict=True):
-                (gone if node in rig.removed else stay).add(token)
+                (gone if node in rig.pending.removed else stay).add(token)
     edits: list[Edit] = []
     for path, animation in source.animations.items():
         keep = np.array([token in stay or token not in gone for token in animation.tokens], dtype=bool)
@@ -47,7 +47,7 @@ def undriven(source: Source, rig: Rig) -> tuple[Rig, list[Edit]]:
         edits += _narrow(source, animation, keep)
     clips = [
         new
-        if all(track.node not in rig.removed for track in old.tracks)
+        if all(track.node not in rig.pending.removed for track in old.tracks)
         else replace(new, tracks=tuple(_restored(old, new, rig)))
         for old, new in zip(source.rig.clips, rig.clips, strict=True)
     ]
@@ -58,9 +58,9 @@ def _restored(old: Clip, new: Clip, rig: Rig) -> Iterator[Track]:
     """The tracks of a clip with those of joints that go in their old places."""
     left = iter(new.tracks)
     for was in old.tracks:
-        if was.node in rig.removed and kind(rig.keys[was.node]) == "joint":
+        if was.node in rig.pending.removed and kind(rig.keys[was.node]) == "joint":
             yield was
-        elif was.node not in rig.removed:
+        elif was.node not in rig.pending.removed:
             yield from islice(left, 1)
     yield from left
 

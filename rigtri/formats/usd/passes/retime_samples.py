@@ -89,7 +89,7 @@ def _touched(source: Source, rig: Rig, places: Mapping[int, tuple[str, str]]) ->
         there = {(t.node, t.path, t.key) for t in mine}
         gone = [t for t in known.values() if t.node in places and (t.node, t.path, t.key) not in there]
         # Those of joints that go altogether are taken out at last.
-        if any(track.path != "weights" and track.node not in rig.removed for track in gone):
+        if any(track.path != "weights" and track.node not in rig.pending.removed for track in gone):
             found[parts(clip.key)[1]] = None
     return list(found)
 
@@ -329,7 +329,7 @@ def _aligned(source: Source, wide: Source, rig: Rig, said: Mapping[str, Said]) -
         mine = _defaults(rig, path)
         if parts(shown.key)[0] == "samples":
             mine = {**{key: track for key, track in mine.items() if key not in was}, **said[path]}
-        joined = (t for t in shown.tracks if t.path != "weights" and t.node not in rig.removed)
+        joined = (t for t in shown.tracks if t.path != "weights" and t.node not in rig.pending.removed)
         tracks = [_on(t, mine, was, rig) for t in joined]
         yield replace(clip, tracks=(*tracks, *others), idle=shown.idle)
 

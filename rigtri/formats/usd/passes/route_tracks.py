@@ -137,7 +137,7 @@ def weight_edits(source: Source, changed: Sequence[Weights]) -> list[Edit]:
 def rest_edits(source: Source, rig: Rig) -> list[Edit]:
     """Edits of the default weights of animations, which the rig has at rest for meshes."""
     found: dict[str, dict[str, float]] = {}
-    for node, weights in rig.morphed.items():
+    for node, weights in rig.pending.morph_weights.items():
         _, animation, names = _bound(source, node)
         known = found.setdefault(animation, default_weights(source.stage.GetPrimAtPath(animation)))
         known.update(zip(names, weights.tolist(), strict=True))

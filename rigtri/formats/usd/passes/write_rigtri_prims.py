@@ -53,7 +53,7 @@ def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
         Sdf.Path(before.labels[node]): Tf.MakeValidIdentifier(rig.names[node])
         for node, key in reversed(list(enumerate(before.keys)))
         if kind(key) == "prim"
-        and node not in rig.removed
+        and node not in rig.pending.removed
         and is_ours(before, node)
         and before.names[node] != rig.names[node]
     }
@@ -96,7 +96,7 @@ def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
 def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
     before, found = source.rig, []
     for node, key in enumerate(before.keys):
-        if kind(key) != "prim" or node in rig.removed:
+        if kind(key) != "prim" or node in rig.pending.removed:
             continue
         path, note = before.labels[node], rig.notes.get(node, {})
         if dict(note) != dict(before.notes.get(node, {})):
@@ -109,8 +109,8 @@ def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             found += _relations(path, note, _prims(rig, note, {}))
         if not takes_place(before, rig, node):
             continue
-        if node in rig.shapes:
-            found += drawing(Sdf.Path(path).AppendChild(NAME), rig.shapes[node])
+        if node in rig.pending.shapes:
+            found += drawing(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
             locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
             if locked:
@@ -127,8 +127,8 @@ def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
 
 def _removals(source: Source, rig: Rig) -> list[Edit]:
     """Prims of ours that go, each with all below it."""
-    gone = [node for node in sorted(rig.removed) if kind(rig.keys[node]) == "prim"]
-    tops = [node for node in gone if int(rig.parents[node]) not in rig.removed]
+    gone = [node for node in sorted(rig.pending.removed) if kind(rig.keys[node]) == "prim"]
+    tops = [node for node in gone if int(rig.parents[node]) not in rig.pending.removed]
     for node in gone:
         stack = source.stage.GetPrimAtPath(rig.labels[node]).GetPrimStack()
         for spec in stack[1:]:
@@ -210,8 +210,8 @@ class _Additions:
         if "attribute" in note:
             control = self.rig.find(str(note["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
-        if node in self.rig.shapes:
-            found += drawing(path.AppendChild(NAME), self.rig.shapes[node])
+        if node in self.rig.pending.shapes:
+            found += drawing(path.AppendChild(NAME), self.rig.pending.shapes[node])
         return (
             [*found, apply_schema(path, metadata_attributes.api_name(note["type"]))]
             if "type" in note

@@ -35,11 +35,15 @@ def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]
     FileError where they cannot be edited.
     """
     by_path: dict[str, list[Spread]] = {}
-    for spread in rig.spreads:
+    for spread in rig.pending.weight_redistributions:
         key = rig.skins[spread.skin].key
         if kind(key) == "skeleton":
             by_path.setdefault(parts(key)[1], []).append(spread)
-    folds = {parts(key)[1]: fold for fold in rig.folds if kind(key := rig.skins[fold.skin].key) == "skeleton"}
+    folds = {
+        parts(key)[1]: fold
+        for fold in rig.pending.joint_merges
+        if kind(key := rig.skins[fold.skin].key) == "skeleton"
+    }
     found: list[Edit] = []
     for path, query in source.bindings.every if by_path or folds else ():
         if not query.HasJointInfluences():

@@ -28,6 +28,7 @@ from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
 from rigtri.formats.usd.reading.xform_hierarchy import read_stand, rooted
 from rigtri.maths.matrices import compose, decompose, identity, inverse
 from rigtri.maths.quaternions import from_axes, to_axes
+from rigtri.model.format_rules import FormatRules
 from rigtri.model.records import Clip, Interpolation, Skin, Track
 from rigtri.model.rig import ADDED, Rig, illegible
 from rigtri.report import Notice
@@ -98,7 +99,12 @@ class _Reader:
         rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins())))
         if self.options.root is not None:
             rig = rooted(rig, self.stage, self.options.root, self._interpolation, self.warnings)
-        rig = replace(rig, shelf=self._shelf(rig), per_second=float(self.stage.GetTimeCodesPerSecond()))
+        rules = replace(
+            rig.rules,
+            group_parent=self._group_parent(rig),
+            per_second=float(self.stage.GetTimeCodesPerSecond()),
+        )
+        rig = replace(rig, rules=rules)
         return Source(
             self.path,
             self.stage,
@@ -132,7 +138,7 @@ class _Reader:
         }
         return {node: stand.tracks for node, stand in stands.items() if stand is not None}
 
-    def _shelf(self, rig: Rig) -> int:
+    def _group_parent(self, rig: Rig) -> int:
         """The top-level prim that holds the first skeleton, where our Scope can stand below it."""
         about = list(self.skeletons) or [
             str(skin.key[1]) for skin in rig.skins if isinstance(skin.key, tuple)
@@ -376,10 +382,8 @@ class _Reader:
             payload=np.array(self.payload, dtype=np.int64),
             keys=tuple(self.keys),
             labels=tuple(self.labels),
-            fixed=dict(self.fixed),
             notes=dict(self.notes),
-            up=up,
-            raw=True,
+            rules=FormatRules(fixed=dict(self.fixed), up=up, raw_quaternions=True),
         )
 
 

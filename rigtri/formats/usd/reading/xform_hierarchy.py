@@ -43,12 +43,12 @@ def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnin
     _refuse_skeletons(stage, rig.labels[top])
     skin = pseudo_skin(rig, top)
     _tell_of_resets(rig, stage, top, warnings)
-    fixed, bodies = dict(rig.fixed), jointed_bodies(stage)
+    fixed, bodies = dict(rig.rules.fixed), jointed_bodies(stage)
     for node in skin.joints.tolist():
         why = bodies.get(rig.labels[node]) or why_fixed(stage.GetPrimAtPath(rig.labels[node]))
         if why:
             fixed[node] = why
-    rig = replace(rig, skins=(*rig.skins, skin), fixed=fixed)
+    rig = replace(rig, skins=(*rig.skins, skin), rules=replace(rig.rules, fixed=fixed))
     return _animated(rig, stage, skin.joints.tolist(), interpolation, warnings)
 
 

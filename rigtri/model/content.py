@@ -1,0 +1,43 @@
+"""What a rig can read of its file when it is needed, and what it knows of that file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Protocol
+
+from rigtri.model.control_shapes import Lines, nothing
+from rigtri.model.records import Mesh
+
+
+class RigSource(Protocol):
+    """The file that a rig was read from; only `rigtri.pipeline` looks inside."""
+
+    def after(self, report: Any) -> RigSource: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """What a file draws, read only when needed.
+
+    read_lines: the lines drawn at the node of a key, None where something else is drawn there.
+    read_outlines: meshes to measure, of large ones only some points. read_meshes: the same with all points.
+    """
+
+    read_lines: Callable[[Hashable], Lines | None] = nothing
+    read_outlines: Callable[[], Sequence[Mesh]] = tuple
+    read_meshes: Callable[[], Sequence[Mesh]] = tuple
+
+    @cached_property
+    def meshes(self) -> Sequence[Mesh]:
+        """All that is drawn and can be read; none for a rig that no file was read for."""
+        return self.read_meshes()
+
+    def reordered(self, new: Sequence[int]) -> Content:
+        """The content with node k called ``new[k]``."""
+        return replace(
+            self,
+            read_outlines=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.read_outlines()],
+            read_meshes=lambda: [replace(mesh, node=new[mesh.node]) for mesh in self.meshes],
+        )

@@ -1,0 +1,43 @@
+"""What the format of a rig's file prescribes for its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+
+@dataclass(frozen=True)
+class FormatRules:
+    """What may change in a file, and how it is to be read.
+
+    fixed: nodes whose axes mean something in themselves, with the reason. orient_locked: why no joint
+    of this file may have axes of its own, "" where they may; then ``world_aligned`` are the nodes that
+    may be aligned with the world's axes, all of them together. data_nodes: nodes of ``fixed`` whose
+    transform is data and places nothing, so that they are never joints. split_locked: why no joint of
+    this file may be split, "" where they may.
+    facing: the direction the character looks in, where the format prescribes one. up: the scene's up axis.
+    raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
+    group_parent: the parent of a group that rigtri adds, −1 where the group is a root.
+    per_second: units of clips' time in a second.
+    """
+
+    fixed: Mapping[int, str] = field(default_factory=dict)
+    orient_locked: str = ""
+    world_aligned: frozenset[int] = frozenset()
+    data_nodes: frozenset[int] = frozenset()
+    split_locked: str = ""
+    facing: tuple[float, float, float] | None = None
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    raw_quaternions: bool = False
+    group_parent: int = -1
+    per_second: float = 1.0
+
+    def reordered(self, new: Sequence[int]) -> FormatRules:
+        """The rules with node k called ``new[k]``."""
+        return replace(
+            self,
+            fixed={new[k]: reason for k, reason in self.fixed.items()},
+            world_aligned=frozenset(new[k] for k in self.world_aligned),
+            data_nodes=frozenset(new[k] for k in self.data_nodes),
+            group_parent=new[self.group_parent] if self.group_parent >= 0 else self.group_parent,
+        )

@@ -1,0 +1,35 @@
+"""What is to be done to a file when its rig is written, beside the rig's own values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.control_shapes import Shape
+from rigtri.model.records import Fold, Spread
+
+
+@dataclass(frozen=True, eq=False)
+class PendingEdits:
+    """Edits that need the file: its meshes, or its nodes as they are stored.
+
+    shapes: lines to draw at nodes. weight_redistributions, joint_merges: changes of the weights of meshes.
+    morph_weights: the weights at rest that nodes get, (t,) each.
+    removed: nodes that the written file is without; they have no names any more.
+    """
+
+    shapes: Mapping[int, Shape] = field(default_factory=dict)
+    weight_redistributions: tuple[Spread, ...] = ()
+    joint_merges: tuple[Fold, ...] = ()
+    morph_weights: Mapping[int, Floats] = field(default_factory=dict)
+    removed: frozenset[int] = frozenset()
+
+    def reordered(self, new: Sequence[int]) -> PendingEdits:
+        """The edits with node k called ``new[k]``, −1 for a node that is left out."""
+        return replace(
+            self,
+            shapes={new[k]: shape for k, shape in self.shapes.items()},
+            morph_weights={new[k]: weights for k, weights in self.morph_weights.items()},
+            removed=frozenset(new[k] for k in self.removed if new[k] >= 0),
+        )
