@@ -70,7 +70,7 @@ def test_bake_tells_how_far_it_moves_joints_where_and_when(name: str, tmp_path: 
     worst = told.motion.worst
     assert worst is not None
     assert worst.clip == read(source).rig.clips[0].name
-    assert worst.time >= 0.99 * read(source).rig.per_second
+    assert worst.time >= 0.99 * read(source).rig.rules.per_second
     assert told.summary().startswith("as intended within ")
     assert (
         f"motion differs from IN by up to {told.motion.deviation:.2g} of the size ({worst})" in told.summary()
