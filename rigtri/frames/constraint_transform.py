@@ -25,22 +25,22 @@ from rigtri.model.rig import Rig
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
 _SAME = 1e-9
 # What a turn of frames gives new numbers; the rest of a note stays as it was written.
-_TURNED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "rollAxis")
+_REORIENTED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "rollAxis")
 
 
-def turned_notes(rig: Rig, turn: Floats) -> Mapping[int, Mapping[str, Any]]:
-    """The notes of a rig, with its rules told in the frames that turn by ``turn``, (n, 4)."""
+def reoriented_notes(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:
+    """The notes of a rig, with its rules told in the frames that turn by ``delta``, (n, 4)."""
     notes = dict(rig.notes)
     for node, rule in rules_of(rig).items():
-        if _touched(rig, rule, turn) and not _lost(rig, rule, turn):
-            told = note_of(rig, _turned(rig, rule, turn))
-            notes[node] = {**notes[node], **{key: told[key] for key in _TURNED if key in told}}
+        if _touched(rig, rule, delta) and not _lost(rig, rule, delta):
+            stored = note_of(rig, _reoriented(rig, rule, delta))
+            notes[node] = {**notes[node], **{key: stored[key] for key in _REORIENTED if key in stored}}
     for node, note in rig.notes.items():
         if note.get("type") == "poseReader":
-            notes[node] = _turned_reader(rig, note, turn)
+            notes[node] = _reoriented_reader(rig, note, delta)
         elif note.get("type") == "twist" and "axis" in note:
             joint = rig.known(note.get("joint"))
-            notes[node] = note if joint is None else {**note, "axis": _seen(note["axis"], _of(turn, joint))}
+            notes[node] = note if joint is None else {**note, "axis": _seen(note["axis"], _of(delta, joint))}
     return notes
 
 
@@ -51,52 +51,55 @@ def _seen(vector: Sequence[float], own: Floats) -> list[float]:
     return [float(x) for x in rotate(conjugate(own), np.array(vector, dtype=np.float64))]
 
 
-def _turned_reader(rig: Rig, note: Mapping[str, Any], turn: Floats) -> Mapping[str, Any]:
+def _reoriented_reader(rig: Rig, note: Mapping[str, Any], delta: Floats) -> Mapping[str, Any]:
     """What a pose reader looks for, seen from the new axes of its driver and of its frame."""
     driver, frame = rig.known(note.get("driver")), rig.known(note.get("frame") or None)
     if driver is None or (frame is None and note.get("frame")):
         return note
-    own, above = _of(turn, driver), IDENTITY if frame is None else _of(turn, frame)
+    own, above = _of(delta, driver), IDENTITY if frame is None else _of(delta, frame)
     if not ((own != IDENTITY).any() or (above != IDENTITY).any()):
         return note
 
     def rotation(values: Sequence[float]) -> list[float]:
         return [float(x) for x in multiply(conjugate(above), multiply(np.array(values), own))]
 
-    def target(said: Mapping[str, Any]) -> dict[str, Any]:
-        found = dict(said)
-        if "direction" in said:
-            found["direction"] = _seen(said["direction"], above)
-        if "rotation" in said:
-            found["rotation"] = rotation(said["rotation"])
+    def target(target_record: Mapping[str, Any]) -> dict[str, Any]:
+        found = dict(target_record)
+        if "direction" in target_record:
+            found["direction"] = _seen(target_record["direction"], above)
+        if "rotation" in target_record:
+            found["rotation"] = rotation(target_record["rotation"])
         return found
 
-    told = {"axis": _seen(note["axis"], own), "targets": [target(said) for said in note["targets"]]}
-    return {**note, **told, **({"rest": rotation(note["rest"])} if "rest" in note else {})}
+    stored = {
+        "axis": _seen(note["axis"], own),
+        "targets": [target(target_record) for target_record in note["targets"]],
+    }
+    return {**note, **stored, **({"rest": rotation(note["rest"])} if "rest" in note else {})}
 
 
-def lost_rules(rig: Rig, turn: Floats) -> list[int]:
+def lost_rules(rig: Rig, delta: Floats) -> list[int]:
     """The nodes of rules that mean something else after the turns, (n, 4), and have to be set again."""
-    return [node for node, rule in rules_of(rig).items() if _lost(rig, rule, turn)]
+    return [node for node, rule in rules_of(rig).items() if _lost(rig, rule, delta)]
 
 
-def _of(turn: Floats, node: int) -> Floats:
-    return np.asarray(turn[node]) if node >= 0 else IDENTITY
+def _of(delta: Floats, node: int) -> Floats:
+    return np.asarray(delta[node]) if node >= 0 else IDENTITY
 
 
-def _touched(rig: Rig, rule: Rule, turn: Floats) -> bool:
+def _touched(rig: Rig, rule: Rule, delta: Floats) -> bool:
     nodes = [rule.child, *rule.sources]
     nodes += [int(rig.parents[node]) for node in nodes]
-    return any((_of(turn, node) != IDENTITY).any() for node in nodes)
+    return any((_of(delta, node) != IDENTITY).any() for node in nodes)
 
 
 def _alike(a: Floats, b: Floats) -> bool:
     return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= _SAME)
 
 
-def _lost(rig: Rig, rule: Rule, turn: Floats) -> bool:
-    own, above = _of(turn, rule.child), _of(turn, int(rig.parents[rule.child]))
-    drivers = [_of(turn, node) for node in rule.drivers]
+def _lost(rig: Rig, rule: Rule, delta: Floats) -> bool:
+    own, above = _of(delta, rule.child), _of(delta, int(rig.parents[rule.child]))
+    drivers = [_of(delta, node) for node in rule.drivers]
     if rule.kind == "scale":
         return not all(_alike(one, IDENTITY) for one in (own, *drivers))
     if rule.skip and not (_alike(own, IDENTITY) and _alike(above, IDENTITY)):
@@ -105,13 +108,13 @@ def _lost(rig: Rig, rule: Rule, turn: Floats) -> bool:
         return not all(_alike(own, one) for one in drivers)
     if rule.space == "roll":
         axis = rotate(conjugate(own), np.eye(3)["xyz".index(rule.roll)])
-        parents = [_of(turn, int(rig.parents[node])) for node in rule.drivers]
+        parents = [_of(delta, int(rig.parents[node])) for node in rule.drivers]
         return np.abs(axis - np.rint(axis)).max() > _SAME or not all(_alike(above, one) for one in parents)
     return False
 
 
-def _turned(rig: Rig, rule: Rule, turn: Floats) -> Rule:
-    own, above = _of(turn, rule.child), _of(turn, int(rig.parents[rule.child]))
+def _reoriented(rig: Rig, rule: Rule, delta: Floats) -> Rule:
+    own, above = _of(delta, rule.child), _of(delta, int(rig.parents[rule.child]))
     roll = rule.roll
     if roll:
         seen = np.abs(rotate(conjugate(own), np.eye(3)["xyz".index(roll)]))
@@ -119,10 +122,10 @@ def _turned(rig: Rig, rule: Rule, turn: Floats) -> Rule:
     aim, up = (rotate(conjugate(own), np.array(axis)) for axis in (rule.aim, rule.up))
     up_vector = np.array(rule.up_vector)
     if rule.world_up == "objectrotation":
-        up_vector = rotate(conjugate(_of(turn, rule.up_object)), up_vector)
+        up_vector = rotate(conjugate(_of(delta, rule.up_object)), up_vector)
     return replace(
         rule,
-        offsets=_offsets(rig, rule, turn, own, above),
+        offsets=_offsets(rig, rule, delta, own, above),
         joint_orient=multiply(conjugate(above), multiply(rule.joint_orient, own)),
         rest=multiply(conjugate(above), multiply(rule.rest, own)),
         roll=roll,
@@ -132,8 +135,8 @@ def _turned(rig: Rig, rule: Rule, turn: Floats) -> Rule:
     )
 
 
-def _offsets(rig: Rig, rule: Rule, turn: Floats, own: Floats, above: Floats) -> Floats:
-    drivers = np.stack([_of(turn, node) for node in rule.drivers])
+def _offsets(rig: Rig, rule: Rule, delta: Floats, own: Floats, above: Floats) -> Floats:
+    drivers = np.stack([_of(delta, node) for node in rule.drivers])
     if rule.kind in ("point", "scale"):
         return rule.offsets
     if rule.kind == "polevector":  # a place in the frame of the driver; its axes mean nothing
@@ -141,6 +144,6 @@ def _offsets(rig: Rig, rule: Rule, turn: Floats, own: Floats, above: Floats) -> 
     if rule.kind == "aim":
         return rotate_after(rotate_before(own, rule.offsets), conjugate(own))
     if rule.space == "local":
-        parents = np.stack([_of(turn, int(rig.parents[node])) for node in rule.drivers])
+        parents = np.stack([_of(delta, int(rig.parents[node])) for node in rule.drivers])
         return rotate_after(rotate_before(parents, rule.offsets), conjugate(above))
     return rotate_after(rotate_before(own, rule.offsets), conjugate(drivers))

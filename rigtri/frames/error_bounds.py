@@ -1,4 +1,4 @@
-"""How far what hangs at a node reaches: what a small fault of the node can move, and how far.
+"""Error bounds: the lever arm of each node, which is how far a small error there can move anything.
 
 Bounds for decisions, not values of files: a fault of e (a share) at a node moves nothing by
 more than e times its reach, in any pose that bends joints and does not stretch them.
@@ -28,7 +28,7 @@ TOLERANCE = 1e-5
 _BLOCK = 1 << 20
 
 
-def reaches(rig: Rig) -> Floats:
+def lever_arms(rig: Rig) -> Floats:
     """How far from each node the farthest point, joint or frame that hangs at it can get, (n,).
 
     As a share of the size of what is seen; bones below it as if they were all in one line, at rest and
@@ -36,11 +36,11 @@ def reaches(rig: Rig) -> Floats:
     What is no mesh (cameras, lights) counts as its frame, of axes as long as that size, as it
     is judged. Meshes that cannot be read count for nothing more.
     """
-    return Reach(rig).exact
+    return LeverArm(rig).exact
 
 
-class Reach:
-    """What `reaches` finds, when it is asked for, and before that a bound of it that poses nothing."""
+class LeverArm:
+    """What `lever_arms` finds, when it is asked for, and before that a bound of it that poses nothing."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -51,7 +51,7 @@ class Reach:
 
     @cached_property
     def exact(self) -> Floats:
-        """As `reaches`, (n,)."""
+        """As `lever_arms`, (n,)."""
         rig, world, size = self._rig, self._world, size_of(self._rig, self._meshes, self._world)
         own = self._own(size, self._of_points)
         reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigtri.frames.mirror_modes import Across, Plane, normal_of, pairs
-from rigtri.frames.skeleton import Reference, Skeleton
+from rigtri.frames.skeleton import ReferencePose, Skeleton
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.joint_names import Side
@@ -41,7 +41,7 @@ class Parting:
 
 
 def parting(
-    tree: Skeleton, ref: Reference, plane: Plane, from_side: Side, at: float | None = None
+    tree: Skeleton, ref: ReferencePose, plane: Plane, from_side: Side, at: float | None = None
 ) -> Parting:
     """The plane between the sides; ``at`` as asked for, or where it is between most pairs of joints.
 

@@ -37,43 +37,43 @@ def alike(rig: Rig, constraint: Constraint) -> tuple[int, int] | None:
     return (first, second) if first != second else None
 
 
-def broken(rig: Rig, turn: Floats) -> list[Constraint]:
+def broken(rig: Rig, delta: Floats) -> list[Constraint]:
     """The constraints that would not mean the same after the turns, (n, 4)."""
-    return [c for c in rig.constraints if not (_alike(rig, c, turn) and axis_fits(c, turn[c.node]))]
+    return [c for c in rig.constraints if not (_alike(rig, c, delta) and axis_fits(c, delta[c.node]))]
 
 
-def _alike(rig: Rig, constraint: Constraint, turn: Floats) -> bool:
+def _alike(rig: Rig, constraint: Constraint, delta: Floats) -> bool:
     pair = alike(rig, constraint)
     if pair is None:
         return True
-    a, b = (turn[node] if node >= 0 else IDENTITY for node in pair)
+    a, b = (delta[node] if node >= 0 else IDENTITY for node in pair)
     return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= SAME)
 
 
-def axis_fits(constraint: Constraint, turn: Floats) -> bool:
+def axis_fits(constraint: Constraint, delta: Floats) -> bool:
     """Whether the axis of a constraint is again an axis in the new frame of its node."""
-    axis = _seen(constraint, turn)
+    axis = _seen(constraint, delta)
     return bool((np.abs(axis - np.rint(axis)) <= SAME).all())
 
 
-def axis_straightened(constraint: Constraint, turn: Floats, noise: float) -> Floats:
-    """A turn, (4,), that makes the axis an axis again, where ``turn`` misses that by ``noise`` (radians)."""
-    axis = _seen(constraint, turn)
+def axis_straightened(constraint: Constraint, delta: Floats, noise: float) -> Floats:
+    """A turn, (4,), that makes the axis an axis again, where ``delta`` misses that by ``noise`` (radians)."""
+    axis = _seen(constraint, delta)
     nearest = np.rint(axis)
-    if not nearest.any() or axis_fits(constraint, turn) or np.abs(axis - nearest).max() > noise:
-        return turn
-    return np.asarray(multiply(turn, between(nearest, axis)))
+    if not nearest.any() or axis_fits(constraint, delta) or np.abs(axis - nearest).max() > noise:
+        return delta
+    return np.asarray(multiply(delta, between(nearest, axis)))
 
 
-def turned_constraints(rig: Rig, turn: Floats) -> tuple[Constraint, ...]:
+def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[Constraint, ...]:
     """The constraints of a rig, with their axes told in the turned frames."""
     return tuple(
-        replace(c, axis=np.rint(_seen(c, turn[c.node])) + 0.0) if (turn[c.node] != IDENTITY).any() else c
+        replace(c, axis=np.rint(_seen(c, delta[c.node])) + 0.0) if (delta[c.node] != IDENTITY).any() else c
         for c in rig.constraints
     )
 
 
-def told_by_rules(rig: Rig) -> dict[int, str]:
+def constraints_from_metadata(rig: Rig) -> dict[int, str]:
     """The nodes that follow a rule of rigtri's which is also told as a constraint, and of which kind.
 
     The rule's note says so by ``vrm``: such a constraint is meant to move its node, and comes and
@@ -88,5 +88,5 @@ def told_by_rules(rig: Rig) -> dict[int, str]:
     return found
 
 
-def _seen(constraint: Constraint, turn: Floats) -> Floats:
-    return rotate(conjugate(turn), constraint.axis)
+def _seen(constraint: Constraint, delta: Floats) -> Floats:
+    return rotate(conjugate(delta), constraint.axis)

@@ -13,8 +13,8 @@ from collections.abc import Collection
 
 import numpy as np
 
-from rigtri.frames.error_bounds import Reach, bearable
-from rigtri.frames.reframe import Scales
+from rigtri.frames.error_bounds import LeverArm, bearable
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.maths.quaternions import IDENTITY, norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Constraint, Integers, key_values
@@ -32,7 +32,9 @@ SIX_DIGITS = 4e-6
 SAME_TURN = 1e-6
 
 
-def same_scales(rig: Rig, joints: Collection[int], scales: Scales, reach: Reach, tolerance: float) -> Floats:
+def same_scales(
+    rig: Rig, joints: Collection[int], scales: ScaleTable, reach: LeverArm, tolerance: float
+) -> Floats:
     """How far apart the components of each scale may be to count as one number, (n,).
 
     reach: how far what hangs at each node reaches; tolerance: how far anything may move, as a share of
@@ -50,18 +52,18 @@ def same_scales(rig: Rig, joints: Collection[int], scales: Scales, reach: Reach,
     return np.where(over, np.minimum(scales.same, limit / np.where(over, far, 1.0)), scales.same)
 
 
-def against_parent(rig: Rig, turn: Floats) -> Integers:
+def against_parent(rig: Rig, delta: Floats) -> Integers:
     """The nodes of rotations that are not unit and that viewers of the rig's format would show elsewhere
     after the turns, (n, 4), for their parents turn otherwise.
 
     Of anything that is off by more than float32 rounding and six digits: where points are not at hand.
     """
-    above = np.where((rig.parents >= 0)[:, np.newaxis], turn[rig.parents], IDENTITY)
-    apart = np.minimum(np.abs(turn - above), np.abs(turn + above)).max(axis=1) > SAME_TURN
+    above = np.where((rig.parents >= 0)[:, np.newaxis], delta[rig.parents], IDENTITY)
+    apart = np.minimum(np.abs(delta - above), np.abs(delta + above)).max(axis=1) > SAME_TURN
     return np.flatnonzero(apart & rig.rules.raw_quaternions & (_off_unit(rig) > SIX_DIGITS))
 
 
-def ties(rig: Rig, reach: Reach, tolerance: float) -> tuple[Constraint, ...]:
+def ties(rig: Rig, reach: LeverArm, tolerance: float) -> tuple[Constraint, ...]:
     """Each node whose rotations are not unit, tied to its parent: they must turn alike.
 
     A quaternion of length L is the matrix L²·R + (1 − L²)·1 to a viewer that takes it as it is,

@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds, key_times, locals_at, worlds
-from rigtri.frames.reframe import SAME_SCALE, Scales
+from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_before
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
@@ -102,7 +102,7 @@ def _carries(rig: Rig, joints: list[int]) -> Booleans:
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
+class ReferencePose:
     """The pose in which positions are taken.
 
     world: (n, 4, 4). other: the file's other pose (rest for bind and the other way
@@ -134,7 +134,7 @@ class Reference:
         return np.asarray(self.world[node, 3, :3])
 
 
-def reference(tree: Skeleton, pose: str | None) -> Reference:
+def reference(tree: Skeleton, pose: str | None) -> ReferencePose:
     """The pose that ``--pose`` names; without it bind where a skin holds the joints, else nodes.
 
     Raises UsageError for a pose that the file does not have.
@@ -166,14 +166,14 @@ def reference(tree: Skeleton, pose: str | None) -> Reference:
 
 def _reference(
     tree: Skeleton, world: Floats, other: Floats, kind: dict[int, str], rounding: float
-) -> Reference:
+) -> ReferencePose:
     world = _own_frames(tree, world)
     points = world[list(tree.joints), 3, :3]
     extent = float(length(points.max(axis=0) - points.min(axis=0)))
     with np.errstate(invalid="ignore"):
         near = (np.abs(world[:, 3] - other[:, 3]) <= SAME_POSE * extent) | (world[:, 3] == other[:, 3])
     differs = not near.all()
-    return Reference(world, other if differs else None, kind, extent, rounding)
+    return ReferencePose(world, other if differs else None, kind, extent, rounding)
 
 
 def _own_frames(tree: Skeleton, world: Floats) -> Floats:
@@ -207,7 +207,7 @@ def _own_scale(rig: Rig, joints: list[int], size: Floats) -> Floats:
         uneven = size.max(axis=1) - size.min(axis=1) > SAME_SCALE * size.max(axis=1)
     if not uneven.any():
         return size
-    own = Scales.of(rig).uneven[joints]
+    own = ScaleTable.of(rig).uneven[joints]
     return np.where((uneven & ~own)[:, np.newaxis], 1.0, size)
 
 

@@ -97,6 +97,11 @@ def normalise_for_storage(q: ArrayLike) -> Floats:
     return np.where(meant, np.clip(q / np.where(meant, size, 1.0), -1.0, 1.0), q)
 
 
+def rotates(q: ArrayLike) -> NDArray[np.bool_]:
+    """Which quaternions, (..., 4), are not exactly the identity, (...)."""
+    return np.asarray((as_quaternions(q) != IDENTITY).any(axis=-1))
+
+
 def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
     """Vectors ``v``, (..., 3), turned by unit quaternions ``q``, (..., 4)."""
     q, v = as_quaternions(q), as_vectors(v)

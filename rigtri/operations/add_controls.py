@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import world_of, worlds
 from rigtri.evaluation.twist_joints import is_twist
-from rigtri.frames.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
@@ -127,7 +127,7 @@ class _Builder:
     def __init__(self, rig: Rig, options: AddControlsOptions, report: Report) -> None:
         self.rig, self.options, self.report = rig, options, report
         self.tree: Skeleton = skeleton(rig, options.root)
-        self.ref: Reference = reference(self.tree, "nodes")
+        self.ref: ReferencePose = reference(self.tree, "nodes")
         self.world = worlds(rig)
         self.limbs = with_recognised(rig, options.ik) if self._all_limbs else options.ik
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))

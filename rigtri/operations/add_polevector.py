@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageError
-from rigtri.frames.skeleton import Reference, Skeleton, reference
+from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.triangle import bend_angle, bend_direction, frame, pole_position
 from rigtri.maths.trigonometry import Floats
@@ -143,7 +143,7 @@ def _of_chain(rig: Rig, start: str, end: str, middle: str | None, pose: str) -> 
     return Limb(path[0], inner[int(np.argmax(off))], path[-1])
 
 
-def posed(rig: Rig, pose: str) -> Reference:
+def posed(rig: Rig, pose: str) -> ReferencePose:
     """The pose in use; any node may be in a limb, so all of them are taken as joints."""
     above = {node: int(parent) for node, parent in enumerate(rig.parents)}
     tree = Skeleton(rig, tuple(range(len(rig))), above, {}, np.ones(len(rig), dtype=bool))
@@ -166,7 +166,7 @@ def _named_bends(rig: Rig, limbs: list[Limb], options: AddPolevectorOptions) -> 
 def _bend(
     rig: Rig,
     limb: Limb,
-    ref: Reference,
+    ref: ReferencePose,
     options: AddPolevectorOptions,
     others: tuple[Limb, ...],
     given: Floats | None,
@@ -190,7 +190,7 @@ def _bend(
 
 
 def _place(
-    rig: Rig, limb: Limb, ref: Reference, found: Bend, options: AddPolevectorOptions, report: Report
+    rig: Rig, limb: Limb, ref: ReferencePose, found: Bend, options: AddPolevectorOptions, report: Report
 ) -> Rig:
     points = ref.world[list(limb.triple), 3, :3]
     direction = found.direction
@@ -302,7 +302,7 @@ def _clips(rig: Rig, limb: Limb) -> list[dict[str, Any]]:
     return found
 
 
-def _straight_message(rig: Rig, limbs: list[Limb], ref: Reference) -> str:
+def _straight_message(rig: Rig, limbs: list[Limb], ref: ReferencePose) -> str:
     worst = limbs[0]
     points = ref.world[list(worst.triple), 3, :3]
     name = rig.names[worst.middle] or rig.labels[worst.middle]

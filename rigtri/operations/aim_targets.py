@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from rigtri.evaluation.twist_joints import is_twist
-from rigtri.frames.skeleton import ZERO_LENGTH, Reference, Skeleton
+from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise, unit_of
@@ -58,7 +58,7 @@ class Rules:
     limb_child: Mapping[int, int] = field(default_factory=dict)
 
 
-def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
+def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
     """The one joint below that continues the chain, or None: an end, or an open branch.
 
     A lone child more than 30° off the incoming bone with no weight on or below it is
@@ -71,7 +71,7 @@ def chain_child(tree: Skeleton, ref: Reference, joint: int) -> int | None:
     return ref.chained[joint]
 
 
-def _continuing(tree: Skeleton, ref: Reference, joint: int) -> int | None:
+def _continuing(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
     candidates = _candidates(tree, ref, joint)
     if len(candidates) == 1:
         child = candidates[0]
@@ -86,7 +86,7 @@ def _continuing(tree: Skeleton, ref: Reference, joint: int) -> int | None:
     return ahead[0] if len(ahead) == 1 and tree.above[joint] >= 0 else None
 
 
-def aim_of(tree: Skeleton, ref: Reference, joint: int, rules: Rules) -> Aim:
+def aim_of(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
     """Where ``joint`` aims in the pose of ``ref``."""
     if rules.aim_at and joint in rules.aim_at:
         return _at(ref, joint, rules.aim_at[joint], "named") or Aim("keep")
@@ -107,7 +107,7 @@ def aim_of(tree: Skeleton, ref: Reference, joint: int, rules: Rules) -> Aim:
     return _ending(tree, ref, joint, rules.end)
 
 
-def _candidates(tree: Skeleton, ref: Reference, joint: int) -> list[int]:
+def _candidates(tree: Skeleton, ref: ReferencePose, joint: int) -> list[int]:
     """Joints below that may continue a chain: no eyes, no twist joints, only weighted ones if some are."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
     below = [k for k in tree.below[joint] if k not in eyes and not is_twist(tree.rig.notes.get(k))]
@@ -149,7 +149,7 @@ def limb_children(tree: Skeleton, limbs: Sequence[Limb]) -> dict[int, int]:
     return after
 
 
-def _branching(tree: Skeleton, ref: Reference, joint: int, candidates: list[int], branch: Branch) -> Aim:
+def _branching(tree: Skeleton, ref: ReferencePose, joint: int, candidates: list[int], branch: Branch) -> Aim:
     if branch == "keep":
         return Aim("keep")
     if branch == "first":
@@ -166,7 +166,7 @@ def _branching(tree: Skeleton, ref: Reference, joint: int, candidates: list[int]
     return _average(tree, ref, joint, candidates)
 
 
-def _average(tree: Skeleton, ref: Reference, joint: int, candidates: list[int]) -> Aim:
+def _average(tree: Skeleton, ref: ReferencePose, joint: int, candidates: list[int]) -> Aim:
     vectors = _seen_from(ref, joint, candidates)
     mean = vectors.cumsum(axis=0)[-1] / len(vectors)
     typical = float(length(vectors).cumsum()[-1]) / len(vectors)
@@ -180,7 +180,7 @@ def _average(tree: Skeleton, ref: Reference, joint: int, candidates: list[int]) 
     return Aim("average", normalise(mean), None, _world_length(ref, joint, mean))
 
 
-def _ending(tree: Skeleton, ref: Reference, joint: int, end: End) -> Aim:
+def _ending(tree: Skeleton, ref: ReferencePose, joint: int, end: End) -> Aim:
     if end == "tip":
         tip = _tip(tree, joint)
         aim = _at(ref, joint, tip, "tip") if tip is not None else None
@@ -207,7 +207,7 @@ def _tip(tree: Skeleton, joint: int) -> int | None:
     return one[0] if len(one) == 1 else None
 
 
-def _incoming(tree: Skeleton, ref: Reference, joint: int) -> Aim | None:
+def _incoming(tree: Skeleton, ref: ReferencePose, joint: int) -> Aim | None:
     """The direction in which the bone from the parent arrives."""
     parent = tree.above[joint]
     if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
@@ -216,7 +216,7 @@ def _incoming(tree: Skeleton, ref: Reference, joint: int) -> Aim | None:
     return Aim("incoming", normalise(-back), None, _distance(ref, parent, joint))
 
 
-def _through_zero(tree: Skeleton, ref: Reference, joint: int, child: int) -> Aim | None:
+def _through_zero(tree: Skeleton, ref: ReferencePose, joint: int, child: int) -> Aim | None:
     """Aim at the child, or past children at the same place at the next one that is not."""
     node: int | None = child
     while node is not None:
@@ -226,13 +226,13 @@ def _through_zero(tree: Skeleton, ref: Reference, joint: int, child: int) -> Aim
     return None
 
 
-def _at(ref: Reference, joint: int, node: int, how: str) -> Aim | None:
+def _at(ref: ReferencePose, joint: int, node: int, how: str) -> Aim | None:
     (x, y, z), (a, b, c, place) = ref.places[node], ref.inverse[joint].tolist()
     direction = unit_of([x * a[k] + y * b[k] + z * c[k] + place[k] for k in range(3)])
     return None if direction is None else Aim(how, np.array(direction), node, _distance(ref, joint, node))
 
 
-def _within(tree: Skeleton, ref: Reference, joint: int, child: int, cosine: float) -> bool:
+def _within(tree: Skeleton, ref: ReferencePose, joint: int, child: int, cosine: float) -> bool:
     """Whether a child is off the incoming bone by no more than the angle of this cosine, in the world."""
     parent = tree.above[joint]
     if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
@@ -241,22 +241,22 @@ def _within(tree: Skeleton, ref: Reference, joint: int, child: int, cosine: floa
     return x * u + y * v + z * w >= cosine * _distance(ref, parent, joint) * _distance(ref, joint, child)
 
 
-def _way(ref: Reference, a: int, b: int) -> tuple[float, float, float]:
+def _way(ref: ReferencePose, a: int, b: int) -> tuple[float, float, float]:
     """From one node to another. Of single nodes plain numbers are a hundred times as fast as arrays."""
     (x, y, z), (u, v, w) = ref.places[a], ref.places[b]
     return u - x, v - y, w - z
 
 
-def _distance(ref: Reference, a: int, b: int) -> float:
+def _distance(ref: ReferencePose, a: int, b: int) -> float:
     x, y, z = _way(ref, a, b)
     return sqrt(x * x + y * y + z * z)
 
 
-def _seen_from(ref: Reference, joint: int, nodes: Sequence[int]) -> Floats:
+def _seen_from(ref: ReferencePose, joint: int, nodes: Sequence[int]) -> Floats:
     """Positions of nodes in the joint's own space, (k, 3)."""
     return transform_points(ref.world[list(nodes), 3, :3], ref.inverse[joint])
 
 
-def _world_length(ref: Reference, joint: int, vector: Floats) -> float:
+def _world_length(ref: ReferencePose, joint: int, vector: Floats) -> float:
     moved = transform_points(vector, ref.world[joint])
     return float(length(moved - ref.position(joint)))

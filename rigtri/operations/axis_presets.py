@@ -14,7 +14,7 @@ from rigtri.errors import UsageError
 
 
 @dataclass(frozen=True)
-class Style:
+class AxisStyle:
     """Which axis aims, which goes up, and where up comes from."""
 
     aim: str = "x"
@@ -22,7 +22,7 @@ class Style:
     up_from: str = "plane"
     world: bool = False
 
-    def checked(self) -> Style:
+    def checked(self) -> AxisStyle:
         """This style, or UsageError for letters that make no frame."""
         from rigtri.maths.triangle import axis_of  # numpy: the command line lists presets without it
 
@@ -36,16 +36,16 @@ class Style:
         return self
 
 
-PRESETS: dict[str, Style] = {
-    "maya": Style("x", "y", "world:+y"),
-    "unreal-editor": Style("x", "-y", "plane"),
-    "mgear": Style("x", "-z", "plane"),
-    "cmt": Style("x", "y", "pole"),
-    "blender": Style("y", "x", "plane"),
-    "rigify": Style("y", "x", "plane"),
-    "talk": Style("x", "-y", "pole"),
-    "article": Style("x", "y", "plane"),
-    "openxr": Style("-z", "y", "plane"),
-    "three-ik": Style("z", "y", "plane"),
-    "vrm": Style(world=True),
+PRESETS: dict[str, AxisStyle] = {
+    "maya": AxisStyle("x", "y", "world:+y"),
+    "unreal-editor": AxisStyle("x", "-y", "plane"),
+    "mgear": AxisStyle("x", "-z", "plane"),
+    "cmt": AxisStyle("x", "y", "pole"),
+    "blender": AxisStyle("y", "x", "plane"),
+    "rigify": AxisStyle("y", "x", "plane"),
+    "talk": AxisStyle("x", "-y", "pole"),
+    "article": AxisStyle("x", "y", "plane"),
+    "openxr": AxisStyle("-z", "y", "plane"),
+    "three-ik": AxisStyle("z", "y", "plane"),
+    "vrm": AxisStyle(world=True),
 }

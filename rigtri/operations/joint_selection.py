@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
-from rigtri.frames.skeleton import Reference, Skeleton
+from rigtri.frames.skeleton import ReferencePose, Skeleton
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import chain_child
 from rigtri.recognition.limbs import along
@@ -41,7 +41,7 @@ class Selection:
 
 
 def select(
-    tree: Skeleton, ref: Reference, selection: Selection, *, all_named: bool = False
+    tree: Skeleton, ref: ReferencePose, selection: Selection, *, all_named: bool = False
 ) -> tuple[list[int], dict[int, str]]:
     """The joints to turn, parents first, and for every other joint the reason it is kept.
 
@@ -118,7 +118,7 @@ def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
 class _Stays:
     """Why joints that nobody named keep their axes."""
 
-    def __init__(self, tree: Skeleton, ref: Reference) -> None:
+    def __init__(self, tree: Skeleton, ref: ReferencePose) -> None:
         self._tree, self._ref = tree, ref
         self._eyes = {tree.rig.humanoid[eye] for eye in _EYES if eye in tree.rig.humanoid}
         self._driven = {c.node for c in tree.rig.constraints if c.kind == "roll"}

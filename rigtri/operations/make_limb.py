@@ -20,7 +20,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, AddPolevectorOptions, add_polevector, posed
-from rigtri.operations.axis_presets import Style
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.options import operation
 from rigtri.operations.orient_joints.up_direction import crossing, vector
 from rigtri.operations.rigtri_nodes import free_name, group, noted, plain_name
@@ -54,7 +54,7 @@ class MakeLimbOptions:
     locators: tuple[str, ...] = ()
     points: tuple[Point, ...] = ()
     planar: bool = False
-    style: Style = field(default_factory=Style)
+    style: AxisStyle = field(default_factory=AxisStyle)
     end_aim: str | Point | None = None
     bend: Point | None = None
     name: str = "limb"
@@ -344,7 +344,7 @@ def _handed(rig: Rig, parent: int, axes: Floats, options: MakeLimbOptions, repor
         f"'{rig.title(parent)}' is mirrored, and so are the joints of {options.title}: aim and up are kept."
     )
     report.warn("mirrored-parent", text, joint=options.title)
-    style = Style() if options.style.world else options.style
+    style = AxisStyle() if options.style.world else options.style
     third = 3 - axis_of(style.aim)[0] - axis_of(style.up)[0]
     return axes * np.where(np.arange(3) == third, -1.0, 1.0)[:, np.newaxis]
 

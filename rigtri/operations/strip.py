@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.node_constraints import told_by_rules
+from rigtri.frames.node_constraints import constraints_from_metadata
 from rigtri.model.records import Booleans, Constraint, Fold, Skin
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.replaced_keys import restored
@@ -162,7 +162,7 @@ def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
 
 def _others(rig: Rig) -> tuple[Constraint, ...]:
     """The node constraints that no rule of ours is told by."""
-    ours = told_by_rules(rig)
+    ours = constraints_from_metadata(rig)
     return tuple(c for c in rig.constraints if ours.get(c.node) != c.kind)
 
 

@@ -13,8 +13,9 @@ from pxr import Usd, UsdGeom, UsdSkel
 from rigtri.errors import RigtriError
 from rigtri.formats import ReadOptions
 from rigtri.formats.usd.document import UsdDocument
-from rigtri.frames.error_bounds import TOLERANCE, Reach
-from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.frames.error_bounds import TOLERANCE, LeverArm
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe
 from rigtri.frames.scale_tolerance import ties
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.maths.trigonometry import Floats
@@ -107,8 +108,8 @@ def turned(rig: Rig, seed: int = 1, only: list[int] | None = None) -> Rig:
     for skin in rig.skins:
         joints = [n for n in skin.joints.tolist() if n not in rig.rules.fixed and (only is None or n in only)]
         turn[joints] = unit(random.normal(size=(len(joints), 4)))
-    turn[~scale_allows(rig, turn)] = IDENTITY
-    for tie in ties(rig, Reach(rig), TOLERANCE):  # parents come first
+    turn[~ScaleTable.of(rig).allows(turn)] = IDENTITY
+    for tie in ties(rig, LeverArm(rig), TOLERANCE):  # parents come first
         turn[tie.node] = turn[tie.source] if tie.source >= 0 else IDENTITY
     return reframe(rig, turn)
 

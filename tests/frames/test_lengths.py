@@ -18,15 +18,16 @@ from usd_files import deviation
 
 from rigtri.errors import DeviationError, FileError
 from rigtri.formats import ReadOptions, read
-from rigtri.frames.error_bounds import Reach, bearable, reaches
-from rigtri.frames.reframe import Scales, reframe, split
+from rigtri.frames.error_bounds import LeverArm, bearable, lever_arms
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe, split
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.content import Content
 from rigtri.model.records import Clip, Mesh, Skin, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import Style
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
@@ -206,7 +207,7 @@ def test_noise_of_a_pair_counts_beside_a_third_number_that_is_another(tmp_path: 
     source, out = made(tmp_path, lever(10.0, third=1.001), ".glb"), tmp_path / "out.glb"
     outcome = oriented(source, out)
     assert verify(read(source), read(out)).deviation < FLOOR
-    scales = Scales.of(read(source).rig)
+    scales = ScaleTable.of(read(source).rig)
     (elbow,) = (k for k, name in enumerate(read(source).rig.names) if name == "elbow")
     assert scales.noise[elbow] == pytest.approx(NOISE, rel=0.01)
     assert entries(outcome)["elbow"]["scale"]["policy"] == "snap"
@@ -225,8 +226,8 @@ def test_what_clips_do_with_morphs_counts_as_reach() -> None:
     turn = Track(2, "weights", "LINEAR", np.arange(2.0), np.array([[0.0], [1.5]]))
     still = replace(rig, content=Content(read_outlines=lambda: [body]))
     played = replace(still, clips=(Clip("smile", (turn,)),))
-    assert np.allclose(reaches(still), [9, 6, 1])  # of a size of 1, of the two points at rest
-    assert np.allclose(reaches(played), [14, 11, 6])
+    assert np.allclose(lever_arms(still), [9, 6, 1])  # of a size of 1, of the two points at rest
+    assert np.allclose(lever_arms(played), [14, 11, 6])
 
 
 def test_the_same_noise_where_it_moves_little_is_uniform(tmp_path: Path) -> None:
@@ -241,7 +242,7 @@ def test_the_same_noise_where_it_moves_little_is_uniform(tmp_path: Path) -> None
 def test_noise_adds_up_along_a_chain(tmp_path: Path) -> None:
     limb = Limb(rest=dict.fromkeys(NAMES[1:], (1, 1 + NOISE, 1 - NOISE / 3)))
     source, out = made(tmp_path, limb, ".glb"), tmp_path / "out.glb"
-    outcome = oriented(source, out, style=Style("y", "x"))
+    outcome = oriented(source, out, style=AxisStyle("y", "x"))
     assert verify(read(source), read(out)).deviation < TOLERANCE
     assert entries(outcome)["shoulder"]["scale"]["policy"] == "snap"
 
@@ -256,7 +257,7 @@ def test_in_usd_noise_of_a_matrix_at_rest_counts_as_in_gltf(tmp_path: Path) -> N
 def test_a_reach_is_the_longest_way_along_bones_and_out_to_the_points() -> None:
     """Bones of 3 and 5 in a box of 3 by 4."""
     rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
-    assert np.allclose(reaches(rig), [8 / 5, 5 / 5, 0])
+    assert np.allclose(lever_arms(rig), [8 / 5, 5 / 5, 0])
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -275,9 +276,9 @@ def test_what_a_reach_is_at_most_is_found_without_posing_and_is_no_less(seed: in
     ]
     scale = chance.uniform(0.5, 2.0, size=(count, 3))
     rig = replace(rig, scale=scale, clips=(Clip("all", tuple(tracks)),))
-    found = Reach(rig)
+    found = LeverArm(rig)
     assert (found.at_most >= found.exact).all()
-    assert (Reach(replace(rig, clips=())).at_most >= reaches(replace(rig, clips=()))).all()
+    assert (LeverArm(replace(rig, clips=())).at_most >= lever_arms(replace(rig, clips=()))).all()
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -300,16 +301,16 @@ def test_a_bound_of_reach_is_no_less_where_few_points_tell_the_size_of_what_is_s
     )
     meshes = [skinned, Mesh("staff", 2, 0.5 * points), Mesh("nothing", 1, np.zeros((0, 3)))]
     for drawn in (meshes, meshes[:1], meshes[1:], meshes[2:]):
-        found = Reach(replace(rig, content=Content(read_outlines=partial(list, drawn))))
+        found = LeverArm(replace(rig, content=Content(read_outlines=partial(list, drawn))))
         assert (found.at_most >= found.exact).all()
         assert found.exact.any()
 
 
 def test_a_bound_of_reach_is_nearly_tight_where_scales_are_1_and_infinite_for_splines() -> None:
     rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))
-    assert np.allclose(Reach(rig).at_most, [8 / 5, 5 / 5, 0], rtol=0.002)
+    assert np.allclose(LeverArm(rig).at_most, [8 / 5, 5 / 5, 0], rtol=0.002)
     spline = Track(1, "translation", "CUBICSPLINE", np.arange(2.0), np.zeros((2, 3, 3)))
-    assert np.isinf(Reach(replace(rig, clips=(Clip("c", (spline,)),))).at_most[0])
+    assert np.isinf(LeverArm(replace(rig, clips=(Clip("c", (spline,)),))).at_most[0])
 
 
 def test_an_effect_may_be_no_more_than_its_share_of_a_line() -> None:

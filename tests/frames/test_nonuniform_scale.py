@@ -21,7 +21,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import Style
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
@@ -61,8 +61,8 @@ def made(folder: Path, limb: Limb, suffix: str, **options: Any) -> Path:
     return gltf(path, limb, **options) if suffix == ".glb" else usd(path, limb, **options)
 
 
-def oriented(source: Path, target: Path, policy: Any = "split", style: Style | None = None) -> Outcome:
-    options = OrientJointsOptions(on_nonuniform_scale=policy, style=style or Style())
+def oriented(source: Path, target: Path, policy: Any = "split", style: AxisStyle | None = None) -> Outcome:
+    options = OrientJointsOptions(on_nonuniform_scale=policy, style=style or AxisStyle())
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=options, report=report)
@@ -223,7 +223,7 @@ def test_a_split_joint_lends_and_takes_axes_like_any_other(suffix: str, tmp_path
     source, out = made(tmp_path, CASES["a whole chain"], suffix), tmp_path / f"out{suffix}"
     other = tmp_path / f"other{suffix}"
     oriented(source, out)
-    oriented(out, other, style=Style("y", "x"))
+    oriented(out, other, style=AxisStyle("y", "x"))
     assert verify(read(source), read(other)).deviation < 2e-7
     assert len(read(other).rig) == len(read(out).rig)
 

@@ -12,7 +12,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, random_turns
 
 from rigtri.evaluation.sampling import locals_at, rest, skin_matrices, worlds
-from rigtri.frames.reframe import reframe, scale_allows, split
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe, split
 from rigtri.maths.matrices import from_frame, multiply
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes
 from rigtri.maths.quaternions import multiply as then
@@ -152,7 +153,7 @@ def test_an_uneven_scale_allows_what_keeps_it_diagonal_and_refuses_the_rest() ->
 
     def allowed(scale: list[float], turn: Floats) -> bool:
         scaled = replace(rig, scale=np.array([scale, [1.0, 1.0, 1.0]]))
-        return bool(scale_allows(scaled, np.stack([turn, IDENTITY]))[0])
+        return bool(ScaleTable.of(scaled).allows(np.stack([turn, IDENTITY]))[0])
 
     assert allowed([2, 2, 2], slant)
     assert allowed([-2, 2, 2], slant)

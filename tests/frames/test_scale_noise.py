@@ -13,12 +13,12 @@ from scaled_limbs import NAMES, Limb, gltf
 
 from rigtri.errors import DeviationError
 from rigtri.formats import read
-from rigtri.frames.error_bounds import reaches
+from rigtri.frames.error_bounds import lever_arms
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.vectors import length
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import Style
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
@@ -27,10 +27,10 @@ from rigtri.verification.compare.compare import verify
 
 ONE, MIRROR = (1, 1, 1), (-1, 1, 1)
 AXES = ("x", "-x", "y", "-y", "z", "-z")
-STYLES = [Style(aim, up) for aim in AXES for up in AXES if aim[-1] != up[-1]]
+STYLES = [AxisStyle(aim, up) for aim in AXES for up in AXES if aim[-1] != up[-1]]
 
 
-def oriented(source: Path, target: Path, policy: Any, style: Style) -> Outcome:
+def oriented(source: Path, target: Path, policy: Any, style: AxisStyle) -> Outcome:
     options = OrientJointsOptions(on_nonuniform_scale=policy, style=style)
 
     def step(rig: Rig, report: Report) -> Rig:
@@ -40,7 +40,9 @@ def oriented(source: Path, target: Path, policy: Any, style: Style) -> Outcome:
 
 
 @pytest.mark.parametrize("style", STYLES, ids=lambda s: f"{s.aim} {s.up}")
-def test_a_split_end_that_copies_its_parent_stands_so_the_second_time(style: Style, tmp_path: Path) -> None:
+def test_a_split_end_that_copies_its_parent_stands_so_the_second_time(
+    style: AxisStyle, tmp_path: Path
+) -> None:
     limb = Limb(rest={"finger": MIRROR}, keys={"finger": [MIRROR, ONE, MIRROR, ONE, ONE]})
     source, out, again = gltf(tmp_path / "in.glb", limb), tmp_path / "out.glb", tmp_path / "again.glb"
     oriented(source, out, "split", style)
@@ -50,7 +52,7 @@ def test_a_split_end_that_copies_its_parent_stands_so_the_second_time(style: Sty
 
 
 @pytest.mark.parametrize("style", STYLES, ids=lambda s: f"{s.aim} {s.up}")
-def test_noise_of_a_scale_that_is_snapped_stays_the_second_time(style: Style, tmp_path: Path) -> None:
+def test_noise_of_a_scale_that_is_snapped_stays_the_second_time(style: AxisStyle, tmp_path: Path) -> None:
     noise = (0.9999758851388976, 1.0000108147211402, 0.9999891980694453)
     limb = Limb(
         rest={"shoulder": noise, "elbow": (1.000003, 1, 1.000004)},
@@ -77,7 +79,7 @@ def with_camera(folder: Path, noise: float) -> Path:
 @pytest.mark.parametrize("noise", [5e-6, 7e-6, 8e-6, 9e-6, 1e-5, 1.3e-5])
 def test_a_camera_below_a_nearly_uniform_scale_looks_the_same_way(noise: float, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
-    outcome = oriented(with_camera(tmp_path, noise), out, "snap", Style())
+    outcome = oriented(with_camera(tmp_path, noise), out, "snap", AxisStyle())
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-5
     assert verify(read(tmp_path / "in.glb"), read(out)).deviation < 1e-5
@@ -87,14 +89,14 @@ def test_a_frame_reaches_at_least_half_its_diagonal(tmp_path: Path) -> None:
     """A box of half edges 1 has corners √3 from its middle, and the camera is beside the elbow."""
     rig = read(with_camera(tmp_path, 0.0)).rig
     eye, elbow = rig.find("eye", "node"), rig.find("elbow")
-    assert reaches(rig)[eye] == pytest.approx(np.sqrt(3.0), rel=1e-6)
-    assert reaches(rig)[elbow] > np.sqrt(3.0)
+    assert lever_arms(rig)[eye] == pytest.approx(np.sqrt(3.0), rel=1e-6)
+    assert lever_arms(rig)[elbow] > np.sqrt(3.0)
 
 
 def test_where_no_noise_of_a_scale_is_allowed_its_joint_takes_the_nearest_axes(tmp_path: Path) -> None:
     """Of a cardinal turn float64 leaves bits beside the diagonal; they are none of the scale's."""
     rig = read(gltf(tmp_path / "limb.glb", Limb(rest={"elbow": (1, 1.000001, 0.999999)}))).rig
-    options = OrientJointsOptions(on_nonuniform_scale="snap", style=Style("x", "y"), tolerance=0.0)
+    options = OrientJointsOptions(on_nonuniform_scale="snap", style=AxisStyle("x", "y"), tolerance=0.0)
     turned = orient_joints(rig, options=options)
     assert not np.array_equal(turned.rotation, rig.rotation)
 
@@ -123,7 +125,10 @@ def test_what_a_clip_stretches_reaches_further(path: Any, tmp_path: Path) -> Non
     elbow, wrist = rig.find("elbow"), rig.find("wrist")
     node, value = (elbow, np.full(3, 2.0)) if path == "scale" else (wrist, 2.0 * rig.translation[wrist])
     track = Track(node, path, "LINEAR", np.zeros(1), value[np.newaxis])
-    still, moved = reaches(replace(rig, clips=())), reaches(replace(rig, clips=(Clip("long", (track,)),)))
+    still, moved = (
+        lever_arms(replace(rig, clips=())),
+        lever_arms(replace(rig, clips=(Clip("long", (track,)),))),
+    )
     longer = float(length(rig.translation[wrist])) / size_of(rig, rig.content.read_outlines())
     assert moved[elbow] == pytest.approx(2 * still[elbow] if path == "scale" else still[elbow] + longer)
     assert moved[wrist] == pytest.approx(still[wrist] * (2.0 if path == "scale" else 1.0))

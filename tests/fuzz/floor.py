@@ -6,7 +6,7 @@ the old ones. Three things in a source explain one:
 
 * Scales or numbers far beyond the size of what is seen blow those last bits up to a good part of the
   tolerance: no program could write the file exactly enough.
-* Scales that differ by noise are taken for one number (`rigtri.frames.reframe.SAME_SCALE`); where much hangs
+* Scales that differ by noise are taken for one number (`nonuniform_scale.SAME_SCALE`); where much hangs
   on such a joint, that noise is seen.
 * A scale that is next to nothing beside the others of its joint: what is turned out of that direction
   is lost in the last bits of the others.
@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.formats import Document
-from rigtri.frames.reframe import SAME_SCALE
+from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Clip, Mesh, Skin, Track
 from rigtri.model.rig import Rig

@@ -23,7 +23,7 @@ from rigtri.formats import ReadOptions, read, write_blank
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions
-from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -78,7 +78,7 @@ def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
 
 
 def test_the_end_aims_where_it_is_told() -> None:
-    out, joints, _ = made(end_aim=(6.0, 0.0, 2.0), style=Style(up_from="world:+y"))
+    out, joints, _ = made(end_aim=(6.0, 0.0, 2.0), style=AxisStyle(up_from="world:+y"))
     assert_allclose(worlds(out)[joints[2], :2, :3], [[0, 0, 1], [0, 1, 0]], atol=1e-6)
     with pytest.raises(GeometryError, match="along the limb's hinge"):
         made(end_aim=(6.0, 0.0, 2.0))

@@ -22,7 +22,7 @@ from rigtri.maths.vectors import cross, normalise
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.records import Clip, Skin, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.recognition.limbs import given
@@ -66,7 +66,7 @@ PAIRS = [(a, u) for a, u in product(("x", "-x", "y", "-y", "z", "-z"), repeat=2)
 
 @pytest.mark.parametrize(("aim", "up"), PAIRS)
 def test_each_of_the_24_axis_pairs_aims_and_stays_right_handed(aim: str, up: str) -> None:
-    out = oriented(arm(), style=Style(aim, up))
+    out = oriented(arm(), style=AxisStyle(aim, up))
     frames = normalise(worlds(out)[:, :3, :3])
     assert_allclose(np.linalg.det(frames), 1, atol=1e-12)
     letter, sign = axis_of(aim)
@@ -304,7 +304,7 @@ def test_a_side_that_is_straight_mirrors_the_other() -> None:
 )
 def test_up_comes_from_where_the_user_says(source: str, expected: Any) -> None:
     rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (2, 0, 5))
-    out = oriented(rig, style=Style("x", "y", source), selection=Selection(joints=("a",)))
+    out = oriented(rig, style=AxisStyle("x", "y", source), selection=Selection(joints=("a",)))
     wanted = normalise(np.asarray(expected, dtype=float) * [0, 1, 1])
     assert_allclose(axes(out, "a")[1], wanted, atol=1e-12)
 
@@ -314,29 +314,29 @@ def test_up_may_follow_the_parent_or_the_child() -> None:
     rig.rotation[0] = from_axis_angle([1, 0, 0], 0.7)
     rig = rebound(rig)
     only = Selection(joints=("b", "c"))
-    from_parent = oriented(rig, style=Style("x", "y", "parent"), selection=only)
+    from_parent = oriented(rig, style=AxisStyle("x", "y", "parent"), selection=only)
     assert_allclose(axes(from_parent, "c")[1], axes(rig, "a")[1], atol=1e-12)
     rig.rotation[3] = from_axis_angle([1, 0, 0], 0.4)
-    from_child = oriented(rig, style=Style("x", "y", "child"), selection=only)
+    from_child = oriented(rig, style=AxisStyle("x", "y", "child"), selection=only)
     assert_allclose(axes(from_child, "b")[1], axes(rig, "d")[1], atol=1e-12)
 
 
 def test_an_up_along_the_bone_goes_down_the_ladder_and_says_so() -> None:
     report = Report()
-    oriented(arm(), report, style=Style("x", "y", "vector:2,0,-0.5"))
+    oriented(arm(), report, style=AxisStyle("x", "y", "vector:2,0,-0.5"))
     assert report.joints[0]["step"] == 2
     assert any(notice.code == "up-parallel" for notice in report.warnings)
 
 
 def test_chains_may_have_styles_of_their_own() -> None:
-    out = oriented(arm(), chain_styles=(("b", "c", Style("z", "y")),), selection=Selection(joints=("a",)))
+    out = oriented(arm(), chain_styles=(("b", "c", AxisStyle("z", "y")),), selection=Selection(joints=("a",)))
     assert_allclose(axes(out, "b")[2], normalise(np.subtract(WRIST, ELBOW)), atol=1e-12)
     assert_allclose(axes(out, "a")[0], AIM, atol=1e-12)
 
 
 def test_snap_turns_to_the_nearest_cardinal_axes_only() -> None:
     rig = arm()
-    out = oriented(rig, snap=True, style=Style("y", "x"))
+    out = oriented(rig, snap=True, style=AxisStyle("y", "x"))
     turned = axes(out, "a") @ axes(rig, "a").T
     assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
 
@@ -361,7 +361,7 @@ def test_the_axes_of_another_file_come_back_exactly() -> None:
     rig = arm()
     rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     rig = rebound(rig)
-    away = oriented(rig, style=Style("-z", "y"))
+    away = oriented(rig, style=AxisStyle("-z", "y"))
     home = oriented(away, like=rig)
     assert_allclose(worlds(home), worlds(rig), atol=1e-9)
 
@@ -371,7 +371,7 @@ def test_a_rotation_common_to_the_whole_skeleton_is_taken_out_of_like() -> None:
     z_up = replace(rig, rotation=rig.rotation.copy())
     z_up.rotation[0] = from_axis_angle([1, 0, 0], np.pi / 2)
     z_up = rebound(z_up)
-    turned = oriented(z_up, style=Style("y", "z"))
+    turned = oriented(z_up, style=AxisStyle("y", "z"))
     home = oriented(rig, like=turned)
     seen = axes(turned, "b") @ worlds(z_up)[0, :3, :3].T
     assert_allclose(axes(home, "b"), seen, atol=1e-7)
@@ -441,7 +441,7 @@ def test_a_split_holds_the_axes_in_a_node_of_its_own_and_moves_nothing() -> None
 def test_a_split_node_is_the_joints_frame_from_then_on() -> None:
     once = oriented(stretched(), on_nonuniform_scale="split")
     assert oriented(once, on_nonuniform_scale="split") is once
-    other = oriented(once, style=Style("y", "x"), on_nonuniform_scale="split")
+    other = oriented(once, style=AxisStyle("y", "x"), on_nonuniform_scale="split")
     assert len(other) == len(once)
     assert_allclose(axes(other, "b_orient")[1], axes(once, "b_orient")[0], atol=1e-12)
     assert_allclose(posed(other)[:, once.find("d"), 3], posed(once)[:, once.find("d"), 3], atol=1e-12)
@@ -459,9 +459,9 @@ def test_what_the_user_misspells_is_named() -> None:
     with pytest.raises(NameNotFoundError, match="forarm"):
         oriented(arm(), selection=Selection(joints=("forarm",)))
     with pytest.raises(UsageError, match="same letter"):
-        oriented(arm(), style=Style("x", "-x"))
+        oriented(arm(), style=AxisStyle("x", "-x"))
     with pytest.raises(UsageError, match="none of plane"):
-        oriented(arm(), style=Style("x", "y", "plan"))
+        oriented(arm(), style=AxisStyle("x", "y", "plan"))
     with pytest.raises(UsageError, match="CLIP@TIME"):
         oriented(arm(), pose="walk")
     with pytest.raises(NameNotFoundError, match="clip"):
@@ -514,7 +514,7 @@ def test_frames_of_characters_that_share_names_are_not_mixed_up() -> None:
     from rigtri.operations.orient_joints.frame_sources import frames_json
 
     report = Report()
-    out = oriented(twins(), report, style=Style("y", "x"))
+    out = oriented(twins(), report, style=AxisStyle("y", "x"))
     back = oriented(out, frames=frames_json(report), inverse=True)
     assert_allclose(worlds(back), worlds(twins()), atol=1e-12)
     assert_allclose(worlds(oriented(out, like=twins())), worlds(twins()), atol=1e-9)
@@ -528,9 +528,9 @@ def test_a_regular_zigzag_keeps_its_side_in_a_second_run() -> None:
 
 
 @pytest.mark.parametrize(
-    "style", [Style("x", "y", "child"), Style("x", "y", "keep"), Style("x", "y", "parent")]
+    "style", [AxisStyle("x", "y", "child"), AxisStyle("x", "y", "keep"), AxisStyle("x", "y", "parent")]
 )
-def test_every_source_of_up_is_stable(style: Style) -> None:
+def test_every_source_of_up_is_stable(style: AxisStyle) -> None:
     rig = arm()
     rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     once = oriented(rebound(rig), style=style)
@@ -561,7 +561,7 @@ def test_a_named_joint_that_may_not_turn_is_an_error() -> None:
 
 @pytest.mark.parametrize("source", ["plane", "child", "keep", "parent"])
 def test_snapped_joints_are_stable_whatever_tells_their_up(source: str) -> None:
-    rig, style = arm(), Style("x", "y", source)
+    rig, style = arm(), AxisStyle("x", "y", source)
     rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     rig.scale[1:3] = [[1.0, 1.3, 1.3], [0.9, 1.0, 1.4]]
     once = oriented(rebound(rig), style=style)
@@ -573,7 +573,7 @@ def test_like_is_exact_below_an_ancestor_that_stretches() -> None:
     rig.scale[0] = [1.0, 2.0, 1.0]
     rig.rotation[1:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     rig = replace(rig, skins=(Skin("s", np.arange(1, 5), inverse(worlds(rig))[1:]),))
-    home = oriented(oriented(rig, style=Style("-z", "y")), like=rig)
+    home = oriented(oriented(rig, style=AxisStyle("-z", "y")), like=rig)
     assert_allclose(worlds(home), worlds(rig), atol=1e-9)
 
 

@@ -20,7 +20,7 @@ from places import ASSETS, NO_ASSETS, SAMPLES
 
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.operations.axis_presets import Style
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -283,7 +283,9 @@ def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
 
 def test_objects_of_options_do_what_keywords_do() -> None:
     rig = rigtri.read(BIPED)
-    with_object = rigtri.orient_joints(rig, options=OrientJointsOptions(style=Style("z", "-x"), end="keep"))
+    with_object = rigtri.orient_joints(
+        rig, options=OrientJointsOptions(style=AxisStyle("z", "-x"), end="keep")
+    )
     with_words = rigtri.orient_joints(rig, aim="z", up="-x", end="keep")
     assert (with_object.rotation == with_words.rotation).all()
 

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.evaluation.sampling import worlds
 from rigtri.frames.mirror_modes import PLANES, Plane, mirrored_axes
 from rigtri.frames.mirror_plane import TOLERANCE, parting
-from rigtri.frames.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
@@ -145,7 +145,7 @@ def _compared(
     ]
 
 
-def _better(tree: Skeleton, ref: Reference, options: MirrorOptions) -> tuple[Plane, float] | None:
+def _better(tree: Skeleton, ref: ReferencePose, options: MirrorOptions) -> tuple[Plane, float] | None:
     """A plane that most pairs lie about, where they do not about the asked."""
     for plane in PLANES:
         parted = parting(tree, ref, plane, options.from_side)

@@ -16,8 +16,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.node_constraints import alike, axis_fits, axis_straightened
-from rigtri.frames.reframe import turned
-from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotation_angle, to_axes
+from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotates, rotation_angle, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Constraint
 from rigtri.model.rig import Rig
@@ -107,7 +106,7 @@ def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> 
             result[node] = turn
             if node in joints and why and node in gave_way:
                 plan.kept[joints[node]] = f"{why} ({_told(rig, bond)})"
-            elif node in joints and node != leader and turned(turn):
+            elif node in joints and node != leader and rotates(turn):
                 plan.kept.pop(joints[node], None)
                 plan.follows[joints[node]] = joints[leader]
     return result
@@ -158,7 +157,7 @@ def _common(
     for node in bond.nodes:
         if node >= 0 and scales.uneven[node] and not scales.keeps(node, to_axes(turn)):
             return IDENTITY, f"the scale of '{rig.title(node)}' is not uniform"
-    for node in (c.node for c in bond.constraints if c.kind == "length" and turned(turn)):
+    for node in (c.node for c in bond.constraints if c.kind == "length" and rotates(turn)):
         if np.ptp(scales.sign[node]):  # its half turn would go into rotations that are not unit
             return IDENTITY, f"the scale of '{rig.title(node)}' mirrors it"
     return turn, ""

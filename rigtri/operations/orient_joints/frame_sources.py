@@ -9,7 +9,7 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
-from rigtri.frames.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
     IDENTITY,
@@ -35,7 +35,7 @@ SAME_REST = 1e-5
 
 
 def turn_onto(
-    world_axes: Floats, ref: Reference, joints: Sequence[int], aim_axis: str = "x", up_axis: str = "y"
+    world_axes: Floats, ref: ReferencePose, joints: Sequence[int], aim_axis: str = "x", up_axis: str = "y"
 ) -> Floats:
     """The turns, (j, 4), that give joints these world axes (rows, any handedness), (j, 3, 3).
 
@@ -49,7 +49,7 @@ def turn_onto(
 
 
 def like_turns(
-    tree: Skeleton, ref: Reference, joints: Sequence[int], like: Rig, report: Report
+    tree: Skeleton, ref: ReferencePose, joints: Sequence[int], like: Rig, report: Report
 ) -> dict[int, Floats]:
     """The turns that give joints the axes of their namesakes in another rig's bind pose.
 
@@ -72,8 +72,8 @@ def like_turns(
 
 
 def _common_pose(
-    tree: Skeleton, ref: Reference, other: Skeleton, pairs: Mapping[int, int]
-) -> tuple[Reference, Reference, Floats]:
+    tree: Skeleton, ref: ReferencePose, other: Skeleton, pairs: Mapping[int, int]
+) -> tuple[ReferencePose, ReferencePose, Floats]:
     """The poses in which the two skeletons are compared, and the rotation between them, (4,).
 
     The rest poses where they are one: nodes are stored more exactly than inverse binds.
@@ -99,7 +99,9 @@ def _namesakes(rig: Rig, joints: Sequence[int], like: Rig, others: Sequence[int]
     return found
 
 
-def _common_rotation(ref: Reference, theirs: Reference, pairs: Mapping[int, int]) -> tuple[Floats, float]:
+def _common_rotation(
+    ref: ReferencePose, theirs: ReferencePose, pairs: Mapping[int, int]
+) -> tuple[Floats, float]:
     """The rotation, (4,), that takes their joint positions nearest to ours, sizes apart.
 
     And how far the positions are from each other then, as a share of the skeleton.
@@ -166,7 +168,7 @@ def _eigen(symmetric: Floats) -> tuple[Floats, Floats]:
 
 def mirrored_turns(
     tree: Skeleton,
-    ref: Reference,
+    ref: ReferencePose,
     turns: Mapping[int, Floats],
     onto: Callable[[int, Floats], Floats],
     *,

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.reframe import turned
 from rigtri.maths.matrices import SKEW, determinant, skew
-from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, to_axes
+from rigtri.maths.quaternions import conjugate, multiply, rotates, rotation_angle, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
@@ -50,7 +49,7 @@ def tell_straight(plan: Plan) -> None:
 
 def check(plan: Plan, turns: Floats) -> None:
     """GeometryError for a turned joint of scale 0; warnings for bones and sources that are doubtful."""
-    rig, moves = plan.tree.rig, turned(turns)
+    rig, moves = plan.tree.rig, rotates(turns)
     flat = np.flatnonzero(moves & (length(rig.local[:, :3, :3]) == 0).any(axis=1)).tolist()
     if flat:
         raise GeometryError(
@@ -105,7 +104,7 @@ def record(plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapp
     wanted: the turns that were asked for; turns: those that the scales allow, where ``parted``
     joints take theirs by a node of their own.
     """
-    rig, moves, mirrored = plan.tree.rig, turned(turns), determinant(plan.ref.world) < 0
+    rig, moves, mirrored = plan.tree.rig, rotates(turns), determinant(plan.ref.world) < 0
     if plan.report.records:
         plan.report.joints.extend(_records(plan, wanted, turns, parted, mirrored))
     named = [rig.title(j) for j in plan.tree.joints if mirrored[j] and moves[j]]
@@ -121,7 +120,7 @@ def _records(
     plan: Plan, wanted: Mapping[int, Floats], turns: Floats, parted: Mapping[int, Floats], mirrored: Booleans
 ) -> list[dict[str, Any]]:
     """What became of each joint, why, and how sure that is."""
-    rig, moves, records = plan.tree.rig, turned(turns), []
+    rig, moves, records = plan.tree.rig, rotates(turns), []
     degrees_of, errors = np.degrees(rotation_angle(turns)).tolist(), _aim_errors(plan, turns)
     for joint in plan.tree.joints:
         aim, up = plan.aims.get(joint), plan.ups.get(joint)
@@ -146,7 +145,7 @@ def _records(
             entry["split"] = True
         if joint in plan.follows:
             entry["follows"] = rig.title(plan.follows[joint])
-        if joint in wanted and plan.scales.uneven[joint] and turned(wanted[joint]):
+        if joint in wanted and plan.scales.uneven[joint] and rotates(wanted[joint]):
             entry["scale"] = _decision(plan, joint, wanted[joint], turns[joint], joint in parted)
         if moves[joint]:
             turn = parted.get(joint, turns[joint])
@@ -160,7 +159,7 @@ def _records(
 def _left(plan: Plan, joint: int, wanted: Mapping[int, Floats], moves: Booleans) -> bool:
     """Whether a joint that was to turn was skipped for the sake of its scale."""
     skips = plan.options.on_nonuniform_scale == "skip" and bool(plan.scales.uneven[joint])
-    return skips and not moves[joint] and joint in wanted and bool(turned(wanted[joint]))
+    return skips and not moves[joint] and joint in wanted and bool(rotates(wanted[joint]))
 
 
 def _decision(plan: Plan, joint: int, wanted: Floats, got: Floats, parted: bool) -> dict[str, Any]:
@@ -177,7 +176,7 @@ def _decision(plan: Plan, joint: int, wanted: Floats, got: Floats, parted: bool)
 
 def _aim_errors(plan: Plan, turns: Floats) -> dict[int, float]:
     """How far the aim axis of each turned joint will be off what it aims at, in degrees."""
-    moves = turned(turns)
+    moves = rotates(turns)
     aims = {j: plan.aims[j].direction for j in plan.aims if moves[j] and not plan.style(j).world}
     aimed = {joint: direction for joint, direction in aims.items() if direction is not None}
     if not aimed:

@@ -12,8 +12,8 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.constraint_transform import lost_rules
-from rigtri.frames.reframe import reframe, split, turned
-from rigtri.maths.quaternions import IDENTITY
+from rigtri.frames.reframe import reframe, split
+from rigtri.maths.quaternions import IDENTITY, rotates
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -124,7 +124,7 @@ def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:
     a joint of rigtri's own keeps what says how it was made.
     """
     notes = {node: dict(note) for node, note in rig.notes.items()}
-    moves = turned(turns)
+    moves = rotates(turns)
     for joint in (joint for joint in plan.turning if moves[joint]):
         up, own = plan.ups.get(joint), notes.get(joint, {})
         if joint in rig.own:

@@ -9,12 +9,12 @@ from typing import Literal
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.frames.error_bounds import TOLERANCE, Reach
+from rigtri.frames.error_bounds import TOLERANCE, LeverArm
 from rigtri.frames.mirror_modes import Across, Mirror, Plane
 from rigtri.frames.mirror_plane import parting
-from rigtri.frames.reframe import Scales
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.scale_tolerance import same_scales, ties
-from rigtri.frames.skeleton import Reference, Skeleton, reference, skeleton
+from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import transform_directions
 from rigtri.maths.quaternions import IDENTITY, from_axes, from_axis_angle, multiply, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of, frame
@@ -23,7 +23,7 @@ from rigtri.maths.vectors import cross, length, normalise
 from rigtri.model.records import Constraint
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import Aim, Branch, End, Rules, aim_of, limb_children
-from rigtri.operations.axis_presets import Style
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import Selection, select
 from rigtri.operations.orient_joints.frame_sources import like_turns, mirrored_turns, stored_turns, turn_onto
 from rigtri.operations.orient_joints.scale_policy import Policy, axes_taken, nearest_cardinal
@@ -51,9 +51,9 @@ class OrientJointsOptions:
     character's own space; across: the same in the world, where that is known already.
     """
 
-    style: Style = Style()
+    style: AxisStyle = AxisStyle()
     selection: Selection = Selection()
-    chain_styles: tuple[tuple[str, str, Style], ...] = ()
+    chain_styles: tuple[tuple[str, str, AxisStyle], ...] = ()
     branch: Branch = "chain"
     branch_to: tuple[str, ...] = ()
     end: End = "tip"
@@ -88,14 +88,14 @@ class Plan:
     """
 
     tree: Skeleton
-    ref: Reference
+    ref: ReferencePose
     options: OrientJointsOptions
     report: Report
     turning: list[int]
     kept: dict[int, str]
     aims: dict[int, Aim]
     limbs: tuple[Limb, ...]
-    styles: dict[int, Style] = field(default_factory=dict)
+    styles: dict[int, AxisStyle] = field(default_factory=dict)
     ups: dict[int, Up] = field(default_factory=dict)
     normals: dict[int, Up] = field(default_factory=dict)  # before `pole` turns them
     noise: dict[int, float] = field(default_factory=dict)
@@ -131,7 +131,7 @@ class Plan:
         aims = {joint: aim_of(tree, ref, joint, rules) for joint in turning}
         return Plan(tree, ref, options, report, turning, kept, aims, limbs, styles)
 
-    def style(self, joint: int) -> Style:
+    def style(self, joint: int) -> AxisStyle:
         return self.styles.get(joint, self.options.style)
 
     def wanted(self) -> dict[int, Floats]:
@@ -185,15 +185,15 @@ class Plan:
         return UNCHANGED + float(self.scale_noise[joint])
 
     @cached_property
-    def scales(self) -> Scales:
+    def scales(self) -> ScaleTable:
         """Every scale of the rig, at rest and at keys."""
-        rig, scales = self.tree.rig, Scales.of(self.tree.rig)
+        rig, scales = self.tree.rig, ScaleTable.of(self.tree.rig)
         return replace(scales, same=same_scales(rig, self.tree.joints, scales, *self._faults))
 
     @cached_property
-    def _faults(self) -> tuple[Reach, float]:
+    def _faults(self) -> tuple[LeverArm, float]:
         """What says how much a small fault of a joint moves, and how much it may."""
-        return Reach(self.tree.rig), self.options.tolerance
+        return LeverArm(self.tree.rig), self.options.tolerance
 
     @cached_property
     def ties(self) -> tuple[Constraint, ...]:
@@ -290,7 +290,7 @@ class Plan:
             found |= self._copied([joint for joint in copying if self.style(joint) == style], style, turns)
         return found
 
-    def _copied(self, joints: list[int], style: Style, turns: dict[int, Floats]) -> dict[int, Floats]:
+    def _copied(self, joints: list[int], style: AxisStyle, turns: dict[int, Floats]) -> dict[int, Floats]:
         """The turns onto the new axes of the joints above."""
         above = [self.tree.above[joint] for joint in joints]
         for joint, parent in zip(joints, above, strict=True):
@@ -304,7 +304,7 @@ class Plan:
         style = self.style(joint)
         return np.asarray(turn_onto(world_axes[np.newaxis], self.ref, [joint], style.aim, style.up)[0])
 
-    def _framed(self, joints: list[int], style: Style) -> dict[int, Floats]:
+    def _framed(self, joints: list[int], style: AxisStyle) -> dict[int, Floats]:
         """The turns onto aim and up direction, and what noise of them is to be expected."""
         up = np.stack([self.ups[joint].vector for joint in joints])
         bones = np.stack([self.bones[joint] for joint in joints])
@@ -369,7 +369,7 @@ class Plan:
             return replace(up, vector=cross(bone, up.vector))
         return up
 
-    def _relative(self, joint: int, style: Style, turns: dict[int, Floats]) -> Floats | None:
+    def _relative(self, joint: int, style: AxisStyle, turns: dict[int, Floats]) -> Floats | None:
         letter, sign = axis_of(style.up)
         if style.up_from == "parent":
             other: int | None = self.tree.above[joint]

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.reframe import SAME_SCALE, Scales, turned
+from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.maths.quaternions import (
     IDENTITY,
     conjugate,
@@ -22,6 +22,7 @@ from rigtri.maths.quaternions import (
     from_axis_angle,
     multiply,
     norm,
+    rotates,
     rotation_angle,
     to_axes,
     unit,
@@ -55,13 +56,15 @@ def nearest_cardinal(turn: Floats) -> Floats:
     return np.asarray(turns[int(np.argmax(overlap))])
 
 
-def splits(rig: Rig, turn: Floats, axes: Mapping[int, tuple[int, int]], scales: Scales) -> dict[int, Floats]:
+def splits(
+    rig: Rig, turn: Floats, axes: Mapping[int, tuple[int, int]], scales: ScaleTable
+) -> dict[int, Floats]:
     """The joints, with their turns (4,), that can take them only by a node of their own.
 
     axes: per joint the indices of its aim and up axes. The turns are those of the joints'
     rotations: where a scale mirrors, the third axis gives way, for the new node does not.
     """
-    uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
+    uneven = np.flatnonzero(rotates(turn) & scales.uneven).tolist()
     exact = {k: nearest_exact(turn[k], scales, k, axes.get(k, (0, 1))[0]) for k in uneven}
     return {
         node: _unmirrored(turn[node], scales.sign[node], axes.get(node, (0, 1)))
@@ -79,7 +82,7 @@ def _unmirrored(turn: Floats, sign: Floats, axes: tuple[int, int]) -> Floats:
     return from_axes(rows)
 
 
-def axes_taken(axes: Floats, policy: Policy, kept: tuple[int, int], scales: Scales, node: int) -> Floats:
+def axes_taken(axes: Floats, policy: Policy, kept: tuple[int, int], scales: ScaleTable, node: int) -> Floats:
     """The axes, (3, 3) rows in its own frame, that a node of uneven scale gets of those wanted.
 
     kept: the indices of its aim and up axes, for the third may give way.
@@ -96,14 +99,14 @@ def axes_taken(axes: Floats, policy: Policy, kept: tuple[int, int], scales: Scal
 
 
 def allowed_turns(
-    rig: Rig, turn: Floats, policy: Policy, aim_axis: Mapping[int, int], scales: Scales, report: Report
+    rig: Rig, turn: Floats, policy: Policy, aim_axis: Mapping[int, int], scales: ScaleTable, report: Report
 ) -> Floats:
     """Turns, (n, 4), of which each is exact in place; what had to give way is reported.
 
     aim_axis: per joint the index of its aim axis, to state the aim's error.
     Raises GeometryError with the policy ``error``.
     """
-    uneven = np.flatnonzero(turned(turn) & scales.uneven).tolist()
+    uneven = np.flatnonzero(rotates(turn) & scales.uneven).tolist()
     if not uneven:
         return turn
     exact = turn.copy()
@@ -127,7 +130,7 @@ def _apart(a: Floats, b: Floats) -> float:
     return float(rotation_angle(multiply(conjugate(a), b)))
 
 
-def nearest_exact(wanted: Floats, scales: Scales, node: int, aim: int) -> Floats:
+def nearest_exact(wanted: Floats, scales: ScaleTable, node: int, aim: int) -> Floats:
     """The nearest turn, (4,), that keeps every scale of a node diagonal: by its aim, then as a whole.
 
     A cardinal turn, with a free turn about an axis whose other two components are
@@ -180,7 +183,7 @@ class Uneven:
         return {"value": list(self.value), "clip": self.clip, "time": self.time}
 
 
-def first_uneven(rig: Rig, node: int, scales: Scales) -> Uneven:
+def first_uneven(rig: Rig, node: int, scales: ScaleTable) -> Uneven:
     """Where the scale of a node that has one is first seen not to be uniform."""
     found = [Uneven(_three(scales.rows[node]))]
     found += [
@@ -209,7 +212,7 @@ def _tell(
     got: Floats,
     policy: Policy,
     axis: int,
-    scales: Scales,
+    scales: ScaleTable,
     report: Report,
 ) -> None:
     aim_error = np.degrees(angle(to_axes(wanted)[axis], to_axes(got)[axis]))

@@ -20,7 +20,7 @@ from math import sqrt
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.frames.skeleton import ZERO_LENGTH, Reference, Skeleton
+from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import STRAIGHT_SINE, axis_of
@@ -50,7 +50,7 @@ class Hinges:
     """The plane normal of every joint that has one, found chain by chain, parents first."""
 
     tree: Skeleton
-    ref: Reference
+    ref: ReferencePose
     aims: Mapping[int, Aim]
     limbs: Sequence[Limb]
     facing: Floats | None
@@ -248,7 +248,7 @@ def carried(up: Up, bone: Floats, along: Floats) -> Up:
     return Up(rotate(between(bone, along), up.vector), 7, "carried from the joint above", up.sine)
 
 
-def stated(tree: Skeleton, ref: Reference, joint: int, source: str, up_axis: str) -> Floats | None:
+def stated(tree: Skeleton, ref: ReferencePose, joint: int, source: str, up_axis: str) -> Floats | None:
     """The up direction of ``world:``, ``vector:``, ``node:``, ``noderot:`` and ``keep``: no planes.
 
     In the world, (3,), of any length. None for ``plane``, ``pole``, ``parent`` and ``child``.

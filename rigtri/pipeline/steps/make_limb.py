@@ -7,7 +7,7 @@ from typing import Any
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions
-from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.pipeline.steps.pole_options import placing
 from rigtri.pipeline.steps.request import Request, Step
@@ -57,14 +57,16 @@ def _options(request: Request) -> MakeLimbOptions:
     ).checked()
 
 
-def _style(request: Request) -> Style:
-    style = PRESETS[request["preset"]] if request["preset"] else Style()
+def _style(request: Request) -> AxisStyle:
+    style = PRESETS[request["preset"]] if request["preset"] else AxisStyle()
     axes = {name: request[name] for name in ("aim", "up", "up_from") if request[name] is not None}
     if style.world and axes:
         raise UsageError(
             "--preset vrm: its frames are parallel to the world; leave out --aim, --up, --up-from"
         )
-    return Style(**{"aim": style.aim, "up": style.up, "up_from": style.up_from, **axes}, world=style.world)
+    return AxisStyle(
+        **{"aim": style.aim, "up": style.up, "up_from": style.up_from, **axes}, world=style.world
+    )
 
 
 def _place(text: str | None) -> Any:

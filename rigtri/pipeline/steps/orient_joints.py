@@ -10,7 +10,7 @@ from rigtri.errors import RigtriError, UsageError
 from rigtri.files.text_files import check_plain, json_of
 from rigtri.formats import read
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.steps.request import Request, Step
@@ -72,11 +72,11 @@ def step(request: Request) -> Step:
     return applied
 
 
-def _styles(request: Request) -> tuple[Style, tuple[tuple[str, str, Style], ...]]:
+def _styles(request: Request) -> tuple[AxisStyle, tuple[tuple[str, str, AxisStyle], ...]]:
     """The style for all, and the styles of chains: what stands behind a chain is for it."""
-    base = PRESETS[request["preset"]] if request["preset"] else Style()
+    base = PRESETS[request["preset"]] if request["preset"] else AxisStyle()
     base = replace(base, world=True) if request["world"] else base
-    chains: list[tuple[str, str, Style]] = []
+    chains: list[tuple[str, str, AxisStyle]] = []
     order: Iterable[tuple[str, Any]] = request["order"]
     for name, value in order:
         if name == "chains":

@@ -6,8 +6,8 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
-from rigtri.frames.error_bounds import reaches
-from rigtri.frames.reframe import Scales
+from rigtri.frames.error_bounds import lever_arms
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.scale_tolerance import ROUNDING
 from rigtri.model.records import key_values
 from rigtri.model.rig import Rig
@@ -72,7 +72,7 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     if not off.any():
         return []
     try:
-        effect = off * reaches(before)
+        effect = off * lever_arms(before)
     except FileError:
         return []
     # A reach is that of bones in one line; in a pose they are not.
@@ -82,10 +82,10 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
 
 def nearly_uniform(before: Rig, after: Rig, tolerance: float) -> list[int]:
     """The nodes that an edit turned although their scale is not quite uniform, by what that can move."""
-    scales = Scales.of(before)
+    scales = ScaleTable.of(before)
     spread = np.where(scales.uneven | (scales.spread <= ROUNDING), 0.0, scales.spread)
     try:
-        effect = spread * reaches(before)
+        effect = spread * lever_arms(before)
     except FileError:
         return []
     there = {key: node for node, key in enumerate(after.keys) if key is not None}

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.node_constraints import alike, told_by_rules
+from rigtri.frames.node_constraints import alike, constraints_from_metadata
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -78,7 +78,7 @@ def _row(vector: Floats) -> str:
 
 def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Floats]) -> Iterator[str]:
     """Constraints whose axis points elsewhere or whose nodes turned apart (`frames.node_constraints`)."""
-    ours, new = told_by_rules(before), told_by_rules(after)
+    ours, new = constraints_from_metadata(before), constraints_from_metadata(after)
     axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
     there = {(c.kind, c.node, c.source): c for c in after.constraints}
     for c in before.constraints:

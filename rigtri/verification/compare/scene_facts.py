@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.node_constraints import told_by_rules
+from rigtri.frames.node_constraints import constraints_from_metadata
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Mesh, Surface
 from rigtri.model.rig import Rig
@@ -94,7 +94,7 @@ def compare_scenery(
 
 def _without_rules(rig: Rig, scenery: Scenery) -> Scenery:
     """Without what nodes say of constraints that rules of rigtri's are told by: it changes by intent."""
-    ours = told_by_rules(rig)
+    ours = constraints_from_metadata(rig)
     return replace(scenery, own={k: facts for k, facts in scenery.own.items() if k not in ours})
 
 

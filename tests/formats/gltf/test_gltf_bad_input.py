@@ -18,7 +18,8 @@ from test_vrm import vrm_0, vrm_1
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 
 Spoil = Callable[[dict[str, Any]], Any]
@@ -33,7 +34,7 @@ def use(path: Path) -> None:
         assert skin.weighted.shape == skin.joints.shape
     turn = unit(np.random.default_rng(0).normal(size=(len(rig), 4)))
     turn = lawful(rig, turn)
-    turn[~scale_allows(rig, turn)] = IDENTITY
+    turn[~ScaleTable.of(rig).allows(turn)] = IDENTITY
     out = path.with_name(f"out{path.suffix}")
     document.write(reframe(rig, turn), out, out)
     GltfDocument.read(out)

@@ -20,7 +20,8 @@ from second_opinions import khronos_errors
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -35,7 +36,7 @@ def turned(document: GltfDocument, target: Path, seed: int = 7) -> GltfDocument:
     turn = unit(np.random.default_rng(seed).normal(size=(len(rig), 4)))
     turn[~rig.is_joint] = IDENTITY
     turn[list(rig.rules.fixed)] = IDENTITY
-    turn[~scale_allows(rig, turn)] = IDENTITY
+    turn[~ScaleTable.of(rig).allows(turn)] = IDENTITY
     for companion in document.write(reframe(rig, turn), target, target):
         content = companion.content
         (target.parent / companion.name).write_bytes(

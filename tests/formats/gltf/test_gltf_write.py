@@ -20,7 +20,8 @@ from rigtri.errors import FileError
 from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Companion, ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, conjugate, unit
 from rigtri.model.records import Clip, Track
 from rigtri.model.rig import Rig
@@ -56,7 +57,7 @@ def random_turns(rig: Rig, seed: int = 7) -> np.ndarray:
     if rig.skins:
         turn[~rig.is_joint] = IDENTITY
     turn = lawful(rig, turn)
-    turn[~scale_allows(rig, turn)] = IDENTITY
+    turn[~ScaleTable.of(rig).allows(turn)] = IDENTITY
     return turn
 
 

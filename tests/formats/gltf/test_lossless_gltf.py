@@ -96,7 +96,7 @@ def plant(value: Any, pick: random.Random, pointer: str = "") -> Any:
     return dict(members)
 
 
-class Style(NamedTuple):
+class AxisStyle(NamedTuple):
     """How a JSON text is written."""
 
     indent: str | None = None
@@ -107,18 +107,18 @@ class Style(NamedTuple):
 
 
 STYLES = {
-    "tight": Style(),
-    "spaced": Style(colon=" : ", end=" "),
-    "tabs": Style(indent="\t", colon=": ", end="\n"),
-    "two": Style(indent="  ", colon=": "),
-    "three": Style(indent="   ", colon=":  ", end="\n\n"),
-    "four, windows": Style(indent="    ", newline="\r\n", colon=": ", end="\r\n"),
-    "lines": Style(indent="", colon=":", end="\n"),
-    "escaped": Style(ascii=True),
+    "tight": AxisStyle(),
+    "spaced": AxisStyle(colon=" : ", end=" "),
+    "tabs": AxisStyle(indent="\t", colon=": ", end="\n"),
+    "two": AxisStyle(indent="  ", colon=": "),
+    "three": AxisStyle(indent="   ", colon=":  ", end="\n\n"),
+    "four, windows": AxisStyle(indent="    ", newline="\r\n", colon=": ", end="\r\n"),
+    "lines": AxisStyle(indent="", colon=":", end="\n"),
+    "escaped": AxisStyle(ascii=True),
 }
 
 
-def spell(value: Any, style: Style, depth: int = 0) -> str:
+def spell(value: Any, style: AxisStyle, depth: int = 0) -> str:
     """A JSON text without the json module's opinions on numbers."""
     if isinstance(value, Raw):
         return str(value)
@@ -162,7 +162,7 @@ PNG = base64.b64decode(
 CHUNKS = [(b"ODD1", b"x"), (b"ODD2", b"ab"), (b"XXXX", b"abc"), (b"XXXX", b"more "), (b"NONE", b"")]
 
 
-def planted(kind: str, style: Style, seed: int, folder: Path) -> tuple[Path, list[tuple[int, bytes]]]:
+def planted(kind: str, style: AxisStyle, seed: int, folder: Path) -> tuple[Path, list[tuple[int, bytes]]]:
     """A biped in which everything is planted, and the bytes that no view covers."""
     pick = random.Random(seed)
     gltf = json.loads((SAMPLES / "biped.gltf").read_text("utf-8"))
@@ -296,7 +296,7 @@ def test_what_rigtri_does_not_know_survives(kind: str, style: str, action: str, 
     assert (tmp_path / "pïcture.png").read_bytes() == PNG
 
 
-def _same_spelling(before: str, after: str, style: Style, kind: str) -> None:
+def _same_spelling(before: str, after: str, style: AxisStyle, kind: str) -> None:
     """Line ends, indentation and what stands behind the last brace."""
     if kind != "glb":
         assert after[after.rindex("}") :] == before[before.rindex("}") :]

@@ -22,12 +22,12 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.verification.compare.compare import verify
 
-WORLD = Style(world=True)
+WORLD = AxisStyle(world=True)
 FLIP = np.diag([1.0, 1.0, -1.0])
 
 
@@ -130,7 +130,7 @@ def test_the_end_of_a_swinging_chain_hangs_as_before(tmp_path: Path) -> None:
         OrientJointsOptions(style=WORLD, offset=(0, 0, 90)),
         OrientJointsOptions(style=WORLD, mirror="behavior"),
         OrientJointsOptions(frames={"rigtri": "frames", "v": 1, "joints": {}}),
-        OrientJointsOptions(style=WORLD, chain_styles=(("hips", "head", Style()),)),
+        OrientJointsOptions(style=WORLD, chain_styles=(("hips", "head", AxisStyle()),)),
     ],
 )
 def test_all_other_axes_are_refused_with_the_reason_and_what_to_do(

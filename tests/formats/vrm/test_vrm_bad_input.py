@@ -14,7 +14,7 @@ from test_gltf_bad_input import places
 
 from rigtri.errors import RigtriError
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.operations.axis_presets import Style
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
 from rigtri.verification.compare.compare import self_check
@@ -36,11 +36,11 @@ def vrma() -> Builder:
 
 @pytest.mark.parametrize(
     ("make", "style"),
-    [(lambda: avatar(1), Style()), (lambda: avatar_0(1), Style(world=True)), (vrma, Style())],
+    [(lambda: avatar(1), AxisStyle()), (lambda: avatar_0(1), AxisStyle(world=True)), (vrma, AxisStyle())],
     ids=["VRM 1.0", "VRM 0.x", "VRMA"],
 )
 def test_every_value_of_a_block_may_be_wrong(
-    make: Callable[[], Builder], style: Style, tmp_path: Path
+    make: Callable[[], Builder], style: AxisStyle, tmp_path: Path
 ) -> None:
     builder = make()
     builder.gltf["buffers"] = [{"byteLength": len(builder.binary)}]

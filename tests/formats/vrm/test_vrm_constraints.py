@@ -19,10 +19,10 @@ from numpy.testing import assert_allclose
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.node_constraints import broken
-from rigtri.frames.reframe import reframe, turned
-from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS, Style
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.constraint_policy import bonds
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
@@ -77,7 +77,7 @@ def test_constraints_move_everything_as_before_whatever_turn_is_asked_for(seed: 
     # Nothing of this is empty: what is driven moves, and the free joints have turned.
     at = [Driven(rig, key, WEIGHTS).world(NODES["sleeve_end"])[1] for key in (0, 1)]
     assert np.abs(at[0] - at[1]).max() > 0.01
-    assert turned(turns_of(rig, after))[[NODES[n] for n in ("hips", "hand", "finger", "sleeve")]].all()
+    assert rotates(turns_of(rig, after))[[NODES[n] for n in ("hips", "hand", "finger", "sleeve")]].all()
 
 
 @pytest.mark.parametrize("preset", sorted(PRESETS))
@@ -104,7 +104,7 @@ def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_pa
     after = orient_joints(rig, options=OrientJointsOptions(selection=ALL), report=report)
     turns = turns_between(rig, after)
     source = turns[NODES["upper_arm"]]
-    assert turned(turns_of(rig, after)[NODES["upper_arm"]])
+    assert rotates(turns_of(rig, after)[NODES["upper_arm"]])
     for name in ("sleeve", "cuff"):
         assert_allclose(turns[NODES[name]] * np.sign(turns[NODES[name]] @ source), source, atol=1e-12)
     told = [notice.text for notice in report.warnings if notice.code == "constraint"]
@@ -119,7 +119,7 @@ def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) ->
     after = orient_joints(
         rig, options=OrientJointsOptions(selection=Selection(joints=("upper_arm",))), report=report
     )
-    turns = turned(turns_of(rig, after))
+    turns = rotates(turns_of(rig, after))
     # The lower arm too: what rolls below it goes by the upper arm's axes.
     assert {name for name in NODES if turns[NODES[name]]} == {"upper_arm", "sleeve", "cuff", "lower_arm"}
     assert not [notice for notice in report.warnings if notice.code == "constraint"]
@@ -129,7 +129,7 @@ def test_what_is_driven_does_not_turn_its_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
     options = OrientJointsOptions(selection=Selection(joints=("sleeve", "hand")))
     after = orient_joints(rig, options=options, report=report)
-    assert {name for name in NODES if turned(turns_of(rig, after))[NODES[name]]} == {"hand"}
+    assert {name for name in NODES if rotates(turns_of(rig, after))[NODES[name]]} == {"hand"}
     reasons = {entry["joint"]: entry.get("reason", "") for entry in report.joints}
     assert reasons["sleeve"].startswith("'upper_arm' stays (not selected)")
 
@@ -144,8 +144,8 @@ def test_a_driven_node_that_is_no_joint_follows_and_one_that_leads_stays(tmp_pat
     after = orient_joints(rig, report=report)
     turns = turns_of(rig, after)
     assert_allclose(turns[NODES["badge"]], turns[NODES["upper_arm"]], atol=1e-9)
-    assert turned(turns)[NODES["upper_arm"]]
-    assert not turned(turns)[[NODES["hair"], NODES["plate"]]].any()
+    assert rotates(turns)[NODES["upper_arm"]]
+    assert not rotates(turns)[[NODES["hair"], NODES["plate"]]].any()
     assert after.names[-1] == "badge_payload"
     assert deviation(rig, after, {"badge": 0.5, "hair": 0.5}) < 1e-9
 
@@ -172,7 +172,7 @@ def test_an_excluded_joint_holds_the_source_it_copies(tmp_path: Path) -> None:
     after = orient_joints(
         rig, options=OrientJointsOptions(selection=Selection(exclude=("cuff",))), report=report
     )
-    turns = turned(turns_of(rig, after))
+    turns = rotates(turns_of(rig, after))
     assert not turns[[NODES[n] for n in ("upper_arm", "sleeve", "cuff", "lower_arm")]].any()
     assert turns[[NODES["hand"], NODES["spine"]]].all()
     reasons = {entry["joint"]: entry.get("reason", "") for entry in report.joints}
@@ -183,7 +183,7 @@ def test_a_roll_axis_is_told_in_the_new_frame(tmp_path: Path) -> None:
     source, out = avatar(4).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
     document = GltfDocument.read(source)
     options = OrientJointsOptions(
-        style=Style("x", "y"), selection=Selection(joints=("arm_twist", "lower_arm"))
+        style=AxisStyle("x", "y"), selection=Selection(joints=("arm_twist", "lower_arm"))
     )
     document.write(orient_joints(document.rig, options=options), out, out)
     constraint = glb_json(out)["nodes"][NODES["arm_twist"]]["extensions"]["VRMC_node_constraint"]
@@ -207,7 +207,7 @@ def test_only_the_destination_of_an_aim_is_held(tmp_path: Path) -> None:
     after = orient_joints(
         rig, options=OrientJointsOptions(frames=stored(5, cardinal=("arm_twist",))), report=report
     )
-    turns = turned(turns_of(rig, after))
+    turns = rotates(turns_of(rig, after))
     assert not turns[NODES["gaze"]]
     assert turns[[NODES["head"], NODES["hand"]]].all()
     (reason,) = [entry["reason"] for entry in report.joints if entry["joint"] == "gaze"]
@@ -219,7 +219,7 @@ def test_noise_of_storage_does_not_hold_a_joint(tmp_path: Path) -> None:
     noisy = multiply(cardinal_turns()[5], from_axis_angle([0.6, 0.0, 0.8], 1e-6))
     frames = {"rigtri": "frames", "v": 1, "joints": {"gaze": noisy.tolist()}}
     after = orient_joints(rig, options=OrientJointsOptions(frames=frames))
-    assert turned(turns_of(rig, after))[NODES["gaze"]]
+    assert rotates(turns_of(rig, after))[NODES["gaze"]]
     assert deviation(rig, after) < 1e-9
 
 
@@ -241,7 +241,7 @@ def test_the_least_is_frozen(tmp_path: Path) -> None:
     assert sorted(map(sorted, tied)) == sorted(map(sorted, alone))
     report = Report()
     after = orient_joints(rig, report=report)
-    turns = turned(turns_of(rig, after))
+    turns = rotates(turns_of(rig, after))
     kept = {name for name in NODES if not turns[NODES[name]]}
     assert kept >= {"arm_twist", "upper_twist", "odd_twist", "gaze"}
     assert not kept & {

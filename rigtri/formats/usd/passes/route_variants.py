@@ -24,7 +24,8 @@ from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Edit, Setting, kind, parts
 from rigtri.formats.usd.reading.reader import Source, read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
-from rigtri.frames.reframe import reframe, scale_allows
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe
 from rigtri.frames.scale_tolerance import against_parent
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
@@ -76,7 +77,7 @@ class _Turns:
         for node, key in enumerate(before.keys):
             if kind(key) == "joint" and parts(key)[1] == self.skeleton.path:
                 turn[node] = self.turn.get(parts(key)[2], IDENTITY)
-        odd = np.flatnonzero((turn != IDENTITY).any(axis=1) & ~scale_allows(before, turn))
+        odd = np.flatnonzero((turn != IDENTITY).any(axis=1) & ~ScaleTable.of(before).allows(turn))
         if len(odd):
             raise FileError(
                 f"In {state.title}, the scale of joint '{before.names[odd[0]]}' of "

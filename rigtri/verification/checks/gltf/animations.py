@@ -13,7 +13,7 @@ import numpy as np
 from rigtri.formats.gltf.accessors import FLOAT, FULL
 from rigtri.formats.gltf.animation_reader import INTERPOLATIONS, WIDTH, pointer_of, target_of
 from rigtri.formats.gltf.node_reader import NON_UNIT
-from rigtri.frames.reframe import SAME_SCALE
+from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.gltf.tolerant_reader import View, told

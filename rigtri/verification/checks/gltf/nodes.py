@@ -12,7 +12,7 @@ import numpy as np
 
 from rigtri.formats.gltf.animation_reader import WIDTH, target_of
 from rigtri.formats.gltf.node_reader import AFFINE, NON_UNIT
-from rigtri.frames.reframe import SAME_SCALE
+from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.reframe import SAME_SCALE
+from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.verification.checks.gltf import humanoid_bones
 from rigtri.verification.checks.gltf.tolerant_reader import View, told
 

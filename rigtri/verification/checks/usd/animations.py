@@ -13,7 +13,7 @@ import numpy as np
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import array_edits
 from rigtri.formats.usd.reading.animation_reader import NON_UNIT, PROPERTIES
-from rigtri.frames.reframe import SAME_SCALE
+from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
 from rigtri.verification.checks.findings import listed
 from rigtri.verification.checks.usd.scene import Scene, at_time

@@ -20,7 +20,7 @@ from rigtri.formats.usd.reading.skeleton_reader import (
     singular,
     unbounded,
 )
-from rigtri.frames.reframe import SAME_SCALE
+from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.matrices import SKEW, determinant, identity, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length

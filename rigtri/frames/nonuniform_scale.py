@@ -1,0 +1,159 @@
+"""The scales of nodes at rest and at keys: which are not uniform, and which reorientations they allow.
+
+Source: glTF 2.0 §3.5.3 forbids sheared nodes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.maths.matrices import determinant
+from rigtri.maths.quaternions import IDENTITY, rotates, to_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.records import Booleans, Integers, Track
+from rigtri.model.rig import Rig
+
+# Scale components that differ by less (share of the largest) are one number: exporters leave
+# up to 1.6e-5 of noise on characters nobody scaled. Turning them moves points by at most half
+# of that times the bone's reach, a share of the size well inside the tolerance of 1e-5.
+SAME_SCALE = 2e-5
+# A turn this near to a signed permutation of the axes is one.
+SAME_AXIS = 1e-9
+# What float64 leaves beside the diagonal of a scale that was turned exactly, as a share of the scale.
+LAST_BITS = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class ScaleTable:
+    """Every scale that nodes have, at rest and at keys (tangents are scales too).
+
+    rows: (k, 3). owner: (k,), the node of each row. sign: (n, 3), of the scale at rest.
+    apart: (n, 3), how far x and y, y and z, z and x of |S| are apart at most, as a share of the largest.
+    same: (n,), how far apart they may be to count as one number: `SAME_SCALE`, or less where so
+    much hangs at a node that it would be seen.
+    """
+
+    rows: Floats
+    owner: Integers
+    sign: Floats
+    apart: Floats
+    same: Floats
+
+    @staticmethod
+    def of(rig: Rig) -> ScaleTable:
+        tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "scale" and len(t.values)]
+        sign = _signs(rig)
+        rest = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]) * sign, rig.scale)
+        keys = [_scale_rows(t) for t in tracks]
+        counts = np.array([1] * len(rig) + [len(rows) for rows in keys], dtype=np.int64)
+        nodes = np.array([*range(len(rig)), *(t.node for t in tracks)], dtype=np.int64)
+        rows, owner = np.concatenate([rest, *keys]), np.repeat(nodes, counts)
+        unsigned = rows * sign[owner]
+        # Of each node's rest and each of its tracks, and then of each node.
+        x, y, z = unsigned.T
+        sizes = np.abs(np.stack([x, y, z, x - y, y - z, z - x]))
+        most = np.zeros((6, len(rig)))
+        np.maximum.at(most.T, nodes, np.maximum.reduceat(sizes, np.cumsum(counts) - counts, axis=1).T)
+        largest = most[:3].max(axis=0)
+        apart = (most[3:] / np.where(largest == 0, 1.0, largest)).T
+        return ScaleTable(rows, owner, sign, apart, np.full(len(rig), SAME_SCALE))
+
+    @cached_property
+    def _by_owner(self) -> tuple[Integers, Integers]:
+        order = np.argsort(self.owner, kind="stable")
+        return order, np.searchsorted(self.owner[order], np.arange(len(self.sign) + 1))
+
+    def of_node(self, node: int) -> Floats:
+        """All scales of one node, (k, 3)."""
+        order, starts = self._by_owner
+        return self.rows[order[starts[node] : starts[node + 1]]]
+
+    @cached_property
+    def uneven(self) -> Booleans:
+        """Which nodes, (n,), have a scale that is not uniform, beyond the noise of exporters.
+
+        Two pairs that are alike make all three alike: otherwise a turn about either odd axis
+        would be exact but not both, and a second run would find a third.
+        """
+        over = self.apart > self.same[:, np.newaxis]
+        return np.asarray((over & over[:, [2, 0, 1]]).any(axis=1))
+
+    @property
+    def spread(self) -> Floats:
+        """The largest share by which |S| of each node is not uniform, (n,)."""
+        return np.asarray(self.apart.max(axis=1))
+
+    @property
+    def noise(self) -> Floats:
+        """How far apart components are that count as one number, (n,): of uneven scales those of a pair."""
+        alike = np.where(self.apart <= self.same[:, np.newaxis], self.apart, 0.0).max(axis=1)
+        return np.where(self.uneven, alike, self.spread)
+
+    def keeps(self, node: int, axes: Floats) -> bool:
+        """Whether C·S·C⁻¹ has nothing off its diagonal for any scale of a node, up to its noise.
+
+        axes: the rows of C, (3, 3).
+        """
+        rows = self.of_node(node)
+        limit = max(0.5 * self.same[node], LAST_BITS) * np.abs(rows).max()
+        products = axes[[0, 1, 2]] * axes[[1, 2, 0]]
+        off = sum(products[:, k] * rows[:, k, np.newaxis] for k in range(3))
+        return bool((np.abs(off) <= limit).all())
+
+    def allows(self, delta: Floats) -> Booleans:
+        """Which nodes can take their delta, (n, 4), in place, (n,): C·S·C⁻¹ has to stay diagonal.
+
+        At rest and at every key. So it does for a uniform |S|, for a signed permutation of the
+        axes, and for two equal components with a rotation about the third.
+        """
+        allowed = np.ones(len(delta), dtype=bool)
+        for node in np.flatnonzero(rotates(delta) & self.uneven).tolist():
+            allowed[node] = self.keeps(node, to_axes(delta[node]))
+        return allowed
+
+    @cached_property
+    def mixed(self) -> Booleans:
+        """Which nodes, (n,), have a scale at rest that mirrors some of their axes and not all."""
+        return np.asarray((self.sign != self.sign[:, :1]).any(axis=1))
+
+    def fold(self, delta: Floats) -> Floats:
+        """Half turns (n, 4) that a uniform scale of mixed signs stands for: S = ±|S|·half turn.
+
+        Only of nodes whose delta, (n, 4), does not map axes to axes.
+        """
+        half, nodes = (
+            np.tile(IDENTITY, (len(delta), 1)),
+            np.flatnonzero(self.mixed & ~self.uneven & rotates(delta)),
+        )
+        if len(nodes):
+            nodes = nodes[~_permutes(to_axes(delta[nodes]))]
+            sign = self.sign[nodes]
+            half[nodes, :3], half[nodes, 3] = sign * sign.prod(axis=1, keepdims=True) > 0, 0.0
+        return half
+
+
+def _signs(rig: Rig) -> Floats:
+    """The signs of each node's scale at rest, (n, 3), ±1; three alike where only a matrix tells."""
+    sign = np.where(rig.scale < 0, -1.0, 1.0)
+    if not rig.has_matrix.any():
+        return sign
+    mirrored = np.where(determinant(rig.matrix) < 0, -1.0, 1.0)[:, np.newaxis]
+    unsaid = rig.has_matrix[:, np.newaxis] & (sign.prod(axis=1, keepdims=True) != mirrored)
+    return np.where(unsaid, mirrored, sign)
+
+
+def _scale_rows(track: Track) -> Floats:
+    """All scales of a track, (k, 3); cubic tangents as what they add over the longest interval."""
+    if track.interpolation != "CUBICSPLINE":
+        return track.values
+    longest = float(np.diff(track.times).max(initial=0.0))
+    return np.concatenate([track.values[:, 1], track.values[:, ::2].reshape(-1, 3) * longest])
+
+
+def _permutes(axes: Floats) -> Booleans:
+    """Which frames, (..., 3, 3), are signed permutations of the axes, (...)."""
+    return np.asarray((np.abs(axes - np.rint(axes)) < SAME_AXIS).all(axis=(-1, -2)))
