@@ -1,27 +1,62 @@
-"""Which node waits for which: through parents, constraints, controls and IK; circles and an order.
+"""Dependencies between nodes and between solver steps: the order of evaluation, and cycles in words.
 
 A control moves its joint, an IK control and a pole vector the joints of their chain, a constraint
-its child; a node waits for its parent.
+its child; a node depends on its parent. Solver steps depend on the steps that set what they use.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
+from typing import Protocol, TypeVar
 
-from rigtri.evaluation.constraint_solver import evaluate_constraint
-from rigtri.evaluation.sampling import worlds
-from rigtri.maths.matrices import identity
-from rigtri.maths.trigonometry import Floats
+from rigtri.errors import GeometryError
 from rigtri.model.constraints import ROTATION, TRANSLATION, Rule, rules_of
 from rigtri.model.rig import Rig
 
-Waits = dict[int, set[int]]
+Dependencies = dict[int, set[int]]
+# By the number of each step that one depends on: the nodes from what it uses, up the hierarchy, to what
+# the other one sets.
+Paths = Mapping[int, tuple[int, ...]]
 
 
-def dependencies(rig: Rig, without: int | None = None) -> Waits:
-    """For each node those that must stand before it does. without: a node whose note does not count."""
-    waits: Waits = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
+class Uses(Protocol):
+    """What a step does. sets: nodes. reads: nodes whose local parts, needs: whose world matrices it uses."""
+
+    @property
+    def sets(self) -> tuple[int, ...]: ...
+    @property
+    def reads(self) -> tuple[int, ...]: ...
+    @property
+    def needs(self) -> tuple[int, ...]: ...
+
+
+S = TypeVar("S", bound=Uses)
+
+
+class ControlCycleError(GeometryError):
+    """Steps depend on each other. nodes: those of the cycle; each needs the next, the last the first.
+
+    path: the nodes in words.
+    """
+
+    def __init__(self, rig: Rig, nodes: Sequence[int]) -> None:
+        self.nodes = tuple(nodes)
+        names = " → ".join(f"'{rig.title(node)}'" for node in (*nodes, nodes[0]))
+        self.path = f"each of these needs the next: {names}"
+        super().__init__(
+            f"Controls and constraints form a cycle; {self.path}. "
+            "Parent one of these to another node, or remove a constraint"
+        )
+
+
+# --- nodes
+
+
+def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
+    """For each node those that it depends on. without: a node whose note does not count."""
+    found: Dependencies = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
 
     for node, note in rig.notes.items():
         if note.get("type") in ("control", "poleVector") and node != without:
@@ -29,29 +64,32 @@ def dependencies(rig: Rig, without: int | None = None) -> Waits:
             for name in named if isinstance(named, list | tuple) else []:
                 joint = rig.known(name)  # a note may name what has since been renamed
                 if joint is not None:
-                    waits.setdefault(joint, set()).add(node)
+                    found.setdefault(joint, set()).add(node)
     for node, rule in rules_of(rig).items():
         if node != without:
             for child in rule.chain or (rule.child,):
-                waits.setdefault(child, set()).update(rule.sources)
+                found.setdefault(child, set()).update(rule.sources)
     for constraint in rig.constraints:
         if constraint.kind != "tail":
-            waits.setdefault(constraint.node, set()).add(constraint.source)
-    return waits
+            found.setdefault(constraint.node, set()).add(constraint.source)
+    return found
 
 
-def find_cycle(waits: Waits, children: Sequence[int], sources: Sequence[int]) -> list[int]:
-    """The shortest way by which a source waits for a child: source, …, child; empty where none does."""
+def find_cycle(needs: Dependencies, children: Sequence[int], sources: Sequence[int]) -> list[int]:
+    """The shortest path by which a source depends on a child: source, …, child; empty where none does.
+
+    Constraints from the children to the sources would close it to a cycle.
+    """
     before: dict[int, int] = dict.fromkeys(sources, -1)
     queue = deque(before)
     while queue:
         node = queue.popleft()
         if node in children:
-            way = [node]
-            while before[way[-1]] >= 0:
-                way.append(before[way[-1]])
-            return way[::-1]
-        for other in sorted(waits.get(node, ())):
+            path = [node]
+            while before[path[-1]] >= 0:
+                path.append(before[path[-1]])
+            return path[::-1]
+        for other in sorted(needs.get(node, ())):
             if other not in before:
                 before[other] = node
                 queue.append(other)
@@ -59,56 +97,80 @@ def find_cycle(waits: Waits, children: Sequence[int], sources: Sequence[int]) ->
 
 
 def constraints_in_order(rig: Rig) -> list[Rule]:
-    """The constraints of a rig, each after all that its sources and its child's place wait for.
+    """The constraints of a rig, each after all that its sources and its child's parents depend on.
 
-    Of one child those that set its translation come before those that turn it, scale is last.
+    Of one child those that set its translation come before those of its rotation, scale is last.
+    Raises ControlCycleError.
     """
-    rules = list(rules_of(rig).values())
-    waits = dependencies(rig)
-    done: dict[int, int] = {}
-    for start in {node for rule in rules for node in (*rule.sources, rule.child)}:
-        _place(start, waits, done)
-    return sorted(rules, key=lambda rule: (done[rule.child], _turn(rule)))
+    try:
+        order = TopologicalSorter(dependencies(rig)).static_order()
+        place = {node: k for k, node in enumerate(order)}
+    except CycleError as error:
+        raise ControlCycleError(rig, error.args[1][:0:-1]) from error
+    return sorted(rules_of(rig).values(), key=lambda rule: (place[rule.child], channel_order(rule)))
 
 
-def _place(start: int, waits: Waits, done: dict[int, int]) -> None:
-    """Number a node and all it waits for, those first."""
-    stack = [(start, iter(sorted(waits.get(start, ()))))]
-    entered = {start}
-    while stack:
-        node, left = stack[-1]
-        step = next((k for k in left if k not in done and k not in entered), None)
-        if step is None:
-            stack.pop()
-            done.setdefault(node, len(done))
-        else:
-            entered.add(step)
-            stack.append((step, iter(sorted(waits.get(step, ())))))
-
-
-def _turn(rule: Rule) -> int:
+def channel_order(rule: Rule) -> int:
+    """0 for constraints that set translations, 1 for those of rotations, 2 for scale alone."""
     return 0 if rule.sets & set(TRANSLATION) else 1 if rule.sets & set(ROTATION) else 2
 
 
-def apply_constraints(rig: Rig, local: Floats) -> Floats:
-    """Local matrices, (f, n, 4, 4), with every child where its constraints put it.
-
-    Controls and IK are not looked at, nor are ``polevector`` rules: they tell a solver of limbs.
-    """
-    local = local.copy()
-    for rule in constraints_in_order(rig):
-        if rule.kind == "polevector":
-            continue
-        world = worlds(rig, local)
-        own = local[:, rule.child]
-        local[:, rule.child] = constrained_local(rig, rule, world, local, own)
-    return local
+# --- steps
 
 
-def constrained_local(rig: Rig, rule: Rule, world: Floats, local: Floats, own: Floats) -> Floats:
-    """The local matrices, (f, 4, 4), that a rule gives its child; world, local: (f, n, 4, 4)."""
-    above = int(rig.parents[rule.child])
-    parent = world[:, above] if above >= 0 else identity(len(world))
-    drivers = (world if rule.space == "world" else local)[:, list(rule.drivers)]
-    up = world[:, rule.up_object] if rule.up_object >= 0 else None
-    return evaluate_constraint(rule, drivers, parent, own, up)
+def in_order(rig: Rig, steps: Sequence[S]) -> list[S]:
+    """The steps, each after those that set what it uses. Raises ControlCycleError."""
+    paths = _all_paths(rig, steps)
+    try:
+        return [steps[k] for k in TopologicalSorter(paths).static_order()]
+    except CycleError as error:
+        cycle = error.args[1][:0:-1]  # each depends on the next
+        raise ControlCycleError(rig, _nodes(paths, cycle)) from error
+
+
+def steps_for(rig: Rig, steps: Sequence[S], nodes: Collection[int]) -> list[S]:
+    """Those of some steps, in order, that the given nodes depend on, in order."""
+    setter, paths = _setters(steps), _all_paths(rig, steps)
+    taken = {setter[node] for node in nodes if node in setter}
+    for k in range(len(steps) - 1, -1, -1):
+        if k in taken:
+            taken.update(paths[k])
+    return [step for k, step in enumerate(steps) if k in taken]
+
+
+def _setters(steps: Sequence[Uses]) -> dict[int, int]:
+    """The number of the step that sets each node, or takes it along."""
+    setter = {node: k for k, step in enumerate(steps) for node in step.sets}
+    return setter | {node: k for k, step in enumerate(steps) for node in getattr(step, "carries", ())}
+
+
+def _all_paths(rig: Rig, steps: Sequence[Uses]) -> dict[int, Paths]:
+    """By the number of each step those that it depends on, itself too, with the nodes on the way."""
+    setter = _setters(steps)
+    return {k: _paths(rig, step, setter) for k, step in enumerate(steps)}
+
+
+def _paths(rig: Rig, step: Uses, setter: Mapping[int, int]) -> Paths:
+    found: dict[int, tuple[int, ...]] = {}
+    for node in step.reads:
+        if node in setter:
+            found.setdefault(setter[node], (node,))
+    for node in step.needs:
+        # A control over a joint that is not a child of what carries it: the way goes through the control.
+        path = list(getattr(step, "through", {}).get(node, ()))
+        above = node
+        while above >= 0:
+            path.append(above)
+            if above in setter:
+                found.setdefault(setter[above], tuple(path))
+            above = int(rig.parents[above])
+    return dict(sorted(found.items()))
+
+
+def _nodes(paths: Mapping[int, Paths], cycle: Sequence[int]) -> list[int]:
+    """The nodes of a cycle of steps, each once in a row, from the first of them in the rig."""
+    after = [*cycle[1:], cycle[0]]
+    around = [node for step, other in zip(cycle, after, strict=True) for node in paths[step][other]]
+    first = around.index(min(around))
+    around = [*around[first:], *around[:first]]
+    return [node for k, node in enumerate(around) if k == 0 or node != around[k - 1]]

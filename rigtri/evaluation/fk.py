@@ -61,6 +61,12 @@ class Fk:
         return tuple(node for node in (self._carrier, int(self.rig.parents[self.joint])) if node >= 0)
 
     @property
+    def through(self) -> dict[int, tuple[int, int]]:
+        """By node of `needs` that is not the joint's parent: the control and offset that depend on it."""
+        parent = int(self.rig.parents[self.joint])
+        return {node: (self.own.control, self.own.offset) for node in self.needs if node != parent}
+
+    @property
     def _carrier(self) -> int:
         """What carries the joint while its channels are zero: the joint of the control above, else that."""
         return self.reference.control_of.get(self.own.above, self.own.above)

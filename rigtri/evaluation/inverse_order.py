@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from rigtri.evaluation.constraint_solver import Parts, to_parts
+from rigtri.evaluation.dependency_graph import in_order
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import ConstraintStep, Step
-from rigtri.evaluation.step_order import in_order
 from rigtri.maths.matrices import inverse, multiply, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -71,7 +71,7 @@ class FindLimb(Ik):
 def inverse_steps(solver: Solver) -> list[Step]:
     """The solver's steps with those that find controls, in order; rules come on top of what is found.
 
-    Raises CircleError where a control would be found from the place of what follows it.
+    Raises ControlCycleError where a control would be found from the place of what follows it.
     """
     found: list[Step] = []
     placed: dict[int, FindControl] = {}

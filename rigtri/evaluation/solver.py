@@ -9,12 +9,12 @@ from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 
 from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.dependency_graph import channel_order, in_order, steps_for
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.frame_batches import BLOCK, blocks, cut, frames, joined
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver_steps import CHANNELS, ConstraintStep, RootStep, Step, TwistStep
-from rigtri.evaluation.step_order import in_order, steps_for
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.model.constraints import Rule, rules_of
@@ -26,7 +26,7 @@ class Solver:
     """The steps of a rig, in the order in which they can be taken.
 
     driven: the controls, IK ends and poles that are at work; None: all of them.
-    Raises CircleError.
+    Raises ControlCycleError.
     """
 
     def __init__(self, rig: Rig, driven: Collection[int] | None = None) -> None:
@@ -132,7 +132,7 @@ class Solver:
             base = moved.get(child)
             if base is not None and len(base.sets) > 1:
                 continue  # the limb's solver moves it; a rule of one of its joints would tear it
-            order = sorted(rules, key=_turn)
+            order = sorted(rules, key=channel_order)
             result.append(ConstraintStep(self.rig, tuple(order), base, self._riders(child)))
         return result
 
@@ -193,12 +193,7 @@ class Solver:
 
 
 def refuse_cycles(rig: Rig) -> None:
-    """CircleError where controls and constraints wait for each other, whatever controls are at work."""
+    """ControlCycleError where controls and constraints depend on each other, whichever are active."""
     fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
     for driven in (None, fk):
         _ = Solver(rig, driven).steps
-
-
-def _turn(rule: Rule) -> int:
-    """Translations first, then rotations, scale last."""
-    return 0 if any(c[0] == "t" for c in rule.sets) else 1 if any(c[0] == "r" for c in rule.sets) else 2

@@ -11,9 +11,9 @@ from typing import Protocol
 import numpy as np
 
 from rigtri.evaluation.constraint_solver import evaluate_constraint, to_parts
+from rigtri.evaluation.dependency_graph import Uses
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.pose_cache import PoseCache
-from rigtri.evaluation.step_order import Uses
 from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.maths.matrices import inverse, multiply

@@ -263,7 +263,7 @@ def test_controls_that_go_round_in_a_circle_are_named(name: str) -> None:
         lambda: pose_of(circle, PoseOptions("rest")),
         lambda: snap(circle, options=SnapOptions("ik", (at,), (ARM,))),
     ):
-        with pytest.raises(GeometryError, match=r"circle.*hand_L|circle.*upper_arm_L"):
+        with pytest.raises(GeometryError, match=r"cycle.*hand_L|cycle.*upper_arm_L"):
             run()
 
 
@@ -297,7 +297,7 @@ def test_a_control_below_what_it_moves_is_a_circle_that_names_all_on_the_way(
         lambda: pose_of(rig, PoseOptions(at)),
         lambda: snap(rig, options=SnapOptions("ik", (at,), (ARM,))),
     ):
-        with pytest.raises(GeometryError, match="circle") as caught:
+        with pytest.raises(GeometryError, match="cycle") as caught:
             run()
         places = [str(caught.value).find(f"'{node}'") for node in way]
         assert -1 not in places

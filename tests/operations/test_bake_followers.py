@@ -124,7 +124,7 @@ def test_a_joint_that_follows_a_rivet_on_its_own_mesh_is_a_circle(tmp_path: Path
         ),
         report=Report(),
     )
-    with pytest.raises(GeometryError, match=r"circle.*'button' → 'upper' → 'button'"):
+    with pytest.raises(GeometryError, match=r"cycle.*'button' → 'upper' → 'button'"):
         bake(turned(rig, joint), options=BakeOptions())
 
 

@@ -20,8 +20,8 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, RigtriError, UsageError
+from rigtri.evaluation.constraint_application import apply_constraints
 from rigtri.evaluation.constraint_solver import pole_position, rotate_of, to_parts
-from rigtri.evaluation.dependency_graph import apply_constraints
 from rigtri.evaluation.sampling import locals_at, rest, worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.constraint_transform import lost_rules
@@ -456,7 +456,7 @@ def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Pat
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
     try:
         if len(read(path, TRUSTING).rig) == 1:  # it could only follow itself
-            with pytest.raises(GeometryError, match="itself waits for it"):
+            with pytest.raises(GeometryError, match="itself depends on it"):
                 edit(path, once, step, options=TRUSTING)
             return
         outcome = edit(path, once, step, options=TRUSTING)

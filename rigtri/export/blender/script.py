@@ -42,7 +42,7 @@ def blender_setup(
     Blender; file: the name of what the script imports where the scene has no such character.
 
     What Blender cannot do is a warning of the report. Raises GeometryError where nothing of the rig
-    can be set up, and for controls and constraints that go round in a circle.
+    can be set up, and for cycles of controls and constraints.
     """
     report = report if report is not None else Report()
     plan = planned(rig, report)

@@ -68,7 +68,7 @@ BETWEEN = 1e-3
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
 _ROUNDS = 8
-# What follows rivets has come to rest after so many passes for each of them, or goes round in a circle.
+# What follows rivets has come to rest after so many passes for each of them, or forms a cycle.
 _PASSES = 6
 
 
@@ -118,7 +118,7 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
     A control with keys in a clip moves its joints there; one without leaves them their own. What was
     done in each clip goes to ``report.added``.
 
-    Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle; nothing to bake).
+    Raises UsageError, NameNotFoundError (a clip), GeometryError (a cycle; nothing to bake).
     """
     return _Baker(_with_limits(rig, options.checked()), options, report).baked()
 
@@ -176,8 +176,8 @@ class _Baker:
                 return self.rig
         names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
         raise GeometryError(
-            f"Constraints follow {names}, on meshes that they move themselves through pose readers: they go "
-            "round in a circle"
+            f"Constraints follow {names}, on meshes that they move themselves through pose readers: they "
+            "form a cycle"
         )
 
     def _once(self) -> None:

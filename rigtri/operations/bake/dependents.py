@@ -39,20 +39,20 @@ def rivets_of_constraints(rig: Rig) -> frozenset[int]:
 def refuse_cycles(rig: Rig) -> None:
     """GeometryError where what a constraint makes of a rivet moves the triangle that holds the rivet."""
     held = sorted(rivets_of_constraints(rig))
-    waits = dependencies(rig)
+    needs = dependencies(rig)
     for node in held:
-        waits.setdefault(node, set()).update(_carrying(rig, node))
+        needs.setdefault(node, set()).update(_nodes_that_move(rig, node))
     for node in held:
-        way = find_cycle(waits, [node], sorted(waits[node]))
+        way = find_cycle(needs, [node], sorted(needs[node]))
         if way:
-            told = " → ".join(f"'{rig.title(each)}'" for each in (node, *way))
+            names = " → ".join(f"'{rig.title(each)}'" for each in (node, *way))
             raise GeometryError(
-                f"Constraints follow '{rig.title(node)}', on a mesh that they move themselves: they go round "
-                f"in a circle; each of these needs the next: {told}. Take a constraint out"
+                f"Constraints follow '{rig.title(node)}', on a mesh that they move themselves: they form "
+                f"a cycle; each of these needs the next: {names}. Remove a constraint"
             )
 
 
-def _carrying(rig: Rig, rivet: int) -> set[int]:
+def _nodes_that_move(rig: Rig, rivet: int) -> set[int]:
     """The nodes that move the triangle of a rivet; none where there is no such triangle any more."""
     note = rig.notes[rivet]
     mesh_node, rows = rig.known(note["mesh"]), np.array(note["vertices"], dtype=np.int64)

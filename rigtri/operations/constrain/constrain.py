@@ -13,11 +13,11 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.constraint_application import constrained_local
 from rigtri.evaluation.constraint_solver import rotate_of, to_parts
-from rigtri.evaluation.dependency_graph import constrained_local, dependencies, find_cycle
+from rigtri.evaluation.dependency_graph import ControlCycleError, dependencies, find_cycle
 from rigtri.evaluation.sampling import rest, worlds
 from rigtri.evaluation.solver import refuse_cycles
-from rigtri.evaluation.step_order import ControlCycleError
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.euler import ORDERS, Order, from_angles
 from rigtri.maths.matrices import SKEW, skew
@@ -151,7 +151,7 @@ def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
     A second run for the same child and kind, or one that sets the same channels, replaces the
     rule. The record goes to ``report.added``.
 
-    Raises NameNotFoundError, UsageError, GeometryError (a circle; a frame that cannot be told).
+    Raises NameNotFoundError, UsageError, GeometryError (a cycle; a frame that cannot be measured).
     """
     options.checked()
     return follow(rig, _asked(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report)
@@ -163,7 +163,7 @@ def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Ri
     keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint.
     """
     place = _place(rig, rule, report)
-    _refuse_circles(rig, rule, place)
+    _refuse_cycles(rig, rule, place)
     with np.errstate(all="ignore"):
         rule = measured(rig, rule, keep=keep)
     _tell(rig, rule, report)
@@ -247,16 +247,16 @@ def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
     return same
 
 
-def _refuse_circles(rig: Rig, rule: Rule, place: int | None) -> None:
-    """GeometryError where a driver, or what up leans to, waits for the child."""
+def _refuse_cycles(rig: Rig, rule: Rule, place: int | None) -> None:
+    """GeometryError where a driver, or the up object, depends on the child."""
     children = rule.chain or (rule.child,)
     before = remove_node_constraint(rig, place) if place is not None else rig
     way = find_cycle(dependencies(before, place), children, rule.sources)
     if way:
         names = " → ".join(f"'{rig.title(node)}'" for node in (way[-1], *way))
         raise GeometryError(
-            f"'{rig.title(way[-1])}' cannot follow '{rig.title(way[0])}', which itself waits for it: {names} "
-            "(each waits for the next, as its child, by a constraint, a control or IK)"
+            f"'{rig.title(way[-1])}' cannot follow '{rig.title(way[0])}', which itself depends on it: "
+            f"{names} (each depends on the next: as its child, by a constraint, a control or IK)"
         )
 
 
@@ -271,8 +271,8 @@ def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
             return
         drivers = ", ".join(f"'{before.title(node)}'" for node in rule.sources)
         raise GeometryError(
-            f"'{before.title(rule.child)}' cannot follow {drivers}: controls and constraints would go "
-            f"round in a circle; {error.way}"
+            f"'{before.title(rule.child)}' cannot follow {drivers}: controls and constraints would form "
+            f"a cycle; {error.path}"
         ) from error
 
 

@@ -14,8 +14,8 @@ from typing import Literal
 
 import numpy as np
 
+from rigtri.evaluation.constraint_application import constrained_local
 from rigtri.evaluation.constraint_solver import nearest_rotation_of, to_parts
-from rigtri.evaluation.dependency_graph import constrained_local
 from rigtri.evaluation.sampling import rest, worlds
 from rigtri.maths.matrices import skew
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle

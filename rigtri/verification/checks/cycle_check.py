@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from rigtri.errors import RigtriError
+from rigtri.evaluation.dependency_graph import ControlCycleError
 from rigtri.evaluation.solver import refuse_cycles
-from rigtri.evaluation.step_order import ControlCycleError
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.verification.checks.findings import Findings
@@ -16,18 +16,18 @@ WAITING = ("control", "poleVector", "constraint", "twist")
 
 
 def check_circles(path: Path, rule: str, findings: Findings, *, allow_external: bool) -> None:
-    """Note the circle that a rig with notes of type `WAITING` has, whichever of its controls are at work.
+    """Note the cycle that a rig with notes of type `WAITING` has, whichever of its controls are active.
 
     A file that cannot be read as a rig, or whose notes are broken, has findings of other rules.
     """
     try:
         rig = read(path, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
         refuse_cycles(rig)
-    except ControlCycleError as circle:
-        noted = [node for node in circle.nodes if node in rig.notes]
-        node = next((n for n in noted if rig.notes[n].get("type") in WAITING), [*noted, *circle.nodes][0])
+    except ControlCycleError as error:
+        noted = [node for node in error.nodes if node in rig.notes]
+        node = next((n for n in noted if rig.notes[n].get("type") in WAITING), [*noted, *error.nodes][0])
         place, pointer = _place(rig, node)
-        findings.add(rule, place, pointer, circle.way)
+        findings.add(rule, place, pointer, error.path)
     except RigtriError:
         return
 
