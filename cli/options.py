@@ -133,7 +133,7 @@ def pole_options(command: F) -> F:
         ),
         click.option(
             "--from",
-            "origin",
+            "from_",
             type=click.Choice(["middle", "root", "foot"]),
             default="middle",
             show_default=True,

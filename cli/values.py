@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,7 +12,7 @@ import click
 from rigtri.limits import fits, unfit
 
 if TYPE_CHECKING:
-    ParamType = click.ParamType[int]
+    ParamType = click.ParamType[Any]
 else:  # in older versions of click it is not said of what type values are
     ParamType = click.ParamType
 
@@ -43,6 +44,23 @@ class Number(click.FloatRange):
         return number
 
 
+class Parsed(ParamType):
+    """What a function makes of a word; ValueError for words that it refuses."""
+
+    name = "text"
+
+    def __init__(self, parse: Callable[[str], Any]) -> None:
+        self._parse = parse
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            return self._parse(value)
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
 class Bytes(ParamType):
     """A size: 2G, 500M, 1.5GiB."""
 
@@ -60,10 +78,10 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     """A direction: x,y,z or an axis name."""
     if value is None:
         return None
-    from rigtri.operations.orient_joints import up_direction
+    from rigtri.declaration import kinds
 
     try:
-        return up_direction.direction(value)
+        return kinds.direction(value)
     except ValueError as error:
         raise click.BadParameter(str(error), ctx, param) from error
 

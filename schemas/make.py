@@ -109,8 +109,9 @@ def spec_schema() -> dict[str, Any]:
             model["required"] = list(dict.fromkeys(["do", *model.get("required", [])]))
             told = _help(options["do"]["const"])
             for name, about in options.items():
-                if name in told:
-                    options[name] = {"description": told[name], **_or_variable(about)}
+                if name not in ("do", "optional"):
+                    words = about.pop("description", None) or told[name]
+                    options[name] = {"description": words, **_or_variable(about)}
                 about.pop("title", None)
     whole = found["properties"]
     for name in set(whole) - {"$schema", "version", "name", "extends", "variables", "defaults", "steps"}:

@@ -29,7 +29,7 @@ from rigtri.operations.aim_targets import Aim, Rules, aim_of, limb_children
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew
 from rigtri.operations.control_names import call, remembered
 from rigtri.operations.joint_selection import Selection, chosen
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import add, find, group, home, noted, stand
 from rigtri.operations.skin_joints import Kind as EndKind
 from rigtri.operations.skin_joints import add_joint, as_wanted, beside, move_joint
@@ -334,7 +334,7 @@ class _Builder:
             return
         before = set(self.rig.notes)
         limbs = tuple(dict.fromkeys(self.limbs))
-        wanted = replace(self.options.poles, limbs=limbs, auto=False, kind=self.options.ends)
+        wanted = replace(self.options.poles, limb=limbs, limbs=None, as_=self.options.ends)
         self.rig = add_polevector(self.rig, options=wanted, report=self.report)
         for node in self._drawn_poles(limbs):
             middle = self.rig.find(str(self.rig.notes[node]["chain"][1]))

@@ -6,9 +6,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -20,42 +18,17 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, normalise, project
 from rigtri.model.rig import Rig
 from rigtri.operations.control_drawing import KEYS
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
+from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
 from rigtri.operations.rigtri_nodes import add, find, free_name, home, noted, plain_name, renamed, stand
-from rigtri.operations.skin_joints import Kind, add_joint, as_wanted, beside, move_joint
+from rigtri.operations.skin_joints import add_joint, as_wanted, beside, move_joint
 from rigtri.recognition.bend_plane import Bend, bend, crossings
-from rigtri.recognition.limbs import Limb, along, recognise
+from rigtri.recognition.limbs import Limb, along, named_limbs, recognise
 from rigtri.report import Report
 
 # Below this sine (0.1°) a bend plane is float32 noise; below the second (0.6°) it is shaky.
 NO_PLANE = 1.7453283658983088e-3
 SHAKY = 1.0471784116245793e-2
-
-
-@dataclass(frozen=True)
-class AddPolevectorOptions:
-    """Everything that `add_polevector` can be told; the defaults are the command's.
-
-    limbs: three-joint limbs. chains: (start, end, bend joint or None) of more joints.
-    bends: by the name of a limb's root, middle or end joint, the direction it bends to.
-    kind: a loose locator, or a joint beside the limb; None keeps what is there, else a locator.
-    """
-
-    limbs: tuple[Limb, ...] = ()
-    chains: tuple[tuple[str, str, str | None], ...] = ()
-    auto: bool = False
-    method: Literal["perpendicular", "ratio"] = "perpendicular"
-    origin: Literal["middle", "root", "foot"] = "middle"
-    reach: float = 0.5
-    distance: float | None = None
-    reach_of: Literal["limb", "chord"] = "limb"
-    orientation: Literal["world", "limb", "aim"] = "world"
-    bends: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    facing: tuple[float, float, float] | None = None
-    name: str | None = None
-    pose: str = "nodes"
-    check_clips: bool = False
-    kind: Kind | None = None
 
 
 @operation(AddPolevectorOptions)
@@ -98,10 +71,10 @@ def _check_name(rig: Rig, limbs: list[Limb], options: AddPolevectorOptions) -> N
 
 
 def _limbs(rig: Rig, options: AddPolevectorOptions, report: Report) -> list[Limb]:
-    limbs = list(options.limbs)
-    for start, end, middle in options.chains:
-        limbs.append(_of_chain(rig, start, end, middle, options.pose))
-    if options.auto:
+    limbs = named_limbs(rig, options.limb)
+    for start, end in options.chain:
+        limbs.append(_of_chain(rig, start, end, options.bend_joint, options.pose))
+    if options.limbs:
         found = [limb for limb in recognise(rig) if limb.triple not in {k.triple for k in limbs}]
         if not found and not limbs:
             raise NoLimbError
@@ -153,7 +126,7 @@ def posed(rig: Rig, pose: str) -> ReferencePose:
 def _named_bends(rig: Rig, limbs: list[Limb], options: AddPolevectorOptions) -> dict[Limb, Floats]:
     """Which limb each ``--bend NAME=x,y,z`` means: the one with that joint."""
     found: dict[Limb, Floats] = {}
-    for name, direction in options.bends.items():
+    for name, direction in options.bend.items():
         node = rig.find(name)
         mine = [limb for limb in limbs if node in limb.triple]
         if not mine:
@@ -199,7 +172,7 @@ def _place(
     position = pole_position(
         *points,
         direction=direction,
-        origin=options.origin,
+        origin=options.from_,
         reach=options.reach,
         reach_of=options.reach_of,
         far=options.distance,
@@ -230,7 +203,7 @@ def _place(
 def _note(rig: Rig, limb: Limb, options: AddPolevectorOptions, found: Bend, degrees: float) -> dict[str, Any]:
     chain = [rig.address(node) for node in limb.triple]
     note: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": chain}
-    note |= {"method": options.method, "from": options.origin}
+    note |= {"method": options.method, "from": options.from_}
     if options.distance is not None:
         note["distance"] = float(options.distance)
     else:
@@ -267,14 +240,14 @@ def _placed(
     node = find(rig, type="poleVector", chain=note["chain"])
     name = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
     if node is not None:
-        joint = as_wanted(rig, node, options.kind)
+        joint = as_wanted(rig, node, options.as_)
         if joint and options.name is not None and rig.names[node] != plain_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)
         drawing = {key: rig.notes[node][key] for key in KEYS if key in rig.notes[node]}
         rig = noted(rig, node, note | drawing)
         return (move_joint if joint else stand)(rig, node, position, axes), node
-    if options.kind == "joint":
+    if options.as_ == "joint":
         parent, like = beside(rig, limb.start)
         return add_joint(rig, name, parent, note, position, axes, like=like)
     rig, parent = home(rig)

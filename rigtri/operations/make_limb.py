@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.declaration.kinds import vector
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limits import refuse_points
 from rigtri.maths.matrices import determinant
@@ -21,8 +22,8 @@ from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpen
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, AddPolevectorOptions, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.options import operation
-from rigtri.operations.orient_joints.up_direction import crossing, vector
+from rigtri.operations.operation import operation
+from rigtri.operations.orient_joints.up_direction import crossing
 from rigtri.operations.rigtri_nodes import free_name, group, noted, plain_name
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
 from rigtri.recognition.limbs import Limb
@@ -122,7 +123,7 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
         limb = Limb(joints[0], joints[shape.middle], joints[-1])
         # Where the points themselves show no side, their joints, rounded, must not show one either.
         bends = {rig.address(limb.middle): _triple(shape.side)} if shape.told == "given" else {}
-        wanted = replace(options.poles, limbs=(limb,), chains=(), auto=False, bends=bends)
+        wanted = replace(options.poles, limb=(limb,), chain=(), limbs=None, bend=bends)
         rig = add_polevector(rig, options=wanted, report=report)
     return rig
 
@@ -260,7 +261,7 @@ def _up(aim: Floats, normal: Floats, source: str) -> Floats:
     kind, _, text = source.partition(":")
     try:
         if kind == "vector":
-            return vector(text)
+            return np.array(vector(text))
         if kind == "world":
             letter, sign = axis_of(text)
             return np.asarray(sign * np.eye(3)[letter])

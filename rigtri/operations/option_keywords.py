@@ -13,15 +13,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from difflib import get_close_matches
+from functools import cache
 from numbers import Integral
 from typing import Any, Literal, TypeVar
 
+from rigtri.declaration.kinds import direction
 from rigtri.errors import UsageError
 from rigtri.limits import LARGEST, fits
+from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.orient_joints.up_direction import direction
-from rigtri.recognition.limbs import Limb, given
+from rigtri.recognition.limbs import given
 
 T = TypeVar("T")
 _DIRECTION = tuple[float, float, float]
@@ -71,7 +73,12 @@ def from_keywords(kind: type[T], rig: Rig, said: Mapping[str, Any], name: str) -
     return kind(**own)
 
 
-def _hints(kind: type) -> dict[str, Any]:
+def _hints(kind: Any) -> dict[str, Any]:
+    return _cached_hints(kind)
+
+
+@cache
+def _cached_hints(kind: Any) -> dict[str, Any]:
     return typing.get_type_hints(kind)
 
 
@@ -140,6 +147,8 @@ def _one_of(inner: tuple[Any, ...], value: Any, rig: Rig, word: str) -> Any:
     """The value as the first of several types that it fits; as what the last says where it fits none."""
     if value is None and type(None) in inner:
         return None
+    if Limb in inner:
+        return _fitted(Limb, value, rig, word)
     *first, last = (hint for hint in inner if hint is not type(None))
     for hint in first:
         with suppress(UsageError):

@@ -19,7 +19,7 @@ from rigtri.maths.matrices import compose
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.solver_warnings import solver_warnings
 from rigtri.report import Report
 

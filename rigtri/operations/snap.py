@@ -38,7 +38,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.records import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.report import Report
 

@@ -16,7 +16,7 @@ from rigtri.model.records import Booleans, Constraint, Fold, Skin
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.replaced_keys import restored
 from rigtri.operations.add_twist.twist import INFLUENCES
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.report import Report
 
 

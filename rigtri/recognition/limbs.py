@@ -5,33 +5,17 @@ A limb is given by name, or one of those that `rigtri.recognition` is sure of.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Literal
 
 from rigtri.errors import UsageError
-from rigtri.model.joint_names import Side, side
+from rigtri.model.joint_names import side
+from rigtri.model.limb import Limb as Limb
+from rigtri.model.limb import LimbKind
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import MAP, NAMES, Chain
 from rigtri.recognition.naming_schemes import limb_said
 from rigtri.recognition.recognise import sure_limbs
-
-Kind = Literal["arm", "leg", ""]
-
-
-@dataclass(frozen=True)
-class Limb:
-    """Node indices of root, middle and end; ``evidence`` says how the limb is known."""
-
-    start: int
-    middle: int
-    end: int
-    kind: Kind = ""
-    side: Side = ""
-    evidence: Literal["given", "vrm", "names", "shape"] = "given"
-
-    @property
-    def triple(self) -> tuple[int, int, int]:
-        return self.start, self.middle, self.end
 
 
 def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
@@ -49,8 +33,13 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
         return Limb(*triple, kind=known[triple].kind, side=known[triple].side)
     kinds = {limb_said(rig.names[node]) for node in triple} - {""}
     sides = {side(rig.names[node]) for node in triple}
-    kind: Kind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
+    kind: LimbKind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
     return Limb(*triple, kind=kind, side=sides.pop() if len(sides) == 1 else "")
+
+
+def named_limbs(rig: Rig, limbs: Iterable[Limb | tuple[str, str, str]]) -> list[Limb]:
+    """Limbs of which each may be three names of joints, as `given` takes them."""
+    return [limb if isinstance(limb, Limb) else given(rig, *limb) for limb in limbs]
 
 
 def along(rig: Rig, start: int, end: int) -> list[int]:

@@ -55,12 +55,12 @@ def _control_joints(rig: Rig, report: Report) -> Rig:
 
 def _poles(rig: Rig, report: Report) -> Rig:
     return add_polevector.add_polevector(
-        rig, options=add_polevector.AddPolevectorOptions(auto=True), report=report
+        rig, options=add_polevector.AddPolevectorOptions(limbs="auto"), report=report
     )
 
 
 def _pole_joints(rig: Rig, report: Report) -> Rig:
-    wanted = add_polevector.AddPolevectorOptions(auto=True, kind="joint")
+    wanted = add_polevector.AddPolevectorOptions(limbs="auto", as_="joint")
     return add_polevector.add_polevector(rig, options=wanted, report=report)
 
 

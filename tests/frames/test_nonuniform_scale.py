@@ -290,7 +290,7 @@ def test_axes_and_locators_do_not_care_for_the_worlds_scale(
         rig = read(source).rig
         limb = (given(rig, "shoulder", "elbow", "wrist"),)
         report = Report()
-        out = orient_joints(add_polevector(rig, options=AddPolevectorOptions(limbs=limb), report=report))
+        out = orient_joints(add_polevector(rig, options=AddPolevectorOptions(limb=limb), report=report))
         world, pole = worlds(out), out.find("elbow_pole", "node")
         root, elbow = world[out.find("root"), 3, :3], world[out.find("elbow"), 3, :3]
         found.append(

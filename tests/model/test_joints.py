@@ -240,7 +240,7 @@ def test_poles_and_ik_ends_may_be_joints(suffix: str, samples: Path, tmp_path: P
 def test_a_pole_joint_stands_where_the_locator_would(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     loose, joint = (
-        add_polevector(rig, options=AddPolevectorOptions(auto=True, kind=kind))
+        add_polevector(rig, options=AddPolevectorOptions(limbs="auto", as_=kind))
         for kind in ("locator", "joint")
     )
     for name in ("forearm_L_pole", "shin_R_pole"):
@@ -253,9 +253,9 @@ def test_a_joint_needs_something_to_hang_on() -> None:
     arm = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
     limb = given(arm, "a", "b", "c")
     with pytest.raises(UsageError, match="nothing stands above 'a'"):
-        add_polevector(arm, options=AddPolevectorOptions(limbs=(limb,), kind="joint"))
+        add_polevector(arm, options=AddPolevectorOptions(limb=(limb,), as_="joint"))
     with pytest.raises(UsageError, match="no joint of a skin"):
-        add_polevector(replace(arm, skins=()), options=AddPolevectorOptions(limbs=(limb,), kind="joint"))
+        add_polevector(replace(arm, skins=()), options=AddPolevectorOptions(limb=(limb,), as_="joint"))
 
 
 def test_xforms_that_stand_in_for_joints_get_prims_below_them(tmp_path: Path) -> None:

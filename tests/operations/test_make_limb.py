@@ -50,7 +50,7 @@ def pole(rig: Rig) -> int:
 
 def test_the_articles_arm_has_the_articles_numbers() -> None:
     """X along the bone, Y the plane's normal (bend × aim), Z their product; the pole 5 from the root."""
-    article = AddPolevectorOptions(method="ratio", origin="root", distance=5.0, orientation="limb")
+    article = AddPolevectorOptions(method="ratio", from_="root", distance=5.0, orientation="limb")
     out, (shoulder, elbow, wrist), _ = made(poles=article)
     world = worlds(out)
     assert_allclose(world[[shoulder, elbow, wrist], 3, :3], ARM, atol=1e-6)
@@ -370,7 +370,7 @@ def test_the_pole_vector_can_be_a_joint_of_the_limbs_skin(samples: Path) -> None
     rig = read(samples / "biped.glb").rig
     points = ((0.0, 1.0, -0.2), (0.0, 0.8, -0.3), (0.0, 0.6, -0.2))
     wanted = MakeLimbOptions(
-        points=points, name="tail", parent="hips", poles=AddPolevectorOptions(kind="joint")
+        points=points, name="tail", parent="hips", poles=AddPolevectorOptions(as_="joint")
     )
     out = make_limb(rig, options=wanted)
     pole = out.find("tail_2_pole")

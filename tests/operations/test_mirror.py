@@ -187,7 +187,7 @@ def test_only_what_is_named_is_mirrored(samples: Path) -> None:
     mirror(rig, options=MirrorOptions(selection=Selection(joints=("thigh_L",))), report=report)
     assert [e["joint"] for e in report.joints if e["status"] == "turned"] == ["thigh_R"]
     pole = add_polevector(
-        rig, options=AddPolevectorOptions(limbs=(given(rig, "thigh_L", "shin_L", "foot_L"),))
+        rig, options=AddPolevectorOptions(limb=(given(rig, "thigh_L", "shin_L", "foot_L"),))
     )
     out = mirror(pole, options=MirrorOptions(what=("polevectors",)))
     assert np.array_equal(out.rotation[: len(rig)], rig.rotation)

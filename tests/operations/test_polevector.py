@@ -29,8 +29,8 @@ def arm() -> Rig:
 
 
 def placed(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
-    if "limbs" not in options:
-        options["limbs"] = (given(rig, "a", "b", "c"),)
+    if "limb" not in options:
+        options["limb"] = (given(rig, "a", "b", "c"),)
     return add_polevector(rig, options=AddPolevectorOptions(**options), report=report)
 
 
@@ -43,7 +43,7 @@ def test_the_talk_stands_half_the_limb_beyond_the_elbow() -> None:
 
 
 def test_the_article_stands_five_units_from_the_shoulder() -> None:
-    out = placed(arm(), method="ratio", origin="root", distance=5.0, orientation="limb")
+    out = placed(arm(), method="ratio", from_="root", distance=5.0, orientation="limb")
     assert_allclose(position(out), [0, 5, 0])
     n = np.cross([3, 4, 0], [3, -4, 0])
     shoulder = [[0.6, 0.8, 0], normalise(n), np.cross([0.6, 0.8, 0], normalise(n))]
@@ -64,8 +64,8 @@ def test_the_ratio_method_divides_the_chord_as_the_bones_divide_the_limb() -> No
         ({"reach": 1.2}, [3, 16, 0]),
         ({"reach_of": "chord"}, [3, 7, 0]),
         ({"distance": 2.0}, [3, 6, 0]),
-        ({"origin": "foot"}, [3, 5, 0]),
-        ({"origin": "root"}, [0, 5, 0]),
+        ({"from_": "foot"}, [3, 5, 0]),
+        ({"from_": "root"}, [0, 5, 0]),
     ],
 )
 def test_the_pole_stands_where_the_options_say(options: dict[str, Any], wanted: list[float]) -> None:
@@ -101,10 +101,10 @@ def test_a_locator_under_a_scaled_skeleton_stands_in_world_units() -> None:
 def test_a_longer_chain_bends_at_the_joint_farthest_from_its_chord() -> None:
     rig = chain((0, 0, 0), (1, 1, 0), (2, 3, 0), (3, 1, 0), (4, 0, 0))
     report = Report()
-    out = placed(rig, report, limbs=(), chains=(("a", "e", None),))
+    out = placed(rig, report, limb=(), chain=(("a", "e"),))
     assert report.limbs[0]["limb"] == ["a", "c", "e"]
     assert position(out, "c_pole")[1] > 3
-    placed(rig, report, limbs=(), chains=(("a", "e", "b"),))
+    placed(rig, report, limb=(), chain=(("a", "e"),), bend_joint="b")
     assert report.limbs[1]["limb"] == ["a", "b", "e"]
 
 
@@ -119,14 +119,14 @@ def test_a_straight_limb_of_which_nothing_tells_is_an_error_that_says_what_to_gi
 
 def test_the_users_word_decides_for_a_straight_limb() -> None:
     report = Report()
-    out = placed(straight(), report, bends={"b": (0.0, 0.0, 3.0)})
+    out = placed(straight(), report, bend={"b": (0.0, 0.0, 3.0)})
     assert_allclose(position(out), [1, 0, 1])
     assert report.limbs[0]["source"] == "given"
 
 
 def test_a_direction_along_the_limb_is_refused() -> None:
     with pytest.raises(GeometryError, match="along the limb"):
-        placed(straight(), bends={"b": (1.0, 0.0, 0.0)})
+        placed(straight(), bend={"b": (1.0, 0.0, 0.0)})
 
 
 def test_clips_tell_the_side_of_a_straight_limb() -> None:
@@ -146,7 +146,7 @@ def test_the_other_side_tells_the_side_of_a_straight_limb() -> None:
     rig = rig_of(names, [-1, 0, 1, 2, 0, 4, 5], points.astype(float))
     rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(worlds(rig))),))
     report = Report()
-    out = add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report)
+    out = add_polevector(rig, options=AddPolevectorOptions(limbs="auto"), report=report)
     left, right = position(out, "shin_L_pole"), position(out, "shin_R_pole")
     place = worlds(rig)[:, 3, :3]
     towards = normalise(right - place[5])
@@ -157,7 +157,7 @@ def test_the_other_side_tells_the_side_of_a_straight_limb() -> None:
 def test_a_knee_bends_to_where_the_character_looks_and_an_elbow_away() -> None:
     for names, z in ((("thigh_L", "shin_L", "foot_L"), 1), (("upperarm_L", "forearm_L", "hand_L"), -1)):
         rig = replace(straight(), names=names)
-        out = placed(rig, limbs=(given(rig, *names),), facing=(0.0, 0.0, 1.0))
+        out = placed(rig, limb=(given(rig, *names),), facing=(0.0, 0.0, 1.0))
         assert_allclose(position(out, f"{names[1]}_pole"), [1, 0, z])
 
 
@@ -180,25 +180,25 @@ def test_the_foot_of_a_flat_rig_need_not_hang_below_the_shin() -> None:
     points = np.array([[0, 0, 0], [0, 3, 0], [0, -1.5, 0.5], [0, 0, 0]], dtype=float)
     rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], points)
     rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
-    out = placed(rig, limbs=(given(rig, "thigh", "shin", "foot"),))
+    out = placed(rig, limb=(given(rig, "thigh", "shin", "foot"),))
     assert position(out, "shin_pole")[2] > 0.5
 
 
 def test_names_of_locators_are_plain_and_free() -> None:
     rig = replace(arm(), names=("up arm.L", "fore arm.L", "hand.L"))
     limb = (given(rig, *rig.names),)
-    out = placed(rig, limbs=limb)
+    out = placed(rig, limb=limb)
     assert out.names[-1] == "fore_arm_L_pole"
-    named = placed(rig, limbs=limb, name="hand.L")
+    named = placed(rig, limb=limb, name="hand.L")
     assert named.names[-1] == "hand_L"
 
 
 def test_what_is_asked_wrongly_is_said() -> None:
     with pytest.raises(UsageError, match="--limb"):
-        placed(arm(), limbs=())
+        placed(arm(), limb=())
     with pytest.raises(GeometryError, match="no arms or legs were recognised"):
-        placed(arm(), limbs=(), auto=True)
+        placed(arm(), limb=(), limbs="auto")
     with pytest.raises(NameNotFoundError, match="'knee'"):
-        placed(arm(), bends={"knee": (0.0, 0.0, 1.0)})
+        placed(arm(), bend={"knee": (0.0, 0.0, 1.0)})
     with pytest.raises(GeometryError, match="one place"):
         placed(chain((0, 0, 0), (1, 0, 0), (0, 0, 0)))

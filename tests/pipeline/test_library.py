@@ -45,7 +45,7 @@ ASKED: list[Asked] = [
     (
         "add-polevector --limb upper_arm_L forearm_L hand_L --reach 2 --facing +z --bend forearm_L=0,0,-1",
         "add_polevector",
-        {"limbs": [ARM], "reach": 2, "facing": "+z", "bends": {"forearm_L": (0, 0, -1)}},
+        {"limb": [ARM], "reach": 2, "facing": "+z", "bend": {"forearm_L": (0, 0, -1)}},
     ),
     (
         "add-controls --whole-character --color left=1,0,0 --shape ik=cube",
@@ -317,8 +317,8 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("add_twist", {"auto": True, "count": True}, UsageError, "give a whole number"),
         ("add_twist", {"auto": True, "weights": 3}, UsageError, "give a list"),
         ("mirror", {"plane_at": float("nan")}, UsageError, "give a finite number"),
-        ("add_polevector", {"bends": [("a", "x")]}, UsageError, "give a mapping"),
-        ("add_polevector", {"auto": True, "bends": {"a": "b"}}, UsageError, "no direction"),
+        ("add_polevector", {"bend": [("a", "x")]}, UsageError, "give a mapping"),
+        ("add_polevector", {"limbs": "auto", "bend": {"a": "b"}}, UsageError, "no direction"),
         ("take_pose", {"at": "run@1"}, NameNotFoundError, "'run'"),
         ("add_posereader", {"driver": "head", "targets": ["a=b@1"]}, UsageError, "a mapping with name, dir"),
         ("orient_joints", {"like": "other.glb"}, UsageError, "give a rig"),

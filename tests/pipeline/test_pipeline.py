@@ -265,9 +265,11 @@ def test_a_pole_vector_may_be_moved_by_a_second_run(name: str, samples: Path, tm
 
     one, two = tmp_path / f"one{name}", tmp_path / f"two{name}"
     edit(
-        samples / name, one, lambda rig, report: add_polevector(rig, options=AddPolevectorOptions(auto=True))
+        samples / name,
+        one,
+        lambda rig, report: add_polevector(rig, options=AddPolevectorOptions(limbs="auto")),
     )
-    further = AddPolevectorOptions(auto=True, reach=1.2)
+    further = AddPolevectorOptions(limbs="auto", reach=1.2)
     outcome = edit(one, two, lambda rig, report: add_polevector(rig, options=further))
     assert outcome.changed
     assert len(read(one).rig) == len(read(two).rig)

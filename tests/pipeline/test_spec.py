@@ -7,7 +7,7 @@ import re
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import click
 import jsonschema
@@ -27,16 +27,14 @@ from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import load
 from rigtri.pipeline.rigspec.models.base import StepModel
-from rigtri.pipeline.rigspec.models.spec import AnyStep
+from rigtri.pipeline.rigspec.models.spec import STEP_MODELS
 from rigtri.pipeline.rigspec.models.values import UNKNOWN
 from rigtri.pipeline.rigspec.spec_init import starter
 from rigtri.pipeline.steps import STEPS, step
 from rigtri.report import Notice
 from rigtri.verification.compare.compare import verify
 
-MODELS: dict[str, type[StepModel]] = {
-    get_args(model.model_fields["do"].annotation)[0]: model for model in get_args(get_args(AnyStep)[0])
-}
+MODELS: dict[str, type[StepModel]] = {**STEP_MODELS}
 # What a command must be given to be asked at all.
 LEAST: dict[str, dict[str, Any]] = {
     "make-limb": {"points": [[0, 1, 0], [0, 0.5, 0.1], [0, 0, 0]]},

@@ -176,7 +176,7 @@ def test_pole_vectors_lie_in_the_plane_of_their_limb(path: Path) -> None:
     limbs = recognise(rig)
     if not limbs:
         leave_out(path, NO_LIMB)
-    out = add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report)
+    out = add_polevector(rig, options=AddPolevectorOptions(limbs="auto"), report=report)
     world = worlds(out)
     for limb, entry in zip(limbs, report.limbs, strict=True):
         if entry["source"] == "pose":

@@ -159,7 +159,7 @@ def test_a_locator_below_a_scaled_root_has_the_size_of_the_world(scale: float, t
     _, after, _, found = leg.turn(tmp_path)
     assert found.deviation <= FLOOR
     limb = Limb(*(after.find(name) for name in ("thigh", "shin", "foot")))
-    out = add_polevector(after, options=AddPolevectorOptions(limbs=(limb,), reach=0.5))
+    out = add_polevector(after, options=AddPolevectorOptions(limb=(limb,), reach=0.5))
     wanted = pole_position(*np.asarray(PLACES)[1:], reach=0.5)
     (locator,) = (node for node, note in out.notes.items() if note["type"] == "poleVector")
     assert_allclose(worlds(out)[locator, 3, :3], wanted, atol=1e-5)

@@ -74,11 +74,11 @@ def everything(rig: Rig, report: Report) -> Rig:
 
 
 def poles(rig: Rig, report: Report) -> Rig:
-    return add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report)
+    return add_polevector(rig, options=AddPolevectorOptions(limbs="auto"), report=report)
 
 
 def poles_as_joints(rig: Rig, report: Report) -> Rig:
-    return add_polevector(rig, options=AddPolevectorOptions(auto=True, kind="joint"), report=report)
+    return add_polevector(rig, options=AddPolevectorOptions(limbs="auto", as_="joint"), report=report)
 
 
 def tail(rig: Rig, report: Report) -> Rig:

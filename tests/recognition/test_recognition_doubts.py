@@ -149,7 +149,7 @@ def test_joints_without_names_are_not_told_to_share_one() -> None:
     rig = rig_with(MAN)
     report = Report()
     add_polevector(
-        replace(rig, names=("",) * len(rig)), options=AddPolevectorOptions(auto=True), report=report
+        replace(rig, names=("",) * len(rig)), options=AddPolevectorOptions(limbs="auto"), report=report
     )
     assert report.limbs
     assert [notice.text for notice in report.warnings if notice.code == "limb-left-out"] == []

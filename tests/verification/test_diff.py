@@ -426,7 +426,9 @@ def test_new_pole_vectors_are_new_locators(samples: Path, tmp_path: Path) -> Non
         edit(
             samples / name,
             out,
-            lambda rig, report: add_polevector(rig, options=AddPolevectorOptions(auto=True), report=report),
+            lambda rig, report: add_polevector(
+                rig, options=AddPolevectorOptions(limbs="auto"), report=report
+            ),
         )
         told = lines(diff(samples / name, out), "rig")
         assert any(line.startswith("hierarchy: + poleVector ") for line in told)

@@ -47,7 +47,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
 from rigtri.operations.add_rivet.rebind import rebind_rivets
 from rigtri.operations.control_names import refuse_taken
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import add, find, group, noted
 from rigtri.report import Report
 

@@ -33,7 +33,7 @@ from rigtri.maths.vectors import cross, length
 from rigtri.model.mesh_triangles import flat, meshes_named, nearest, triangles, vertices_of
 from rigtri.model.records import Integers, Interpolation, Mesh, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import add, find, group, noted, stand
 from rigtri.report import Report
 

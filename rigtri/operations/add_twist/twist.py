@@ -22,7 +22,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.control_names import refuse_taken
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import find, noted, plain_name
 from rigtri.operations.skin_joints import add_joint, move_joint
 from rigtri.recognition.limbs import Limb, along, recognise

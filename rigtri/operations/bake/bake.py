@@ -53,7 +53,7 @@ from rigtri.operations.bake.residuals import fidelity
 from rigtri.operations.bake.sampling_warnings import warn_spline_swings, warn_undersampled
 from rigtri.operations.bake.stable_keys import is_still_valid
 from rigtri.operations.bake.stretch_limit import refuse_overstretch
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.pose import at_rest
 from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
 from rigtri.report import Report

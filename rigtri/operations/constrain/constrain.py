@@ -39,7 +39,7 @@ from rigtri.model.constraints import (
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import add, group, noted, renamed
 from rigtri.recognition.limbs import given
 from rigtri.report import Report

@@ -68,7 +68,7 @@ def _one_control(
         made = AddControlsOptions(selection=Selection(joints=(there["joint"],)), shapes=shapes)
     else:
         limb = given(rig, *there["chain"])
-        poles = AddPolevectorOptions(bends=_bends(rig, note, there, options))
+        poles = AddPolevectorOptions(bend=_bends(rig, note, there, options))
         wanted: Kind = "joint" if joint else "locator"
         ends = wanted if before is None else None
         soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.declaration.kinds import vector
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import worlds
 from rigtri.frames.mirror_modes import Mirror, mirrored_axes, twin_of
@@ -26,7 +27,6 @@ from rigtri.operations.mirror.mirrored_metadata import (
     twin_name,
     twin_note,
 )
-from rigtri.operations.orient_joints.up_direction import vector
 from rigtri.operations.rigtri_nodes import find, free_name, group, noted, renamed
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
 from rigtri.report import Report
@@ -156,7 +156,7 @@ def _style(note: Mapping[str, Any], options: MirrorOptions) -> dict[str, Any]:
     if source not in ("plane", "pole"):
         kind, _, text = source.partition(":")
         letter, sign = axis_of(text) if kind == "world" else (0, 1.0)
-        told = sign * np.eye(3)[letter] if kind == "world" else vector(text)
+        told = sign * np.eye(3)[letter] if kind == "world" else np.array(vector(text))
         x, y, z = (options.across.directions(told) + 0.0).tolist()
         source = f"vector:{x!r},{y!r},{z!r}"
     # The limb's hinge is what turns are about: its mirror image points the other way.

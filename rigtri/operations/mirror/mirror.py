@@ -27,7 +27,7 @@ from rigtri.operations.mirror.limbs import mirror_limbs, mirror_twists
 from rigtri.operations.mirror.mirrored_metadata import WHAT, MirrorOptions, What, side
 from rigtri.operations.mirror.pose_readers import mirror_readers
 from rigtri.operations.mirror.rivets import mirror_rivets
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
 

@@ -17,7 +17,7 @@ from rigtri.maths.quaternions import IDENTITY, rotates
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.orient_joints.constraint_policy import settle
 from rigtri.operations.orient_joints.frame_sources import stored_splits
 from rigtri.operations.orient_joints.messages import check, record, tell_fixed, tell_straight

@@ -19,6 +19,7 @@ from math import sqrt
 
 import numpy as np
 
+from rigtri.declaration.kinds import vector
 from rigtri.errors import UsageError
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
 from rigtri.maths.quaternions import between, rotate
@@ -261,7 +262,7 @@ def stated(tree: Skeleton, ref: ReferencePose, joint: int, source: str, up_axis:
             letter, sign = axis_of(rest)
             return np.asarray(np.eye(3)[letter] * sign)
         if kind == "vector":
-            return vector(rest)
+            return np.array(vector(rest))
         if kind == "node" and rest:
             return ref.position(rig.find(rest, "node")) - ref.position(joint)
         if kind == "noderot":
@@ -279,29 +280,6 @@ def stated(tree: Skeleton, ref: ReferencePose, joint: int, source: str, up_axis:
         f"--up-from {source} is none of plane, pole, world:AXIS, vector:X,Y,Z, node:NAME, "
         "noderot:AXIS:NAME, parent, child, keep"
     )
-
-
-def vector(text: str) -> Floats:
-    """Three numbers with commas between as (3,). ValueError for anything else or a zero vector."""
-    parts = text.split(",")
-    try:
-        numbers = np.array([float(part) for part in parts])
-    except ValueError:
-        numbers = np.zeros(0)
-    if len(numbers) != 3 or not np.isfinite(numbers).all() or not numbers.any():
-        raise ValueError(f"'{text}' is no direction: give three numbers, e.g. 0,0,1")
-    return numbers
-
-
-def direction(text: str) -> tuple[float, float, float]:
-    """A direction from words: an axis as ``-z``, or x,y,z. ValueError for anything else."""
-    try:
-        letter, sign = axis_of(text)
-    except ValueError:
-        x, y, z = (float(number) for number in vector(text))
-        return x, y, z
-    x, y, z = (sign if k == letter else 0.0 for k in range(3))
-    return x, y, z
 
 
 def crossing(up: Floats, aim: Floats) -> bool:

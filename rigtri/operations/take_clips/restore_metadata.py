@@ -18,7 +18,7 @@ from rigtri.maths.matrices import decompose, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import ADDED, Rig
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.armature_motion import bind_poses, put_back
 from rigtri.operations.take_clips.ik_switches import drop_switched_off_ik_keys, holding, ik_ends, switches
 from rigtri.operations.take_clips.messages import some

@@ -19,7 +19,7 @@ from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.records import Booleans, Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.options import operation
+from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.armature_motion import put_back
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container, Iterator
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import did_you_mean
@@ -169,15 +168,11 @@ def _near(tree: Tree, loc: tuple[str | int, ...]) -> str:
     return did_you_mean(str(loc[-1]), known) or f" There are {', '.join(known)}."
 
 
-@cache
 def step_models() -> dict[str, type[StepModel]]:
     """The models of steps by their operations."""
-    from typing import get_args
+    from rigtri.pipeline.rigspec.models.spec import STEP_MODELS
 
-    from rigtri.pipeline.rigspec.models.spec import AnyStep
-
-    models = get_args(get_args(AnyStep)[0])
-    return {get_args(model.model_fields["do"].annotation)[0]: model for model in models}
+    return STEP_MODELS
 
 
 def _short(value: Any) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from rigtri.declaration.kinds import vector
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.up_direction import vector
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.recognition.limbs import given
 from rigtri.report import Report

@@ -15,7 +15,7 @@ from rigtri.report import Report
 
 _POLE_ONLY = {
     "--method": "method",
-    "--from": "origin",
+    "--from": "from_",
     "--reach": "reach",
     "--distance": "distance",
     "--reach-of": "reach_of",
@@ -36,7 +36,7 @@ def step(request: Request) -> Step:
 
 
 def _options(request: Request) -> MakeLimbOptions:
-    poles = AddPolevectorOptions(**placing(request), name=request["pole_name"], kind=request["kind"])
+    poles = AddPolevectorOptions(**placing(request), name=request["pole_name"], as_=request["kind"])
     if not request["pole"]:
         request.refuse(_POLE_ONLY, "is for the pole vector, and --no-pole leaves it out")
     return MakeLimbOptions(

@@ -23,7 +23,7 @@ def placing(request: Request) -> dict[str, Any]:
             raise UsageError(f"--{name} {request[name]:g} is beyond what files can hold")
     return {
         "method": request["method"],
-        "origin": request["origin"],
+        "from_": request["from_"],
         "reach": REACH if request["reach"] is None else request["reach"],
         "distance": request["distance"],
         "reach_of": request["reach_of"],

@@ -258,7 +258,7 @@ def lost(before: Any, after: Any, pointer: str = "") -> list[str]:
 EDITS: dict[str, Callable[[Any, Any], Any]] = {
     "orient-joints": lambda rig, report: orient_joints(rig, report=report),
     "add-polevector": lambda rig, report: add_polevector(
-        rig, options=AddPolevectorOptions(auto=True), report=report
+        rig, options=AddPolevectorOptions(limbs="auto"), report=report
     ),
 }
 

@@ -319,7 +319,7 @@ EDITS: dict[str, Callable[[Any, Any], Any]] = {
     "orient-joints": lambda rig, report: orient_joints(rig, report=report),
     "add-polevector": lambda rig, report: add_polevector(
         rig,
-        options=AddPolevectorOptions(limbs=(Limb(rig.find("a"), rig.find("b"), rig.find("c")),)),
+        options=AddPolevectorOptions(limb=(Limb(rig.find("a"), rig.find("b"), rig.find("c")),)),
         report=report,
     ),
 }

@@ -189,7 +189,7 @@ def test_a_joint_that_the_animation_leaves_at_rest_gets_no_column(tmp_path: Path
 def test_a_locator_is_found_again_after_its_joints_were_renamed(tmp_path: Path) -> None:
     def pole(rig: Rig, report: Report) -> Rig:
         limbs = (given(rig, "shoulder", "elbow", "wrist"),)
-        return add_polevector(rig, options=AddPolevectorOptions(limbs=limbs), report=report)
+        return add_polevector(rig, options=AddPolevectorOptions(limb=limbs), report=report)
 
     source, placed = usd(tmp_path / "in.usda", LIMB), tmp_path / "placed.usda"
     out, again = tmp_path / "out.usda", tmp_path / "again.usda"

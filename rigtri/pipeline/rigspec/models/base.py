@@ -21,6 +21,7 @@ class StepModel(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=False, populate_by_name=False)
 
+    do: str
     optional: Flag = Field(
         False,
         description="Leave the step out, with a warning, where a file has not the joints that it names.",

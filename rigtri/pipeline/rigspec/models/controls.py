@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, Strict
 
 from rigtri.pipeline.rigspec.models.base import StepModel, option
-from rigtri.pipeline.rigspec.models.joints import Placing
 from rigtri.pipeline.rigspec.models.values import (
     Above,
     Assignments,
@@ -56,22 +55,6 @@ class AddControls(StepModel):
     soft: Share | None = None
     stretch: Flag | None = None
     facing: Direction | None = None
-
-
-class AddPolevector(Placing):
-    """Add a locator that says which way a limb bends."""
-
-    do: Literal["add-polevector"]
-    limbs: Limbs = option("limb", ())
-    chains: Chains = option("chain", ())
-    bend_joint: Node | None = option("bend-joint", None)
-    auto: Auto | None = option("limbs", None)
-    bends: OfNodes = option("bend", ())
-    facing: Direction | None = None
-    name: str | None = None
-    kind: EndKind | None = option("as", None)
-    pose: str = "nodes"
-    check_clips: Flag = option("check-clips", False)
 
 
 def _orient(value: Any) -> Any:

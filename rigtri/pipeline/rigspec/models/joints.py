@@ -137,7 +137,7 @@ class Placing(StepModel):
     """Where the pole vector of a limb stands."""
 
     method: Literal["perpendicular", "ratio"] = "perpendicular"
-    origin: Literal["middle", "root", "foot"] = option("from", "middle")
+    from_: Literal["middle", "root", "foot"] = option("from", "middle")
     reach: Above | None = None
     distance: Above | None = None
     reach_of: Literal["limb", "chord"] = option("reach-of", "limb")

@@ -2,39 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from rigtri.formats import ReadOptions
+from rigtri.operations.registry import OPERATIONS
+from rigtri.pipeline.rigspec.models.base import StepModel
 from rigtri.pipeline.rigspec.models.controls import (
     AddControls,
-    AddPolevector,
     AddPosereader,
     AddRivet,
     Constrain,
 )
 from rigtri.pipeline.rigspec.models.joints import AddTwist, MakeLimb, Mirror, OrientJoints, Strip
 from rigtri.pipeline.rigspec.models.motion import Bake, Pose, Snap, TakeClips
+from rigtri.pipeline.rigspec.models.steps import step_model
 from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
-AnyStep = Annotated[
-    OrientJoints
-    | MakeLimb
-    | AddTwist
-    | AddControls
-    | AddPolevector
-    | Constrain
-    | AddRivet
-    | AddPosereader
-    | Mirror
-    | TakeClips
-    | Snap
-    | Bake
-    | Pose
-    | Strip,
-    Field(discriminator="do"),
-]
+_OLD: dict[str, type[StepModel]] = {
+    "orient-joints": OrientJoints,
+    "make-limb": MakeLimb,
+    "add-twist": AddTwist,
+    "add-controls": AddControls,
+    "constrain": Constrain,
+    "add-rivet": AddRivet,
+    "add-posereader": AddPosereader,
+    "mirror": Mirror,
+    "take-clips": TakeClips,
+    "snap": Snap,
+    "bake": Bake,
+    "pose": Pose,
+    "strip": Strip,
+}
+STEP_MODELS: dict[str, type[StepModel]] = {name: _OLD.get(name) or step_model(name) for name in OPERATIONS}
+if TYPE_CHECKING:
+    AnyStep = StepModel
+else:
+    AnyStep = Annotated[Union[tuple(STEP_MODELS.values())], Field(discriminator="do")]  # noqa: UP007
 
 
 class SpecModel(BaseModel):

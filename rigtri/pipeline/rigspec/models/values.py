@@ -19,10 +19,10 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from rigtri.declaration.kinds import direction
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.limits import fits, unfit
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.orient_joints.up_direction import direction
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.
 UNKNOWN = "unknown_node"
@@ -67,7 +67,7 @@ def _numbers(value: Any) -> Any:
             raise ValueError(f"'{value}' is no point: give [x, y, z]") from None
     if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_number, value)):
         raise ValueError("give three numbers: [x, y, z]")
-    return tuple(_workable(float(number)) for number in value)
+    return tuple(workable(float(number)) for number in value)
 
 
 def _is_number(value: Any) -> bool:
@@ -102,7 +102,8 @@ def _text_or_point(value: Any) -> Any:
     return _joined(value) if isinstance(value, list) else value
 
 
-def _workable(value: float) -> float:
+def workable(value: float) -> float:
+    """A number that files can work with; ValueError for any other."""
     if not fits(value):
         raise ValueError(unfit(value))
     return value
@@ -185,8 +186,8 @@ Triples = Annotated[tuple[tuple[Name, Name, Name], ...], OneOrMany(_row)]
 # What drives, the node that it drives, and what of it.
 Driven = Annotated[tuple[tuple[Name, Node, Name], ...], OneOrMany(_row)]
 Flag = Annotated[bool, Strict()]
-Number = Annotated[float, Strict(), AfterValidator(_workable)]
-Above = Annotated[float, Strict(), Field(gt=0), AfterValidator(_workable)]
+Number = Annotated[float, Strict(), AfterValidator(workable)]
+Above = Annotated[float, Strict(), Field(gt=0), AfterValidator(workable)]
 Tolerance = Annotated[float, Strict(), Field(ge=0), AfterValidator(_finite)]
 Share = Annotated[float, Strict(), Field(ge=0, lt=1)]
 Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany(_word)]

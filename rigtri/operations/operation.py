@@ -10,6 +10,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from rigtri.declaration.option import check
 from rigtri.model.rig import Rig
 from rigtri.operations.option_keywords import from_keywords, known
 from rigtri.report import Report
@@ -53,8 +54,11 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
             if options is not None and keywords:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(keywords)}, not both")
             if kind is not None:
-                asked = from_keywords(kind, rig, keywords, function.__name__) if options is None else options
-                keywords = {"options": asked}
+                given = None if options is not None else tuple(keywords)
+                if options is None:
+                    options = from_keywords(kind, rig, keywords, function.__name__)
+                check(options, given)
+                keywords = {"options": options}
             report = report if report is not None else Report()
             if rig.source is None:
                 return function(rig, *others, report=report, **keywords)

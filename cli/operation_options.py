@@ -1,0 +1,77 @@
+"""Options of commands, made of what operations declare."""
+
+from __future__ import annotations
+
+import collections.abc
+import typing
+from typing import Any, Literal
+
+import click
+
+from rigtri.declaration.option import Kind, Option, options_of
+
+from .values import Number, Parsed
+
+
+def click_options(declared: type) -> list[click.Option]:
+    """The options of an operation for its command, in the order of their declaration."""
+    return [_click_option(one) for one in options_of(declared).values() if one.where == "all"]
+
+
+def _click_option(one: Option) -> click.Option:
+    about: dict[str, Any] = {"help": one.help, "required": one.required, "metavar": one.metavar or None}
+    if one.hint is bool:
+        return _flag(one, about)
+    several = one.kind is not None and one.kind.read is not None and one.default is not None
+    item = one.hint
+    if typing.get_origin(item) is tuple and typing.get_args(item)[-1] is Ellipsis:
+        item, several = typing.get_args(item)[0], True
+    if several:
+        about["multiple"] = True
+    elif not one.required:
+        about["default"] = one.default
+        about["show_default"] = one.default not in (None, "") and not isinstance(one.default, tuple)
+    about |= _value(item, one)
+    return click.Option([one.flag, one.name], **about)
+
+
+def _flag(one: Option, about: dict[str, Any]) -> click.Option:
+    """A flag; with its contrary where it is on, or as stored, unless said otherwise."""
+    if one.default is False:
+        return click.Option([one.flag, one.name], is_flag=True, help=one.help)
+    both = f"{one.flag}/--no-{one.key}"
+    return click.Option([both, one.name], default=one.default, show_default=bool(one.default), help=one.help)
+
+
+def _value(item: Any, one: Option) -> dict[str, Any]:
+    """What click calls the type of one value, and of how many words it is."""
+    item, kind = _plain(item, one.kind)
+    if kind is not None and kind.read is not None:
+        return {"type": str}
+    if kind is not None and kind.parse is not None:
+        return {"type": Parsed(kind.parse)}
+    if kind is not None and kind.name == "file":
+        return {"type": click.Path()}
+    if one.choices or typing.get_origin(item) is Literal:
+        return {"type": click.Choice(list(one.choices or typing.get_args(item))), "metavar": None}
+    if typing.get_origin(item) is tuple:
+        return {"nargs": len(typing.get_args(item))}
+    if item in (int, float):
+        return {"type": _number(item, kind)}
+    return {"type": str}
+
+
+def _number(item: type, kind: Kind | None) -> Any:
+    bounds: dict[str, Any] = {}
+    if kind is not None:
+        bounds = {"min": kind.low, "max": kind.high, "min_open": kind.low_open, "max_open": kind.high_open}
+    return click.IntRange(**bounds) if item is int else Number(**bounds)
+
+
+def _plain(item: Any, kind: Kind | None) -> tuple[Any, Kind | None]:
+    """A type without what annotates it, and of several kinds the one that words of a command line make."""
+    if typing.get_origin(item) is typing.Annotated:
+        item, kind = typing.get_args(item)[:2]
+    if typing.get_origin(item) not in (None, tuple, Literal, collections.abc.Mapping):
+        item = typing.get_args(item)[-1]
+    return item, kind

@@ -1,0 +1,1 @@
+"""One declaration of each option, of which the command line, specs and the library's keywords are made."""

@@ -1,0 +1,26 @@
+"""A limb: three joints, root, middle and end, that bend like an arm or a leg."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rigtri.model.joint_names import Side
+
+LimbKind = Literal["arm", "leg", ""]
+
+
+@dataclass(frozen=True)
+class Limb:
+    """Node indices of root, middle and end; ``evidence`` says how the limb is known."""
+
+    start: int
+    middle: int
+    end: int
+    kind: LimbKind = ""
+    side: Side = ""
+    evidence: Literal["given", "vrm", "names", "shape"] = "given"
+
+    @property
+    def triple(self) -> tuple[int, int, int]:
+        return self.start, self.middle, self.end
