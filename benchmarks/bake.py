@@ -22,7 +22,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import as_float32, timelines
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, make_continuous, multiply
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist

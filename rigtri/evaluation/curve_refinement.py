@@ -22,10 +22,11 @@ from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import Step, TwistStep
 from rigtri.evaluation.timelines import MOST_KEYS, as_float32
+from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Clip, Integers
+from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 
 # Samples a second, at most and on average, where none are asked for; a short clip has those of a second.

@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.quaternions import conjugate, multiply, norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Interpolation, Track
+from rigtri.model.animation import Interpolation, Track
 
 
 def insert_keys(track: Track, times: Floats, values: Floats) -> Track:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.quaternions import conjugate, rotation_angle, slerp
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Integers
 from rigtri.model.rig import Rig
 
 # Keys of turns are no farther apart than this where there is one between them to be kept, in radians: below

@@ -13,11 +13,13 @@ import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import Timeline
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import from_frame, identity, inverse, multiply, nearest_rotation, transform_points
 from rigtri.maths.quaternions import conjugate, from_axes, rotate, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Integers, Mesh, Track
+from rigtri.model.animation import Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 # Matrices evaluated at once: 64 bytes times nodes times this.

@@ -8,10 +8,11 @@ import numpy as np
 
 from rigtri.evaluation.constraint_solver import Parts, nearest_rotation_of, to_parts
 from rigtri.evaluation.sampling import sample
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import compose, determinant, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import from_axes, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Clip
+from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 
 # What stands for a scale of zero, as a share of the largest beside it, where the turn of a flat frame is

@@ -15,12 +15,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import conjugate, from_axes, norm, normalise, rotate, slerp, slerp_rows, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Integers, Interpolation, Mesh, Path, Skin, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 
 def worlds(rig: Rig, local: Floats | None = None) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.evaluation.timelines import as_float32, without_steps
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Path, Track
+from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
 
 # One array: who shares it, and what it says of the joints.

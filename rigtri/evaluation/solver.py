@@ -17,8 +17,8 @@ from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver_steps import CHANNELS, ConstraintStep, RootStep, Step, TwistStep
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
+from rigtri.model.animation import Path
 from rigtri.model.constraints import Rule, rules_of
-from rigtri.model.records import Path
 from rigtri.model.rig import Rig
 
 

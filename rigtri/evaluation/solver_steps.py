@@ -17,8 +17,8 @@ from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.maths.matrices import inverse, multiply
+from rigtri.model.animation import Path
 from rigtri.model.constraints import Rule
-from rigtri.model.records import Path
 from rigtri.model.rig import Rig
 
 CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}

@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 
 # float32 readers see no difference below this share; a second run must change no byte.

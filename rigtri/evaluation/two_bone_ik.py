@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.quaternions import from_axes
 from rigtri.maths.trigonometry import Floats, exponential
 from rigtri.maths.vectors import cross, dot, length, normalise
-from rigtri.model.records import Booleans
 
 # As shares of the limb: a target nearer than this to the root tells no direction, and a pole nearer than
 # this to the line to the target no side: files hold float32, some nodes deep.

@@ -15,13 +15,16 @@ import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.export.drawing.view import View, view_of
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import norm
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_sine
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length, normalise
-from rigtri.model.records import Booleans, Clip, Constraint, Skin
+from rigtri.model.animation import Clip
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.report import Report
 from rigtri.text import plain, shown_name
 from rigtri.text_tables import columns, fitting, wrapped
@@ -255,7 +258,7 @@ def _joint_flags(seen: _Seen, node: int) -> Iterator[str]:
         yield "unweighted"
 
 
-def _constraint_words(rig: Rig, constraint: Constraint) -> str:
+def _constraint_words(rig: Rig, constraint: NodeConstraint) -> str:
     """``rolls about y with hand``."""
     source, axis = rig.title(constraint.source), _direction(constraint.axis)
     return {

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from rigtri.files.companion import Companion as Companion
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice

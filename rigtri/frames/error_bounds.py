@@ -14,12 +14,15 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, key_times, rest, worlds
 from rigtri.frames.rig_size import fits, size_at_least, size_of
+from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
+from rigtri.model.animation import Track, key_values
 from rigtri.model.bounding_boxes import boxes, corners
-from rigtri.model.records import Integers, Mesh, Skin, Track, key_values, runs
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 # Relative to the size of what is seen. Random axes on every joint of real files, stored as
 # float32, move points by less than 8.7e-6; a visible fault by far more.

@@ -20,14 +20,14 @@ import numpy as np
 
 from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Constraint
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
 SAME = 1e-9
 
 
-def alike(rig: Rig, constraint: Constraint) -> tuple[int, int] | None:
+def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
     """The two nodes that must turn alike, the leading one first; −1 is the world, which never turns."""
     if constraint.kind == "aim":
         return None
@@ -37,12 +37,12 @@ def alike(rig: Rig, constraint: Constraint) -> tuple[int, int] | None:
     return (first, second) if first != second else None
 
 
-def broken(rig: Rig, delta: Floats) -> list[Constraint]:
+def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:
     """The constraints that would not mean the same after the turns, (n, 4)."""
     return [c for c in rig.constraints if not (_alike(rig, c, delta) and axis_fits(c, delta[c.node]))]
 
 
-def _alike(rig: Rig, constraint: Constraint, delta: Floats) -> bool:
+def _alike(rig: Rig, constraint: NodeConstraint, delta: Floats) -> bool:
     pair = alike(rig, constraint)
     if pair is None:
         return True
@@ -50,13 +50,13 @@ def _alike(rig: Rig, constraint: Constraint, delta: Floats) -> bool:
     return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= SAME)
 
 
-def axis_fits(constraint: Constraint, delta: Floats) -> bool:
+def axis_fits(constraint: NodeConstraint, delta: Floats) -> bool:
     """Whether the axis of a constraint is again an axis in the new frame of its node."""
     axis = _seen(constraint, delta)
     return bool((np.abs(axis - np.rint(axis)) <= SAME).all())
 
 
-def axis_straightened(constraint: Constraint, delta: Floats, noise: float) -> Floats:
+def axis_straightened(constraint: NodeConstraint, delta: Floats, noise: float) -> Floats:
     """A turn, (4,), that makes the axis an axis again, where ``delta`` misses that by ``noise`` (radians)."""
     axis = _seen(constraint, delta)
     nearest = np.rint(axis)
@@ -65,7 +65,7 @@ def axis_straightened(constraint: Constraint, delta: Floats, noise: float) -> Fl
     return np.asarray(multiply(delta, between(nearest, axis)))
 
 
-def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[Constraint, ...]:
+def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[NodeConstraint, ...]:
     """The constraints of a rig, with their axes told in the turned frames."""
     return tuple(
         replace(c, axis=np.rint(_seen(c, delta[c.node])) + 0.0) if (delta[c.node] != IDENTITY).any() else c
@@ -88,5 +88,5 @@ def constraints_from_metadata(rig: Rig) -> dict[int, str]:
     return found
 
 
-def _seen(constraint: Constraint, delta: Floats) -> Floats:
+def _seen(constraint: NodeConstraint, delta: Floats) -> Floats:
     return rotate(conjugate(delta), constraint.axis)

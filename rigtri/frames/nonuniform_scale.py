@@ -10,11 +10,12 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import IDENTITY, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Integers, Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 
 # Scale components that differ by less (share of the largest) are one number: exporters leave

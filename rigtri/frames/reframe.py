@@ -24,10 +24,11 @@ import numpy as np
 from rigtri.frames.constraint_transform import reoriented_notes
 from rigtri.frames.node_constraints import broken, reoriented_constraints
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, decompose, from_frame, rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Integers, Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.evaluation.sampling import deformed, morph_weights
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 # The size of each rig with the meshes that it was measured by.

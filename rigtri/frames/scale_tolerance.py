@@ -15,9 +15,11 @@ import numpy as np
 
 from rigtri.frames.error_bounds import LeverArm, bearable
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import IDENTITY, norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Constraint, Integers, key_values
+from rigtri.model.animation import key_values
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 
 # How much of the tolerance all that is nearly uniform along a line of joints may use up, and all
@@ -63,7 +65,7 @@ def against_parent(rig: Rig, delta: Floats) -> Integers:
     return np.flatnonzero(apart & rig.rules.raw_quaternions & (_off_unit(rig) > SIX_DIGITS))
 
 
-def ties(rig: Rig, reach: LeverArm, tolerance: float) -> tuple[Constraint, ...]:
+def ties(rig: Rig, reach: LeverArm, tolerance: float) -> tuple[NodeConstraint, ...]:
     """Each node whose rotations are not unit, tied to its parent: they must turn alike.
 
     A quaternion of length L is the matrix L²·R + (1 − L²)·1 to a viewer that takes it as it is,
@@ -81,7 +83,7 @@ def ties(rig: Rig, reach: LeverArm, tolerance: float) -> tuple[Constraint, ...]:
         return ()
     effect = 2.0 * off * reach.exact
     tied = np.flatnonzero(effect > bearable(rig, effect, ROTATIONS_MAY * tolerance)).tolist()
-    return tuple(Constraint("length", node, int(rig.parents[node]), np.zeros(3)) for node in tied)
+    return tuple(NodeConstraint("length", node, int(rig.parents[node]), np.zeros(3)) for node in tied)
 
 
 def _effect(fault: Floats, far: Floats) -> Floats:

@@ -11,12 +11,13 @@ import numpy as np
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds, key_times, locals_at, worlds
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_before
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Skin
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 # A bone shorter than this share of the whole skeleton has no direction.
 ZERO_LENGTH = 1e-6

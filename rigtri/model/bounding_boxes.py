@@ -6,8 +6,9 @@ from itertools import product
 
 import numpy as np
 
+from rigtri.maths.arrays import runs
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Mesh, runs
+from rigtri.model.mesh import Mesh
 
 # Which of low and high each corner takes, along each axis.
 _HIGH = np.array(list(product((False, True), repeat=3)))

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from rigtri.model.control_shapes import Lines, nothing
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 
 
 class RigSource(Protocol):

@@ -11,10 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.triangle import barycentric
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length
-from rigtri.model.records import Booleans, Integers, Mesh, Surface
+from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 
 # A triangle has no area whose height is below this share of its longest side.

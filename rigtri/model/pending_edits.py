@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.control_shapes import Shape
-from rigtri.model.records import Fold, Spread
+from rigtri.model.skin import JointMerge, WeightRedistribution
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,8 +20,8 @@ class PendingEdits:
     """
 
     shapes: Mapping[int, Shape] = field(default_factory=dict)
-    weight_redistributions: tuple[Spread, ...] = ()
-    joint_merges: tuple[Fold, ...] = ()
+    weight_redistributions: tuple[WeightRedistribution, ...] = ()
+    joint_merges: tuple[JointMerge, ...] = ()
     morph_weights: Mapping[int, Floats] = field(default_factory=dict)
     removed: frozenset[int] = frozenset()
 

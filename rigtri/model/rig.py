@@ -17,13 +17,17 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import normalise
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
+from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.format_rules import FormatRules
+from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import PendingEdits
-from rigtri.model.records import Booleans, Bound, Clip, Constraint, Integers, Mesh, Skin, Track
+from rigtri.model.skin import Skin
 
 # A node with more nodes above it has its label for a path: the paths of a chain of n nodes
 # would need n² characters.
@@ -85,7 +89,7 @@ class Rig:
     skins: tuple[Skin, ...] = ()
     clips: tuple[Clip, ...] = ()
     bound: tuple[Bound, ...] = ()
-    constraints: tuple[Constraint, ...] = ()
+    constraints: tuple[NodeConstraint, ...] = ()
     humanoid: Mapping[str, int] = field(default_factory=dict)
     notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     rules: FormatRules = field(default_factory=FormatRules)

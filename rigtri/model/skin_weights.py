@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
-from rigtri.model.records import Booleans, Integers, Spread
+from rigtri.model.skin import WeightRedistribution
 
 # A share this near to none or all is none or all: it would cost an influence and show nothing.
 WHOLE = 1e-3
@@ -14,14 +15,14 @@ WHOLE = 1e-3
 SAME = 1e-6
 
 
-def along(spread: Spread, points: Floats) -> Floats:
+def along(spread: WeightRedistribution, points: Floats) -> Floats:
     """Where points, (v, 3), stand along the bone, (v,): 0 at its start, 1 at its end."""
     line = spread.end - spread.start
     return np.asarray(dot(points - spread.start, line) / dot(line, line))
 
 
 def shared(
-    spread: Spread, points: Floats, joints: Integers, weights: Floats, *, units: bool = False
+    spread: WeightRedistribution, points: Floats, joints: Integers, weights: Floats, *, units: bool = False
 ) -> tuple[Integers, Floats]:
     """Joints (v, k) and weights (v, k), k as before or one more, after a spread.
 
@@ -85,7 +86,7 @@ def _width(weights: Floats) -> int:
     return int(np.flatnonzero((weights != 0).any(axis=0)).max(initial=-1)) + 1
 
 
-def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
+def _neighbours(spread: WeightRedistribution, t: Floats) -> tuple[Integers, Integers, Floats]:
     """The joints before and after places along the bone, and the share of the one after, (v,) each."""
     last = len(spread.at) - 1
     after = np.searchsorted(spread.at, t, side="right")
@@ -96,7 +97,7 @@ def _neighbours(spread: Spread, t: Floats) -> tuple[Integers, Integers, Floats]:
     return spread.joints[near], spread.joints[far], share
 
 
-def _first(spread: Spread, joints: Integers, mine: Booleans) -> Integers:
+def _first(spread: WeightRedistribution, joints: Integers, mine: Booleans) -> Integers:
     """The column, (v,), of those that are ``mine`` whose joint is first along the bone; 0 where none is."""
     if not joints.shape[1]:
         return np.zeros(len(joints), dtype=np.int64)

@@ -10,12 +10,14 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.evaluation.sampling import world_of
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Skin, Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.rigtri_nodes import add, stand
 
 # What a pole vector or an IK end can be: a loose node, or a joint of the skin that it is for.

@@ -36,7 +36,7 @@ from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.pose import at_rest, warn_outside_clip

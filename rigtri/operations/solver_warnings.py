@@ -20,7 +20,7 @@ from rigtri.evaluation.two_bone_ik import BEYOND
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.report import Notice
 
 # As a share of the limb: nearer than this to what it can reach, rounding or a bake has put the IK end.

@@ -12,8 +12,10 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.node_constraints import constraints_from_metadata
-from rigtri.model.records import Booleans, Constraint, Fold, Skin
+from rigtri.maths.arrays import Booleans
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
+from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.replaced_keys import restored
 from rigtri.operations.add_twist.twist import INFLUENCES
 from rigtri.operations.operation import operation
@@ -83,7 +85,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     return stripped.reordered(stay) if len(stay) < len(rig) else stripped
 
 
-def _without(skin: Skin, gone: frozenset[int], fold: Fold | None) -> Skin:
+def _without(skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:
     stays = _stays(skin, gone)
     if stays.all():
         return skin
@@ -103,7 +105,7 @@ def _stays(skin: Skin, gone: frozenset[int]) -> Booleans:
     return np.array([joint not in gone for joint in skin.joints.tolist()], dtype=bool)
 
 
-def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
+def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:
     """What the points of each skin that loses joints have of them goes to the bones of those."""
     found = []
     for number, skin in enumerate(rig.skins):
@@ -129,7 +131,7 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[Fold, ...]:
                 at[row] = float(note["at"])
                 at[heir] = 1.0 if rig.known(note["driver"]) == int(skin.joints[heir]) else 0.0
         idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
-        found.append(Fold(number, rows, at, _widths(rig, gone), idle))
+        found.append(JointMerge(number, rows, at, _widths(rig, gone), idle))
     return tuple(found)
 
 
@@ -160,7 +162,7 @@ def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
     return int(places[0]) if len(places) else -1
 
 
-def _others(rig: Rig) -> tuple[Constraint, ...]:
+def _others(rig: Rig) -> tuple[NodeConstraint, ...]:
     """The node constraints that no rule of ours is told by."""
     ours = constraints_from_metadata(rig)
     return tuple(c for c in rig.constraints if ours.get(c.node) != c.kind)

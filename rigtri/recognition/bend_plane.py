@@ -18,7 +18,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import DEGENERATE_SINE, bend_angle, bend_sine, hinge
 from rigtri.maths.trigonometry import Floats, sin_cos
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular, unit_of
-from rigtri.model.records import Clip
+from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import Limb
 

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.evaluation.sampling import bind_worlds, worlds
 from rigtri.maths.matrices import compose
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, key_values
+from rigtri.model.animation import Clip, key_values
 from rigtri.model.rig import Rig
 
 # Moments that are looked at: so many clips, the longest first, at these parts of their keys.

@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
+from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
-from rigtri.model.records import Integers
 from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.pose_samples import Poses

@@ -12,8 +12,10 @@ from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Mesh, Skin, Track
+from rigtri.model.animation import Clip, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.report import Notice
 from rigtri.verification.compare.scene_facts import Scenery
 

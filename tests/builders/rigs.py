@@ -11,8 +11,9 @@ from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Skin, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 
 def rig_of(

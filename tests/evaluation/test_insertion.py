@@ -9,7 +9,7 @@ from rigtri.evaluation.key_insertion import insert_keys, subdivide_spline
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.quaternions import from_axis_angle, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Path, Track
+from rigtri.model.animation import Path, Track
 
 TIMES = np.array([0.0, 0.5, 2.0, 2.25])
 

@@ -11,7 +11,7 @@ from test_bake import control, rigged
 from rigtri.evaluation.key_reduction import WIDEST_TURN, _off_their_neighbours, reduce_keys
 from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotation_angle, slerp, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.operations.bake.bake import BakeOptions, bake
 
 

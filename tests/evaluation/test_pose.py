@@ -13,7 +13,8 @@ from rigs import chain, random_rig, rig_of
 from rigtri.evaluation import sampling
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Mesh, Track
+from rigtri.model.animation import Clip, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 QUARTER = from_axis_angle([0, 0, 1], np.pi / 2)

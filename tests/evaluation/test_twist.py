@@ -19,8 +19,9 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply, rotate, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.records import Clip, Spread, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import WeightRedistribution
 from rigtri.model.skin_weights import shared
 from rigtri.operations.add_twist.key_baking import BOUND
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
@@ -242,7 +243,9 @@ def test_a_bone_without_length_is_an_error() -> None:
 # --- weights along a bone
 
 
-SPREAD = Spread(0, np.array([1, 4, 5]), np.array([0.0, 0.25, 0.5]), np.zeros(3), np.array([4.0, 0, 0]))
+SPREAD = WeightRedistribution(
+    0, np.array([1, 4, 5]), np.array([0.0, 0.25, 0.5]), np.zeros(3), np.array([4.0, 0, 0])
+)
 
 
 def test_a_bones_weight_goes_to_the_two_nearest_along_it() -> None:

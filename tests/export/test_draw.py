@@ -31,7 +31,7 @@ from rigtri.frames.skeleton import skeleton
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.content import Content
-from rigtri.model.records import Mesh, Surface
+from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection, chosen
 from rigtri.operations.orient_joints.orient import orient_joints

@@ -24,9 +24,11 @@ from rigtri.frames.reframe import reframe, split
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
 from rigtri.model.content import Content
-from rigtri.model.records import Clip, Mesh, Skin, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints

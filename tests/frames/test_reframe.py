@@ -18,7 +18,8 @@ from rigtri.maths.matrices import from_frame, multiply
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes
 from rigtri.maths.quaternions import multiply as then
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Bound, Clip, Track
+from rigtri.model.animation import Clip, Track
+from rigtri.model.bindings import Bound
 from rigtri.model.rig import Rig
 
 seeds = st.integers(0, 2**32 - 1)

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 
 from rigtri.evaluation.sampling import sample
 from rigtri.formats.gltf.float32_rounding import round_tracks
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 
 
 def test_turns_half_a_turn_apart_to_the_bit_keep_the_way_round_that_players_see() -> None:

@@ -16,7 +16,7 @@ from rigtri.formats import read
 from rigtri.frames.error_bounds import lever_arms
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.vectors import length
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints

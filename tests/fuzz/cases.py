@@ -26,7 +26,7 @@ from fuzz import floor, gltf, raw, usd
 from rigtri.cli.main import program
 from rigtri.errors import RigtriError
 from rigtri.formats import GLTF_SUFFIXES, Document, ReadOptions, read
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.verification.compare.compare import self_check, verify
 

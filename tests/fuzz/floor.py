@@ -22,8 +22,10 @@ import numpy as np
 from rigtri.formats import Document
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Mesh, Skin, Track
+from rigtri.model.animation import Clip, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.verification.compare.compare import TOLERANCE, self_check
 from rigtri.verification.compare.scene_facts import Scenery
 

@@ -13,8 +13,8 @@ from rigs import chain, random_rig, rig_of
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.evaluation.sampling import worlds
-from rigtri.model.records import Skin
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 
 def hero() -> Rig:

@@ -17,8 +17,8 @@ from rigtri.cli.main import program
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import inverse, multiply, transform_points
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track
-from rigtri.model.records import Path as TrackPath
+from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake

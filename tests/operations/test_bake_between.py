@@ -14,7 +14,7 @@ from rigtri.evaluation.active_controls import keyed_in
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.report import Report

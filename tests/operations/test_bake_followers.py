@@ -17,7 +17,7 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader

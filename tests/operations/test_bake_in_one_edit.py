@@ -14,7 +14,7 @@ from rigtri.errors import DeviationError
 from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist

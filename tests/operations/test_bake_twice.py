@@ -18,7 +18,7 @@ from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader

@@ -19,7 +19,7 @@ from test_take_clips import split
 from rigtri.errors import NameNotFoundError
 from rigtri.evaluation import sampling
 from rigtri.formats import read
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips

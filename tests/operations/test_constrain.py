@@ -31,8 +31,8 @@ from rigtri.maths.matrices import compose, inverse, multiply, rotate_after, rota
 from rigtri.maths.quaternions import average, between, conjugate, from_axis_angle, slerp, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import KINDS, Kind, rule_of, rules_of
-from rigtri.model.records import Constraint
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
@@ -763,7 +763,7 @@ def test_usd_has_no_vrm_constraints(app: click.Group, samples: Path, tmp_path: P
     source = str(samples / "biped.usda")
     result = CliRunner().invoke(app, ["constrain", source, "-o", str(out), *arguments, "--vrm-constraints"])
     assert result.exit_code == 2
-    told = Constraint("rotation", 2, 1, np.zeros(3))
+    told = NodeConstraint("rotation", 2, 1, np.zeros(3))
     with pytest.raises(FileError, match="--vrm-constraints"):
         edit(source, out, lambda rig, report: replace(rig, constraints=(told,)))
     assert not out.exists()

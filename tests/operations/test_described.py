@@ -18,7 +18,7 @@ import rigtri
 from rigtri.evaluation import sampling
 from rigtri.formats import read
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.take_clips.restore_metadata import as_described

@@ -18,7 +18,7 @@ from test_bake import WHOLE, control
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.formats import read
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake

@@ -19,9 +19,10 @@ from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotat
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, normalise
+from rigtri.model.animation import Clip, Track
 from rigtri.model.format_rules import FormatRules
-from rigtri.model.records import Clip, Skin, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints

@@ -16,8 +16,9 @@ from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.records import Clip, Skin, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.recognition.limbs import given
 from rigtri.report import Report

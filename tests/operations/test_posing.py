@@ -16,7 +16,7 @@ from test_bake import control, moved, rigged, run, size, stored
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
 from rigtri.formats import read
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.pose import PoseOptions, pose_of, table, take_pose

@@ -20,8 +20,8 @@ from rigtri.evaluation import sampling
 from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.evaluation.timelines import keys_and_between, timelines
 from rigtri.formats import ReadOptions, read
+from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.mesh_triangles import nearest, triangles
-from rigtri.model.records import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.operations.strip import strip

@@ -20,7 +20,7 @@ from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import timelines, times_within
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain

@@ -17,8 +17,8 @@ from second_opinions import khronos_errors, validator
 
 from rigtri.errors import FileError
 from rigtri.formats import Document, read
-from rigtri.model.records import Spread
 from rigtri.model.rig import Rig
+from rigtri.model.skin import WeightRedistribution
 from rigtri.model.skin_weights import folded, shared
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
@@ -125,7 +125,7 @@ def test_what_a_split_puts_apart_a_fold_puts_back_in_its_place(own: int, most: i
     count, order = 500, [9, 10, 11]
     order.insert(own, 2)
     at = np.linspace(0, 1, 4)
-    bone_of = Spread(0, np.array(order), at, np.zeros(3), np.array([0.0, 0, 1]), most)
+    bone_of = WeightRedistribution(0, np.array(order), at, np.zeros(3), np.array([0.0, 0, 1]), most)
     rows, along = np.arange(12), np.zeros(12)
     rows[9:] = 2
     along[order] = at

@@ -24,7 +24,7 @@ from rigtri.maths.matrices import inverse
 from rigtri.maths.matrices import multiply as matrices
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track, key_values
+from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake

@@ -13,7 +13,7 @@ from places import SAMPLES
 from rigs import chain
 
 from rigtri.errors import UsageError
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.report import Report

@@ -12,7 +12,7 @@ from test_take_clips import SAMPLES, apart, notices, rig_of, turned_key, with_tr
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.operations.take_clips.time_ranges import cut, held

@@ -11,8 +11,8 @@ from rigs import chain
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track
-from rigtri.model.records import Path as TrackPath
+from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report

@@ -13,7 +13,8 @@ from rigtri.errors import FileError
 from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Mesh
+from rigtri.model.animation import Clip
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 # float32 points and UsdSkel's own float arithmetic, as a share of the largest coordinate.

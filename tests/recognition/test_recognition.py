@@ -35,8 +35,8 @@ from rigtri.errors import FileError
 from rigtri.formats import read
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import from_axis_angle
-from rigtri.model.records import Skin
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.limbs import recognise as limbs
 from rigtri.recognition.naming_schemes import own_scheme, said, schemes

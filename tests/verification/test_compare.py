@@ -16,7 +16,7 @@ from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, locals_at, worlds
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import from_axis_angle, multiply
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.clip_pairing import joined
 from rigtri.verification.compare.compare import (

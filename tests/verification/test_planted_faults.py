@@ -37,7 +37,7 @@ from rigtri.formats import Document, read
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import from_axis_angle, multiply, unit
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import self_check, verify
 

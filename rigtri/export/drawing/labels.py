@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans
 
 # Names that are longer end in …; the whole name is told when the pointer is over the joint.
 LONGEST = 36

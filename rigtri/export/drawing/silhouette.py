@@ -14,10 +14,11 @@ from rigtri.errors import FileError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import Timeline
 from rigtri.export.drawing.scene import Scene
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import multiply, transform_points
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import triangles
-from rigtri.model.records import Booleans, Integers, Mesh
 from rigtri.model.rig import Rig
 
 # Points on a triangle are laid this share of a cell apart; one with a side of more than 2^_MOST parts is

@@ -17,8 +17,9 @@ from rigtri.export.drawing.bones import Bones
 from rigtri.export.drawing.relations import follows, limbs
 from rigtri.export.drawing.scene import Scene, joints_of
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Skin, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.recognition.limbs import recognise
 from rigtri.recognition.proportions import forward
 from rigtri.text import plain, shown_name

@@ -17,7 +17,7 @@ from rigtri.formats.gltf.node_reader import NON_UNIT, Tree
 from rigtri.formats.json_values import Value
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.report import Notice
 
 WIDTH = {"translation": 3, "rotation": 4, "scale": 3}

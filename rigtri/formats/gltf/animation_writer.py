@@ -19,9 +19,11 @@ from rigtri.formats.gltf.animation_reader import POINTER, pointer_of
 from rigtri.formats.gltf.buffer_writer import Role, Storage
 from rigtri.formats.gltf.float32_rounding import Singles, round_tracks, to_singles
 from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Integers, Skin, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 

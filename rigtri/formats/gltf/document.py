@@ -42,9 +42,10 @@ from rigtri.formats.json_values import Value
 from rigtri.formats.vrm.scene_facts import read_facts
 from rigtri.formats.vrm.vrm1 import read_bindings
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content
 from rigtri.model.format_rules import FormatRules
-from rigtri.model.records import Bound, Constraint, Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig, illegible
 from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice
@@ -209,7 +210,7 @@ class GltfDocument:
                 for node, vector, pointer in bindings.bound
             ),
             constraints=tuple(
-                Constraint(c.kind, tree.place[c.node], tree.place[c.source], np.array(c.axis), c.pointer)
+                NodeConstraint(c.kind, tree.place[c.node], tree.place[c.source], np.array(c.axis), c.pointer)
                 for c in bindings.constraints
             ),
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rigtri.maths.quaternions import norm, normalise_for_storage
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 
 Singles = NDArray[np.float32]
 

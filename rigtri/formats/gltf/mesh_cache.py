@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from functools import cached_property
 
 from rigtri.formats.gltf.mesh_reader import MeshReader
-from rigtri.model.records import Mesh, Skin
+from rigtri.model.mesh import Mesh
+from rigtri.model.skin import Skin
 
 
 class Drawn:

@@ -19,9 +19,11 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.node_reader import Tree
 from rigtri.formats.json_values import Value
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bounding_boxes import boxes, extent
-from rigtri.model.records import Booleans, Integers, Mesh, Skin, Surface
+from rigtri.model.mesh import Mesh, Surface
+from rigtri.model.skin import Skin
 from rigtri.report import Notice
 
 DRACO = "KHR_draco_mesh_compression"

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rigtri.formats.json_values import LARGEST, Value
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, decompose, determinant, skew
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans
 from rigtri.report import Notice
 
 # Rotations further from unit are worth a word: engines differ in what they make of them.

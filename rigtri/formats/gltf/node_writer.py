@@ -19,10 +19,11 @@ from rigtri.formats.gltf.structure import SHOWN_EXTENSIONS
 from rigtri.formats.vrm.node_constraints import CONSTRAINT, stored, stored_axis
 from rigtri.formats.vrm.vrm0 import stored_vector
 from rigtri.formats.vrm.vrm1 import mesh_references
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Constraint, Integers
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig, illegible
 
 PARTS = ("translation", "rotation", "scale")
@@ -289,7 +290,7 @@ class NodeWriter:
                 if holder.get(name) != word:
                     holder[name] = word
 
-    def _add_constraint(self, constraint: Constraint) -> None:
+    def _add_constraint(self, constraint: NodeConstraint) -> None:
         holder = self._node(constraint.node)
         source = self.index[constraint.source]
         told = stored(constraint.kind, source, constraint.axis.tolist())

@@ -13,10 +13,11 @@ import numpy as np
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.node_reader import AFFINE, Tree, title
 from rigtri.formats.json_values import Value
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import determinant
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Skin
+from rigtri.model.skin import Skin
 from rigtri.report import Notice
 
 # Axes that span less than this share of a box of their lengths are flat.

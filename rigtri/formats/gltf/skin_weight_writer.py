@@ -21,9 +21,10 @@ from rigtri.formats.gltf.accessors import COMPONENTS, FLOAT, FULL, Accessors
 from rigtri.formats.gltf.buffer_writer import Role, Storage
 from rigtri.formats.gltf.json_copy_on_write import Draft
 from rigtri.formats.gltf.mesh_reader import DRACO
+from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Fold, Integers, Spread
 from rigtri.model.rig import Rig
+from rigtri.model.skin import JointMerge, WeightRedistribution
 from rigtri.model.skin_weights import SAME, folded, shared
 from rigtri.report import Notice
 
@@ -55,7 +56,7 @@ class WeightWriter:
 
     def write(self, rig: Rig) -> None:
         """Share weights in all meshes that are drawn with the skins of spreads."""
-        by_skin: dict[int, list[Spread]] = {}
+        by_skin: dict[int, list[WeightRedistribution]] = {}
         for spread in rig.pending.weight_redistributions:
             by_skin.setdefault(int(str(rig.skins[spread.skin].key)), []).append(spread)
         merges = (fold for fold in rig.pending.joint_merges if not fold.idle)
@@ -83,7 +84,12 @@ class WeightWriter:
         return str(self._draft.gltf["meshes"][mesh].get("name") or f"#{mesh}")
 
     def _primitive(
-        self, mesh: int, number: int, skin: int, spreads: Sequence[Spread], fold: Fold | None
+        self,
+        mesh: int,
+        number: int,
+        skin: int,
+        spreads: Sequence[WeightRedistribution],
+        fold: JointMerge | None,
     ) -> None:
         raw = self._draft.gltf["meshes"][mesh]["primitives"][number]
         attributes = raw["attributes"]
@@ -111,7 +117,11 @@ class WeightWriter:
                 owned.pop(name)
 
     def _shared(
-        self, attributes: dict[str, int], sets: Sequence[str], spreads: Sequence[Spread], title: str
+        self,
+        attributes: dict[str, int],
+        sets: Sequence[str],
+        spreads: Sequence[WeightRedistribution],
+        title: str,
     ) -> dict[str, int | None]:
         """The accessors of a primitive's influences after the spreads; only of sets that change."""
         before = self._read(attributes, sets)
@@ -132,7 +142,9 @@ class WeightWriter:
             self.notices.append(Notice("more-influences", text))
         return dict(self._added(attributes, before, joints, weights))
 
-    def _folded(self, attributes: dict[str, int], sets: Sequence[str], fold: Fold) -> dict[str, int | None]:
+    def _folded(
+        self, attributes: dict[str, int], sets: Sequence[str], fold: JointMerge
+    ) -> dict[str, int | None]:
         """The accessors of a primitive's influences after a fold, None for those of sets that go."""
         before = self._read(attributes, sets)
         joints, weights = folded(fold.rows, fold.at, before.joints, before.weights)

@@ -40,7 +40,7 @@ from rigtri.formats.usd.reading.scene_facts import read_scenery
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text.statements import UnknownTextError
 from rigtri.model.content import Content
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice

@@ -27,7 +27,7 @@ from rigtri.formats.usd.reading.reader import Source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip
+from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig, illegible
 from rigtri.report import Notice
 

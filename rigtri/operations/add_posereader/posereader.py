@@ -41,8 +41,9 @@ from rigtri.maths.quaternions import between, conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
+from rigtri.model.animation import Interpolation, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import meshes_named
-from rigtri.model.records import Interpolation, Mesh, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
 from rigtri.operations.add_rivet.rebind import rebind_rivets

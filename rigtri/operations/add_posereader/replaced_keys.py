@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, put_tracks, timelines
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 

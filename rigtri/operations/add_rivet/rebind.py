@@ -9,7 +9,7 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.maths.matrices import transform_points
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin_weights import shared
 from rigtri.operations.add_rivet.rivet import rebaked

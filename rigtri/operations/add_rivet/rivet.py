@@ -25,13 +25,15 @@ from rigtri.evaluation.timelines import (
     times_within,
 )
 from rigtri.limits import refuse_points, refuse_unworkable
+from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import conjugate, from_axes, make_continuous, rotation_angle, slerp, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length
+from rigtri.model.animation import Interpolation, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import flat, meshes_named, nearest, triangles, vertices_of
-from rigtri.model.records import Integers, Interpolation, Mesh, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import add, find, group, noted, stand

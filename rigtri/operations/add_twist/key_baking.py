@@ -8,9 +8,10 @@ import numpy as np
 
 from rigtri.evaluation.sampling import Motion
 from rigtri.evaluation.twist_joints import TwistJoint
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, slerp
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Clip, Track, key_values
+from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
 
 # Between two keys a twist joint is off by less than this (0.02°): the twist of an interpolated turn

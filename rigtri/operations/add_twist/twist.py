@@ -17,8 +17,9 @@ from rigtri.frames.skeleton import ZERO_LENGTH
 from rigtri.maths.matrices import inverse, nearest_rotation, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Mesh, Skin, Spread
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin, WeightRedistribution
 from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.control_names import refuse_taken
@@ -180,7 +181,7 @@ def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig
     return rig
 
 
-def _with_influences(rig: Rig, node: int, spreads: Sequence[Spread]) -> Rig:
+def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution]) -> Rig:
     """Let the note of a bone's first twist joint say how many joints points could have, unless it does.
 
     Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
@@ -277,7 +278,9 @@ def _keys(
     return rig, [{"clip": clip, "off": float(off)} for clip, (off, _) in found.items()]
 
 
-def _spreads(rig: Rig, of: _Bone, line: Floats, options: AddTwistOptions, report: Report) -> list[Spread]:
+def _spreads(
+    rig: Rig, of: _Bone, line: Floats, options: AddTwistOptions, report: Report
+) -> list[WeightRedistribution]:
     """How each skin that holds the bone's joint shares its weight."""
     known = _said(rig, of)
     places = {of.joint: 1.0 if of.upper else 0.0}
@@ -306,10 +309,10 @@ def _spread(
     of: _Bone,
     line: Floats,
     most: int,
-) -> Spread:
+) -> WeightRedistribution:
     order = sorted(rows, key=lambda node: places[node])
     bind = inverse(skin.inverse_bind[rows[of.joint]])
-    return Spread(
+    return WeightRedistribution(
         skin=number,
         joints=np.array([rows[node] for node in order], dtype=np.int64),
         at=np.array([places[node] for node in order]),

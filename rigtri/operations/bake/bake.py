@@ -39,8 +39,8 @@ from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.maths.quaternions import make_continuous, unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Interpolation, Path, Track
 from rigtri.model.constraints import rules_of
-from rigtri.model.records import Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.dependents import (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.evaluation.curve_refinement import MOST_A_SECOND
-from rigtri.model.records import Track, key_values
+from rigtri.model.animation import Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import some
 from rigtri.report import Report

@@ -8,7 +8,7 @@ from rigtri.evaluation.key_reduction import is_reduction_of
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import SAME_VALUE
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 
 
 def is_still_valid(

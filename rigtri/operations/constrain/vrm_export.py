@@ -21,8 +21,8 @@ from rigtri.maths.matrices import skew
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import Rule
-from rigtri.model.records import Constraint
 from rigtri.model.rig import Rig
 
 Said = Literal["rotation", "roll", "aim"]
@@ -33,7 +33,9 @@ _LOCAL = "--space local compares those too"
 _EVEN = 1e-5
 
 
-def export_node_constraint(rig: Rig, rule: Rule, known: Sequence[Constraint]) -> tuple[Rig, str, Said | None]:
+def export_node_constraint(
+    rig: Rig, rule: Rule, known: Sequence[NodeConstraint]
+) -> tuple[Rig, str, Said | None]:
     """The rig with the rule as a node constraint too, "" and its kind; or the rig, why not, and None.
 
     known: constraints of the file; one that says just this is used as it is.
@@ -47,7 +49,7 @@ def export_node_constraint(rig: Rig, rule: Rule, known: Sequence[Constraint]) ->
         axis["xyz".index(rule.roll)] = 1.0
     elif kind == "aim":
         axis = np.rint(normalise(rule.aim)) + 0.0
-    new = Constraint(kind, rule.child, rule.drivers[0], axis)
+    new = NodeConstraint(kind, rule.child, rule.drivers[0], axis)
     for old in known:
         if (old.kind, old.node, old.source) == (kind, new.node, new.source) and (old.axis == axis).all():
             new = old

@@ -18,7 +18,7 @@ from rigtri.errors import GeometryError
 from rigtri.frames.node_constraints import alike, axis_fits, axis_straightened
 from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotates, rotation_angle, to_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Constraint
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import STEADFAST
 from rigtri.operations.orient_joints.plan import UNCHANGED, Plan
@@ -35,10 +35,10 @@ class Bond:
 
     nodes: list[int] = field(default_factory=list)
     tops: list[int] = field(default_factory=list)
-    constraints: list[Constraint] = field(default_factory=list)
+    constraints: list[NodeConstraint] = field(default_factory=list)
 
 
-def bonds(rig: Rig, ties: Sequence[Constraint] = ()) -> list[Bond]:
+def bonds(rig: Rig, ties: Sequence[NodeConstraint] = ()) -> list[Bond]:
     """Which nodes constraints tie together, and by which constraints; none for what is free.
 
     ties: more of them than the file has.

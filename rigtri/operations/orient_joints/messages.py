@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import conjugate, multiply, rotates, rotation_angle, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
-from rigtri.model.records import Booleans
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.plan import Plan
 from rigtri.operations.orient_joints.scale_policy import EXACT, first_uneven

@@ -20,7 +20,7 @@ from rigtri.maths.quaternions import IDENTITY, from_axes, from_axis_angle, multi
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of, frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
-from rigtri.model.records import Constraint
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import Aim, Branch, End, Rules, aim_of, limb_children
 from rigtri.operations.axis_presets import AxisStyle
@@ -196,7 +196,7 @@ class Plan:
         return LeverArm(self.tree.rig), self.options.tolerance
 
     @cached_property
-    def ties(self) -> tuple[Constraint, ...]:
+    def ties(self) -> tuple[NodeConstraint, ...]:
         """Joints that must turn as their parents do, for their rotations are not unit."""
         return ties(self.tree.rig, *self._faults)
 

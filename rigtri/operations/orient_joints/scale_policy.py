@@ -29,7 +29,7 @@ from rigtri.maths.quaternions import (
 )
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import angle, cross, dot
-from rigtri.model.records import key_values
+from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 

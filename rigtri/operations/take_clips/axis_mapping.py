@@ -18,8 +18,9 @@ from rigtri.maths.matrices import skew as skewed
 from rigtri.maths.similarity_fit import AXIS_TURNS, OTHER_SHAPE, SAME_PLACE, SAME_SIZE, SAME_TURN, fitted
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Skin, key_values
+from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.take_clips.node_matching import pairs
 
 

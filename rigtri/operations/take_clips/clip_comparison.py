@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.retargeting import Transfer

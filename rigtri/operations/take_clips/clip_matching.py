@@ -16,7 +16,7 @@ from fnmatch import fnmatchcase
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError, UsageError
 from rigtri.evaluation.timelines import PLAYED, Timeline, timelines
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.generated_names import MadeNames, span
 from rigtri.operations.take_clips.node_matching import as_usd

@@ -13,8 +13,9 @@ from collections.abc import Container, Sequence
 import numpy as np
 
 from rigtri.evaluation.timelines import Timeline
+from rigtri.maths.arrays import Integers
 from rigtri.maths.similarity_fit import SAME_SIZE
-from rigtri.model.records import Clip, Integers
+from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 
 _COPY = re.compile(r"\.\d{3}$")

@@ -17,7 +17,7 @@ import numpy as np
 from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
-from rigtri.model.records import Path, Track
+from rigtri.model.animation import Path, Track
 from rigtri.model.rig import SWITCH, Rig
 from rigtri.operations.take_clips.messages import some
 from rigtri.report import Report

@@ -8,9 +8,10 @@ import numpy as np
 
 from rigtri.evaluation.key_reduction import reduce_keys
 from rigtri.evaluation.sampling import sample
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.quaternions import make_continuous, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Integers, Path, Track
+from rigtri.model.animation import Path, Track
 
 
 def merged(was: Track, now: Track, changed: Booleans, *, missed: float, bound: float) -> Track:

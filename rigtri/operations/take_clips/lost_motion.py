@@ -13,7 +13,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.messages import some

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from rigtri.model.records import Track, key_values
+from rigtri.model.animation import Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.node_matching import why_apart

@@ -10,7 +10,8 @@ import numpy as np
 
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Mesh, Track
+from rigtri.model.animation import Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.timelines import Timeline
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison

@@ -29,7 +29,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.similarity_fit import SAME_SIZE, SAME_TURN
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 

@@ -16,8 +16,9 @@ from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.limits import refuse_single_name, refuse_unworkable
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.armature_motion import put_back

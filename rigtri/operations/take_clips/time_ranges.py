@@ -12,7 +12,7 @@ from rigtri.evaluation.key_insertion import subdivide_spline
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, as_float32
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.generated_names import frame_of, span

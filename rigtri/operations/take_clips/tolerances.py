@@ -14,7 +14,7 @@ from rigtri.evaluation.key_reduction import lever_arms, parent_sizes
 from rigtri.maths.similarity_fit import SAME_PLACE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Track, key_values
+from rigtri.model.animation import Track, key_values
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.retargeting import Transfer
 

@@ -12,11 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.sampling import sample
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.quaternions import conjugate, make_continuous, norm, rotation_angle, slerp, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Track, key_values
+from rigtri.model.animation import Track, key_values
 
 # Seconds by which a frame of a DCC may miss the time of a key.
 MISSED = 1e-4

@@ -17,7 +17,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Path, Track
+from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import some
 from rigtri.report import Report

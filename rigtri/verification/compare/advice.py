@@ -9,7 +9,7 @@ from rigtri.evaluation.sampling import worlds
 from rigtri.frames.error_bounds import lever_arms
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.scale_tolerance import ROUNDING
-from rigtri.model.records import key_values
+from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Comparison
 

@@ -15,7 +15,7 @@ from rigtri.frames.node_constraints import alike, constraints_from_metadata
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Bound, Constraint
+from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.correspondence import Matching
 
@@ -101,13 +101,13 @@ def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Flo
             yield f"the {c.kind} constraint of {after.title(c.node)} by {after.title(c.source)} is new"
 
 
-def _axis_kept(c: Constraint, now: Constraint, axes: tuple[Floats, Floats]) -> bool:
+def _axis_kept(c: NodeConstraint, now: NodeConstraint, axes: tuple[Floats, Floats]) -> bool:
     was, seen = c.axis @ axes[0][c.node], now.axis @ axes[1][now.node]
     ways = (seen, -seen) if c.kind == "roll" else (seen,)
     return any(not length(was - way) > SAME_AXES for way in ways)
 
 
-def _turn_alike(before: Rig, c: Constraint, m: Matching, axes: tuple[Floats, Floats]) -> bool:
+def _turn_alike(before: Rig, c: NodeConstraint, m: Matching, axes: tuple[Floats, Floats]) -> bool:
     pair = alike(before, c)
     if pair is None:
         return True

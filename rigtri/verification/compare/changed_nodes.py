@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.model.records import Booleans, Clip, Integers, Track
+from rigtri.maths.arrays import Booleans, Integers
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.correspondence import Matching, by_target, partner_track, same_array
 

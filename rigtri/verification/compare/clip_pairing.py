@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.correspondence import Matching, timeline
 

@@ -22,7 +22,7 @@ from rigtri.evaluation import sampling
 from rigtri.frames.error_bounds import TOLERANCE as TOLERANCE
 from rigtri.frames.rig_size import fits, size_of
 from rigtri.maths.quaternions import norm
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.attachments import compare_attached
 from rigtri.verification.compare.changed_nodes import moving_nodes, part_of

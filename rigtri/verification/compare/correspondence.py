@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.model.records import Clip, Integers, Track, key_values
+from rigtri.maths.arrays import Integers
+from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
 
 # Morph weights that another tool stored again as 16-bit integers differ by less.

@@ -15,7 +15,8 @@ from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import Timeline, keys_and_between, timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Clip, Mesh, Track
+from rigtri.model.animation import Clip, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 # Which targets of which nodes, by the nodes' keys.

@@ -9,7 +9,8 @@ import numpy as np
 
 from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
 from rigtri.frames.rig_size import size_of
-from rigtri.model.records import Clip, Mesh, Track
+from rigtri.model.animation import Clip, Track
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Motion, Source, motion_between
 from rigtri.verification.compare.driven_weights import Driven, moved

@@ -14,12 +14,15 @@ import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.frames.error_bounds import frames_shown
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import Clip
 from rigtri.model.bounding_boxes import boxes, corners, extent
-from rigtri.model.records import Booleans, Clip, Integers, Mesh, Skin
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.verification.compare.correspondence import Matching, same_array
 
 # Where no points can be read: how thick a body is at least, as a share of its longest side.

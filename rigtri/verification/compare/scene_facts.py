@@ -14,7 +14,7 @@ import numpy as np
 
 from rigtri.frames.node_constraints import constraints_from_metadata
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Mesh, Surface
+from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Reference as Reference
 from rigtri.model.scene_facts import Scenery as Scenery

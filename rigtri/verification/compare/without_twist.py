@@ -13,8 +13,9 @@ import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.evaluation.twist_joints import is_twist
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.vectors import distance
-from rigtri.model.records import Booleans, Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Comparison, Source, self_check, verify
 from rigtri.verification.compare.driven_weights import Driven, set_aside

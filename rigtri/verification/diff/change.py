@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans
 
 Kind = Literal["added", "removed", "changed", "moved"]
 # What stands in front of a line.

@@ -8,7 +8,7 @@ import numpy as np
 
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.correspondence import Matching, by_target, partner_track
 from rigtri.verification.diff.change import Change, furthest, same_numbers

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rigtri.model.records import Mesh
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.correspondence import Matching
 from rigtri.verification.diff.axis_diff import moved

@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from rigtri.evaluation import sampling
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import inverse, nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Integers, Mesh, Skin
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.verification.compare.correspondence import Matching, match, played_together
 from rigtri.verification.compare.scene_facts import Scenery, compare_scenery
 from rigtri.verification.diff.axis_diff import DERIVED, all_moved, axis_words, moved, turns

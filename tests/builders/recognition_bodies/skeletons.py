@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from rigs import rig_of
 
-from rigtri.model.records import Skin
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 Place = tuple[float, float, float]
 Joint = tuple[str, str, Place]

@@ -19,7 +19,7 @@ from rigtri.formats.gltf.json_style import Spelling, parse
 from rigtri.formats.gltf.uris import escape, file_of, is_own
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import normalise_for_storage, unit
-from rigtri.model.records import Track
+from rigtri.model.animation import Track
 
 TURN = unit([[0.1, 0.2, 0.3, 0.9]])
 

@@ -23,7 +23,7 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, conjugate, unit
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import verify
 

@@ -19,8 +19,8 @@ from rigtri.formats import ReadOptions
 from rigtri.formats import read as open_file
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Interpolation, Track
-from rigtri.model.records import Path as Way
+from rigtri.model.animation import Interpolation, Track
+from rigtri.model.animation import Path as Way
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import verify
 from rigtri.verification.diff.usd_layer_diff import layer_changes

@@ -22,7 +22,7 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
-from rigtri.model.records import Clip, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report

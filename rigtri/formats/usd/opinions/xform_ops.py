@@ -32,7 +32,7 @@ from rigtri.maths.matrices import (
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, norm, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Path, Track
+from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
 from rigtri.report import Notice
 

@@ -25,10 +25,11 @@ from rigtri.formats.usd.opinions.preview_stage import edited
 from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.formats.usd.reading.reader import Source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Integers, Skin
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 _TYPES = Sdf.ValueTypeNames
 # What of a Skeleton has an item for each of its joints.

@@ -15,7 +15,8 @@ from rigtri.formats.usd.composition.stage import why_instanced
 from rigtri.formats.usd.opinions.edits import Edit, kind, parts, set_value
 from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Animation, Property
 from rigtri.formats.usd.reading.reader import Source
-from rigtri.model.records import Booleans, Clip, Track
+from rigtri.maths.arrays import Booleans
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 
 _TYPES = Sdf.ValueTypeNames

@@ -22,7 +22,7 @@ from rigtri.formats.usd.opinions.xform_ops import OPS, stand, stand_order, sure_
 from rigtri.formats.usd.reading.reader import Source
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Path, Track
+from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
 
 _RESET = "!resetXformStack!"

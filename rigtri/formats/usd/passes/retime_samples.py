@@ -28,7 +28,7 @@ from rigtri.formats.usd.opinions.preview_stage import edited
 from rigtri.formats.usd.reading.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.reading.reader import Source
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Path, Track
+from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
 
 _TYPES = Sdf.ValueTypeNames

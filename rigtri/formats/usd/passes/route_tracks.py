@@ -25,8 +25,9 @@ from rigtri.formats.usd.reading import xform_sampling
 from rigtri.formats.usd.reading.animation_reader import Animation
 from rigtri.formats.usd.reading.mesh_reader import default_weights
 from rigtri.formats.usd.reading.reader import Source
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Clip, Interpolation, Track
+from rigtri.model.animation import Clip, Interpolation, Track
 from rigtri.model.rig import Rig
 
 # The track of a mesh's morph weights before and after an edit; None for none.

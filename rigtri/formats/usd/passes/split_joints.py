@@ -30,8 +30,9 @@ from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Clip, Skin, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.report import Notice
 
 _TYPES = Sdf.ValueTypeNames

@@ -14,9 +14,11 @@ import numpy as np
 
 from rigtri.formats.usd.opinions.edits import parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Integers, Path, Skin, Track
+from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 
 # Values that differ by less, as a share of the largest of them, are one value.
 ROUNDING = 1e-9

@@ -18,8 +18,9 @@ from rigtri.formats.usd.passes.add_joints import own_skeleton
 from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.formats.usd.reading.reader import GROUP, Source
 from rigtri.maths.matrices import inverse, multiply
-from rigtri.model.records import Skin, Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import ADDED, Rig
+from rigtri.model.skin import Skin
 
 # What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
 SOURCE = "rigtri:source"

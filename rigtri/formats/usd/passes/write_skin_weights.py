@@ -18,10 +18,11 @@ from rigtri.formats.usd.opinions.edits import Edit, kind, parts, set_value
 from rigtri.formats.usd.opinions.joint_influences import INDICES, ORDER
 from rigtri.formats.usd.reading.mesh_reader import seen_at_start
 from rigtri.formats.usd.reading.reader import Source
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Fold, Integers, Spread
 from rigtri.model.rig import Rig
+from rigtri.model.skin import JointMerge, WeightRedistribution
 from rigtri.model.skin_weights import folded, shared
 from rigtri.report import Notice
 
@@ -34,7 +35,7 @@ def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]
 
     FileError where they cannot be edited.
     """
-    by_path: dict[str, list[Spread]] = {}
+    by_path: dict[str, list[WeightRedistribution]] = {}
     for spread in rig.pending.weight_redistributions:
         key = rig.skins[spread.skin].key
         if kind(key) == "skeleton":
@@ -58,7 +59,7 @@ def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]
     return found
 
 
-def _unfolded(query: Any, tokens: Sequence[str], fold: Fold, width: int) -> list[Edit]:
+def _unfolded(query: Any, tokens: Sequence[str], fold: JointMerge, width: int) -> list[Edit]:
     """The influences of a mesh without the joints that go, where it has any, by number or by name.
 
     width: how many a point had before, 0 where that is not known.
@@ -92,7 +93,7 @@ def _unfolded(query: Any, tokens: Sequence[str], fold: Fold, width: int) -> list
 
 
 def _of_mesh(
-    query: Any, tokens: Sequence[str], spreads: Sequence[Spread], warnings: list[Notice]
+    query: Any, tokens: Sequence[str], spreads: Sequence[WeightRedistribution], warnings: list[Notice]
 ) -> list[Edit]:
     prim = query.GetPrim()
     points = seen_at_start(prim.GetAttribute("points"))
@@ -123,12 +124,14 @@ def _of_mesh(
     return edits
 
 
-def _in_order(spread: Spread, tokens: Sequence[str], order: list[str]) -> tuple[Spread, list[str]]:
+def _in_order(
+    spread: WeightRedistribution, tokens: Sequence[str], order: list[str]
+) -> tuple[WeightRedistribution, list[str]]:
     """A spread by the places of its joints in a mesh's own order, which gets those that it lacks."""
     mine = [tokens[row] for row in spread.joints.tolist()]
     order = [*order, *(token for token in mine if token not in order)]
     rows = np.array([order.index(token) for token in mine], dtype=np.int64)
-    return Spread(spread.skin, rows, spread.at, spread.start, spread.end, spread.most), order
+    return WeightRedistribution(spread.skin, rows, spread.at, spread.start, spread.end, spread.most), order
 
 
 def _read(query: Any, points: int) -> tuple[Integers, Floats] | None:

@@ -19,7 +19,7 @@ from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.value_types import WrongTypeError
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Interpolation, Path, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.report import Notice
 
 # The key of tracks that only show a default during a clip; the default's own clip writes it.

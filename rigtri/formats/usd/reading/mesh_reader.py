@@ -18,8 +18,10 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, quiet
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.value_types import usable
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Booleans, Integers, Mesh, Surface, Track
+from rigtri.model.animation import Track
+from rigtri.model.mesh import Mesh, Surface
 
 EARLIEST = Usd.TimeCode.EarliestTime()
 ALL_PRIMS = Usd.TraverseInstanceProxies()

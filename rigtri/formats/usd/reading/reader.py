@@ -28,9 +28,10 @@ from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
 from rigtri.formats.usd.reading.xform_hierarchy import read_stand, rooted
 from rigtri.maths.matrices import compose, decompose, identity, inverse
 from rigtri.maths.quaternions import from_axes, to_axes
+from rigtri.model.animation import Clip, Interpolation, Track
 from rigtri.model.format_rules import FormatRules
-from rigtri.model.records import Clip, Interpolation, Skin, Track
 from rigtri.model.rig import ADDED, Rig, illegible
+from rigtri.model.skin import Skin
 from rigtri.report import Notice
 
 # The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.

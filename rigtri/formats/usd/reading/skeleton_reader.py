@@ -15,10 +15,10 @@ from pxr import Sdf, UsdSkel, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, numbers, tokens_of
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import determinant, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.records import Booleans, Integers
 from rigtri.report import Notice
 
 # A frame whose volume is a smaller share of its axes' lengths has no inverse worth the name.

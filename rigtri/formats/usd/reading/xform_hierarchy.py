@@ -22,8 +22,9 @@ from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, multiply, rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Clip, Interpolation, Path, Skin, Track
+from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.report import Notice
 
 # Op → (track, what it is without a value). The two ops of ours stand outermost and innermost.

@@ -16,7 +16,7 @@ from pxr import UsdGeom, Vt
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.records import Interpolation, Path, Track
+from rigtri.model.animation import Interpolation, Path, Track
 from rigtri.report import Notice
 
 # The name and key of the clip; the writer leaves it alone.

@@ -1,0 +1,74 @@
+"""Meshes: points that skins or nodes move, and how they are drawn between their points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rigtri.maths.arrays import Integers
+from rigtri.maths.trigonometry import Floats
+
+
+class Surface(NamedTuple):
+    """How a mesh is drawn between its points; read only to compare.
+
+    kind: what is drawn, e.g. ``triangles``. sizes: corners of each face, (f,), empty
+    where ``kind`` says it. corners: point indices. normals: (m, 3), (0, 3) where there are none.
+    values: by name what else points, corners or faces have: colours, texture coordinates, tangents.
+    """
+
+    kind: str
+    sizes: Integers
+    corners: Integers
+    normals: Floats
+    values: Mapping[str, NDArray[Any]] = {}
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Points that skins or nodes move; read only to measure, never written.
+
+    points: (v, 3). joints, weights: (v, k), indices into the skin's joints; empty
+    (v, 0) for a rigid mesh, whose points are in the space of ``node``. bind: the
+    matrix that takes points into the space of the skin's bind pose. morphs:
+    (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``;
+    morph_names: what they are called, empty where nothing says it.
+    ``surface`` reads faces and normals, None where they cannot be read; asked only when needed.
+    box: where ``points`` are only some of many, the lows and highs of all of them wherever
+    morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
+    of the skin moves, (2, m, 3).
+    """
+
+    name: str
+    node: int
+    points: Floats
+    skin: int | None = None
+    joints: Integers = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
+    weights: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    bind: Floats = field(default_factory=lambda: np.eye(4))
+    morphs: Floats = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    morph_weights: Floats = field(default_factory=lambda: np.zeros(0))
+    morph_names: tuple[str, ...] = ()
+    dual_quaternion: bool = False
+    surface: Callable[[], Surface | None] | None = None
+    box: Floats | None = None
+
+    @cached_property
+    def moved(self) -> tuple[Integers, Integers]:
+        """Joint and point of each weight that is not 0, (w,) each, joint by joint."""
+        weights = np.flatnonzero(self.weights != 0)
+        joints, points = self.joints.ravel()[weights], weights // max(self.weights.shape[1], 1)
+        few = len(joints) and 0 <= int(joints.min()) <= int(joints.max()) < 1 << 16
+        # Of so few joints a sort counts, which is far faster.
+        order = np.argsort(joints.astype(np.uint16) if few else joints, kind="stable")
+        return joints[order], points[order]
+
+    @cached_property
+    def surface_now(self) -> Surface | None:
+        """Faces and normals; None when nobody can tell."""
+        return None if self.surface is None else self.surface()

@@ -1,0 +1,77 @@
+"""Skins, and what is to be done to their weights when a rig is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.maths.arrays import Booleans, Integers
+from rigtri.maths.matrices import inverse
+from rigtri.maths.trigonometry import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Joints and the matrices that take bind-pose points into each joint's space.
+
+    joints: node indices, (m,). inverse_bind: (m, 4, 4). ``stored`` is False when
+    the file has no matrices and these are the identity its format prescribes.
+    ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
+    so it is asked only when needed. drawn: something is drawn with it, whether or
+    not its points can be read. key: None for a skin that is new.
+    """
+
+    name: str
+    joints: Integers
+    inverse_bind: Floats
+    stored: bool = True
+    weigh: Callable[[], Booleans] | None = None
+    key: Hashable = None
+    drawn: bool = False
+
+    @cached_property
+    def bind(self) -> Floats:
+        """Where each joint stands in the bind pose, seen from the skin, (m, 4, 4); NaN if nothing tells."""
+        return inverse(self.inverse_bind)
+
+    @cached_property
+    def weighted(self) -> Booleans:
+        """Which joints move any point, (m,); all of them when nobody can tell."""
+        return np.ones(len(self.joints), dtype=bool) if self.weigh is None else self.weigh()
+
+
+@dataclass(frozen=True, eq=False)
+class WeightRedistribution:
+    """The weight of a bone's points, to be shared among joints that stand along it.
+
+    skin: its number. joints: rows of the skin, (k,), the bone's own among them; at: where each
+    stands along the bone, (k,), rising. start, end: of the bone, in the space of the skin's
+    points as ``Mesh.bind`` leaves them, (3,) each. most: joints that a point may have, 0 for any number.
+    """
+
+    skin: int
+    joints: Integers
+    at: Floats
+    start: Floats
+    end: Floats
+    most: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class JointMerge:
+    """Joints of a skin that go, and which ones take what their points have of them.
+
+    skin: its number. rows: (m,), for each row that the file has, the row from now on: a joint that goes
+    has that of its heir. at: where each stands along the bone that it shares, (m,). widths: how many
+    joints each point of a mesh had room for before, by the node that shows it. idle: no point of a mesh has
+    weight of those that go, and no other changes its row.
+    """
+
+    skin: int
+    rows: Integers
+    at: Floats
+    widths: Mapping[int, int]
+    idle: bool
