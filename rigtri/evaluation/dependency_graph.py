@@ -119,13 +119,26 @@ def channel_order(rule: Rule) -> int:
 
 
 def in_order(rig: Rig, steps: Sequence[S]) -> list[S]:
-    """The steps, each after those that set what it uses. Raises ControlCycleError."""
+    """The steps, each after those that set what it uses. Raises ControlCycleError.
+
+    Each comes right after the last of what it depends on, as `bake` writes the tracks of controls.
+    """
     paths = _all_paths(rig, steps)
     try:
-        return [steps[k] for k in TopologicalSorter(paths).static_order()]
+        TopologicalSorter(paths).prepare()
     except CycleError as error:
         cycle = error.args[1][:0:-1]  # each depends on the next
         raise ControlCycleError(rig, _nodes(paths, cycle)) from error
+    done: dict[int, S] = {}
+    stack = list(range(len(steps)))[::-1]
+    while stack:
+        k = stack[-1]
+        missing = next((other for other in paths[k] if other not in done), None)
+        if missing is None:
+            done.setdefault(stack.pop(), steps[k])
+        else:
+            stack.append(missing)
+    return list(done.values())
 
 
 def steps_for(rig: Rig, steps: Sequence[S], nodes: Collection[int]) -> list[S]:
