@@ -50,8 +50,8 @@ def _value(item: Any, one: Option) -> dict[str, Any]:
         return {"type": str}
     if kind is not None and kind.parse is not None:
         return {"type": Parsed(kind.parse)}
-    if kind is not None and kind.name == "file":
-        return {"type": click.Path()}
+    if kind is not None and kind.name.endswith("file"):
+        return {"type": click.Path(allow_dash=kind.name == "edited file")}
     if one.choices or typing.get_origin(item) is Literal:
         return {"type": click.Choice(list(one.choices or typing.get_args(item))), "metavar": None}
     if typing.get_origin(item) is tuple:

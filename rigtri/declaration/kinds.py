@@ -74,7 +74,8 @@ Direction = Annotated[Vector, Kind("direction", "AXIS|X,Y,Z", parse=direction)]
 Point = Annotated[Vector, Kind("point", "X,Y,Z", parse=point)]
 Bends = Annotated[Mapping[str, Direction], Kind("of nodes", "JOINT=X,Y,Z", read=_bends)]
 
-
-def words_of(value: Any) -> tuple[Any, ...]:
-    """The words of an option that may be given several times."""
-    return tuple(value or ())
+# Other files, which Python may have as rigs or values already. The last is edited outside: it may have a
+# stream for its source, and need no skeleton.
+RigFile = Annotated[Any, Kind("rig file", "FILE")]
+EditedFile = Annotated[Any, Kind("edited file", "FILE")]
+JsonFile = Annotated[Any, Kind("json file", "FILE.json")]

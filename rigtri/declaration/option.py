@@ -141,6 +141,12 @@ def _option(one: Any, hint: Any) -> Option:
     return Option(one.name, hint, kind, optional, default_of(one), **about)
 
 
+def described(cls: Any) -> str:
+    """The options of an operation with their help, a line for each, as Python's help shows them."""
+    told = ((one.name, one.metadata.get(_META, {}).get("help", "")) for one in fields(cls))
+    return "\n".join(f"    {name}: {words}" for name, words in told if words)
+
+
 def _without_none(hint: Any) -> tuple[bool, Any]:
     """Whether None is among the types, and the type or types besides."""
     if typing.get_origin(hint) not in (typing.Union, types.UnionType):

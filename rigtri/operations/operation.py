@@ -10,7 +10,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from rigtri.declaration.option import check
+from rigtri.declaration.option import check, described
 from rigtri.model.rig import Rig
 from rigtri.operations.option_keywords import from_keywords, known
 from rigtri.report import Report
@@ -72,6 +72,8 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
             return replace(made, source=rig.source.after(own))
 
         called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]
+        if kind is not None:
+            called.__doc__ = f"{inspect.getdoc(function)}\n\nOptions:\n{described(kind)}"
         return called
 
     return decorated
