@@ -7,16 +7,14 @@ nodes; matrices are row-vector matrices (`rigtri.maths.matrices`).
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from fnmatch import fnmatchcase
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.errors import NameNotFoundError
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import normalise
@@ -26,42 +24,17 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
+from rigtri.model.metadata import ADDED, SWITCH
+from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
 
-# A node with more nodes above it has its label for a path: the paths of a chain of n nodes
-# would need n² characters.
-DEEPEST_PATH = 256
-# Notes on nodes that are there only because rigtri has added them.
-ADDED = (
-    "constraint",
-    "control",
-    "group",
-    "limb",
-    "offset",
-    "poleVector",
-    "poseReader",
-    "poseWeight",
-    "rivet",
-    "twist",
-)
-# The version of the description of notes that is read and written, and the types that it has.
-VERSION, KNOWN = 1, (*ADDED, "frame")
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
-# What the script of export-blender puts below an IK end, as Blender numbers its names.
-SWITCH = re.compile(r"rigtri_ik([._]\d+)?")
-
-
-def illegible(note: Mapping[str, Any]) -> str:
-    """Why this version cannot read a note, which stays as it is then; "" where it can."""
-    if note.get("v") != VERSION:
-        return f"its version is {note.get('v')!r}, and this rigtri reads {VERSION}"
-    return "" if note.get("type") in KNOWN else f"its type {note.get('type')!r} is not known to this rigtri"
 
 
 @dataclass(frozen=True, eq=False)
-class Rig:
+class Rig(NodeNames):
     """Nodes, their rest pose as stored, and all that is bound to them.
 
     names: "" where a node has none. parents: (n,), −1 for a root, each smaller
@@ -96,9 +69,6 @@ class Rig:
     pending: PendingEdits = field(default_factory=PendingEdits)
     content: Content = field(default_factory=Content)
     source: RigSource | None = None
-
-    def __len__(self) -> int:
-        return len(self.names)
 
     @property
     def meshes(self) -> Sequence[Mesh]:
@@ -144,31 +114,6 @@ class Rig:
         return {}
 
     @cached_property
-    def levels(self) -> tuple[Integers, ...]:
-        """Node indices by depth, roots first: each level's parents lie in the level before."""
-        levels: list[list[int]] = [[] for _ in range(max(self.depth, default=-1) + 1)]
-        for node, depth in enumerate(self.depth):
-            levels[depth].append(node)
-        return tuple(np.array(level, dtype=np.int64) for level in levels)
-
-    @cached_property
-    def depth(self) -> list[int]:
-        """How many nodes are above each node."""
-        depth: list[int] = []
-        for parent in self.parents.tolist():
-            depth.append(depth[parent] + 1 if parent >= 0 else 0)
-        return depth
-
-    @cached_property
-    def children(self) -> tuple[tuple[int, ...], ...]:
-        """The children of every node, in the file's order."""
-        lists: list[list[int]] = [[] for _ in range(len(self))]
-        for node, parent in enumerate(self.parents.tolist()):
-            if parent >= 0:
-                lists[parent].append(node)
-        return tuple(map(tuple, lists))
-
-    @cached_property
     def is_joint(self) -> Booleans:
         """Which nodes are joints of a skin, (n,); one that only holds another's axes is not one more."""
         mask = np.zeros(len(self), dtype=bool)
@@ -202,150 +147,6 @@ class Rig:
             if SWITCH.fullmatch(self.names[child]) and self.payload[child] < 0 and not self.children[child]
         )
         return frozenset(made.union(drawings, between, switches))
-
-    def below(self, node: int) -> list[int]:
-        """A node and everything under it, parents first."""
-        inside = [node]
-        for k in inside:  # it grows as it is walked
-            inside += self.children[k]
-        return sorted(inside)
-
-    def is_below(self, node: int, other: int) -> bool:
-        """Whether ``node`` is ``other`` or anywhere under it."""
-        first, count = self._walk
-        return first[other] <= first[node] < first[other] + count[other]
-
-    @cached_property
-    def _walk(self) -> tuple[list[int], list[int]]:
-        """Where each node comes in a walk branch by branch, and how many nodes its branch has."""
-        parents = self.parents.tolist()
-        count = [1] * len(self)
-        for node in range(len(self) - 1, -1, -1):
-            if parents[node] >= 0:
-                count[parents[node]] += count[node]
-        first, free, after = [0] * len(self), [0] * len(self), 0
-        for node, parent in enumerate(parents):
-            first[node] = free[parent] if parent >= 0 else after
-            free[node] = first[node] + 1
-            if parent >= 0:
-                free[parent] += count[node]
-            else:
-                after += count[node]
-        return first, count
-
-    def path(self, node: int) -> str:
-        """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one.
-
-        The label alone for a node deeper than `DEEPEST_PATH`. A node that holds the axes of a joint
-        is no step on the way to what is below it, so that paths stay what they were before the
-        joint was split.
-        """
-        return self._path(node, self.holders)
-
-    def _path(self, node: int, without: Collection[int] = ()) -> str:
-        if self.depth[node] > DEEPEST_PATH:
-            return self.labels[node]
-        parts = [self.names[node] or self.labels[node]]
-        above = int(self.parents[node])
-        while above >= 0:
-            if above not in without:
-                parts.append(self.names[above] or self.labels[above])
-            above = int(self.parents[above])
-        return "/" + "/".join(reversed(parts))
-
-    def address(self, node: int) -> str:
-        """What finds a node again, in this file and in others like it: name, path or label.
-
-        The first of the three that no other node shares.
-        """
-        name = self.names[node]
-        if name and len(self._by_name[name]) == 1:
-            return name
-        path = self.path(node)
-        return path if len(self._by_address[path]) == 1 else self.labels[node]
-
-    def title(self, node: int) -> str:
-        """What to call a node in a message: its name, with its label where several share it."""
-        name = self.names[node]
-        if not name:
-            return self.labels[node]
-        return f"{name} ({self.labels[node]})" if len(self._by_name[name]) > 1 else name
-
-    @cached_property
-    def _by_name(self) -> dict[str, list[int]]:
-        found: dict[str, list[int]] = {}
-        for node, name in enumerate(self.names):
-            found.setdefault(name, []).append(node)
-        return found
-
-    @cached_property
-    def _by_address(self) -> dict[str, list[int]]:
-        found: dict[str, list[int]] = {}
-        for node, label in enumerate(self.labels):
-            whole = {self._path(node): None} if self.holders else {}
-            for way in {label: None, self.path(node): None, **whole}:
-                found.setdefault(way, []).append(node)
-        for bone, node in self.humanoid.items():
-            found.setdefault(f"vrm:{bone}", []).append(node)
-        return found
-
-    @property
-    def _hints(self) -> list[str]:
-        """What nodes may be called, without the labels of those that no file has yet."""
-        return [*self._by_name, *(way for way in self._by_address if not way.startswith("+"))]
-
-    def find(self, name: str, kind: str = "joint") -> int:
-        """The one node called ``name``: its name, its label (``#3``), its path, or ``vrm:head``.
-
-        Raises NameNotFoundError, or AmbiguousNameError where several share the name.
-        """
-        found = self._by_name.get(name, []) if name else []
-        if len(found) > 1:
-            # A joint wins over a mesh node of the same name; nothing else is guessed.
-            joints = [node for node in found if self.is_joint[node]]
-            found = joints if len(joints) == 1 else found
-        found = found or self._by_address.get(name, [])
-        if not found:
-            raise NameNotFoundError(kind, name, self._hints)
-        if len(found) > 1:
-            raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
-        return found[0]
-
-    def has(self, name: str) -> bool:
-        """Whether any node is called so, by name, label, path or VRM bone."""
-        return bool(name and (self._by_name.get(name) or self._by_address.get(name)))
-
-    def known(self, name: object) -> int | None:
-        """The one node called so, as `find` has it; None where there is none, or several, or no name."""
-        if not isinstance(name, str):
-            return None
-        try:
-            return self.find(name)
-        except (NameNotFoundError, AmbiguousNameError):
-            return None
-
-    def match(self, pattern: str, among: Iterable[int] | None = None) -> list[int]:
-        """All nodes that a glob such as ``*_L`` matches by name, label or path.
-
-        An exact name wins over a pattern, so names with ``*`` or ``[`` in them can
-        be given as they are. Raises NameNotFoundError when nothing matches.
-        """
-        exact = self._by_name.get(pattern) or self._by_address.get(pattern)
-        nodes = range(len(self)) if among is None else among
-        if exact:
-            return sorted(exact)
-        found = [
-            node
-            for node in nodes
-            if any(
-                fnmatchcase(text, pattern)
-                for text in (self.names[node], self.labels[node], self.path(node))
-                if text
-            )
-        ]
-        if not found:
-            raise NameNotFoundError("joint", pattern, self._hints, pattern=True)
-        return found
 
     def part(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
         """Some nodes alone, parents first as here, with the tracks that drive them; and their new indices.

@@ -15,7 +15,8 @@ from second_opinions import validator
 
 from rigtri import diff, verify
 from rigtri.formats import read
-from rigtri.model.rig import KNOWN, Rig
+from rigtri.model.metadata import KNOWN
+from rigtri.model.rig import Rig
 from rigtri.operations import add_controls
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.rigtri_nodes import noted

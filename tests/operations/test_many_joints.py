@@ -17,7 +17,8 @@ from rigs import chain, random_rig, rig_of
 
 from rigtri.evaluation.sampling import bind_worlds
 from rigtri.formats import read
-from rigtri.model.rig import DEEPEST_PATH, Rig
+from rigtri.model.node_names import DEEPEST_PATH
+from rigtri.model.rig import Rig
 from rigtri.recognition.bend_plane import between
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.correspondence import match

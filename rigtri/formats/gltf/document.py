@@ -46,7 +46,8 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
-from rigtri.model.rig import Rig, illegible
+from rigtri.model.metadata import illegible
+from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice
 

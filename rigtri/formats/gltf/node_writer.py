@@ -24,7 +24,8 @@ from rigtri.maths.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
-from rigtri.model.rig import Rig, illegible
+from rigtri.model.metadata import illegible
+from rigtri.model.rig import Rig
 
 PARTS = ("translation", "rotation", "scale")
 

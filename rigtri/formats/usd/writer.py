@@ -28,7 +28,8 @@ from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
-from rigtri.model.rig import Rig, illegible
+from rigtri.model.metadata import illegible
+from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
 # For each property of an animation: column → new samples (k, c), or the new default (1, c).

@@ -18,7 +18,8 @@ from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
-from rigtri.model.rig import SWITCH, Rig
+from rigtri.model.metadata import SWITCH
+from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import some
 from rigtri.report import Report
 

@@ -17,7 +17,8 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.maths.matrices import decompose, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.rig import ADDED, Rig
+from rigtri.model.metadata import ADDED
+from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.armature_motion import bind_poses, put_back
 from rigtri.operations.take_clips.ik_switches import drop_switched_off_ik_keys, holding, ik_ends, switches

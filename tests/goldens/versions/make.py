@@ -16,7 +16,8 @@ sys.path.insert(0, str(HERE.parents[1]))
 def main() -> None:
     from builds import STEPS
 
-    from rigtri.model.rig import VERSION, Rig
+    from rigtri.model.metadata import VERSION
+    from rigtri.model.rig import Rig
     from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
     from rigtri.operations.rigtri_nodes import noted
     from rigtri.pipeline.edit import edit

@@ -19,7 +19,8 @@ from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.formats.usd.reading.reader import GROUP, Source
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.animation import Track
-from rigtri.model.rig import ADDED, Rig
+from rigtri.model.metadata import ADDED
+from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
 # What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.

@@ -30,7 +30,8 @@ from rigtri.maths.matrices import compose, decompose, identity, inverse
 from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.model.animation import Clip, Interpolation, Track
 from rigtri.model.format_rules import FormatRules
-from rigtri.model.rig import ADDED, Rig, illegible
+from rigtri.model.metadata import ADDED, illegible
+from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
 

@@ -1,0 +1,147 @@
+"""What the nodes of a rig are called, and finding them by it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from fnmatch import fnmatchcase
+from functools import cached_property
+
+from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.maths.arrays import Booleans
+from rigtri.model.hierarchy import Hierarchy
+
+# A node with more nodes above it has its label for a path: the paths of a chain of n nodes
+# would need n² characters.
+DEEPEST_PATH = 256
+
+
+class NodeNames(Hierarchy):
+    """Nodes with names: what `rigtri.model.rig.Rig` finds its nodes by."""
+
+    names: tuple[str, ...]
+    labels: tuple[str, ...]
+    humanoid: Mapping[str, int]
+
+    @property
+    def is_joint(self) -> Booleans:
+        """Which nodes are joints, (n,)."""
+        raise NotImplementedError
+
+    @property
+    def holders(self) -> frozenset[int]:
+        """Nodes that are no step of a path."""
+        raise NotImplementedError
+
+    def path(self, node: int) -> str:
+        """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one.
+
+        The label alone for a node deeper than `DEEPEST_PATH`. A node that holds the axes of a joint
+        is no step on the way to what is below it, so that paths stay what they were before the
+        joint was split.
+        """
+        return self._path(node, self.holders)
+
+    def _path(self, node: int, without: Collection[int] = ()) -> str:
+        if self.depth[node] > DEEPEST_PATH:
+            return self.labels[node]
+        parts = [self.names[node] or self.labels[node]]
+        above = int(self.parents[node])
+        while above >= 0:
+            if above not in without:
+                parts.append(self.names[above] or self.labels[above])
+            above = int(self.parents[above])
+        return "/" + "/".join(reversed(parts))
+
+    def address(self, node: int) -> str:
+        """What finds a node again, in this file and in others like it: name, path or label.
+
+        The first of the three that no other node shares.
+        """
+        name = self.names[node]
+        if name and len(self._by_name[name]) == 1:
+            return name
+        path = self.path(node)
+        return path if len(self._by_address[path]) == 1 else self.labels[node]
+
+    def title(self, node: int) -> str:
+        """What to call a node in a message: its name, with its label where several share it."""
+        name = self.names[node]
+        if not name:
+            return self.labels[node]
+        return f"{name} ({self.labels[node]})" if len(self._by_name[name]) > 1 else name
+
+    @cached_property
+    def _by_name(self) -> dict[str, list[int]]:
+        found: dict[str, list[int]] = {}
+        for node, name in enumerate(self.names):
+            found.setdefault(name, []).append(node)
+        return found
+
+    @cached_property
+    def _by_address(self) -> dict[str, list[int]]:
+        found: dict[str, list[int]] = {}
+        for node, label in enumerate(self.labels):
+            whole = {self._path(node): None} if self.holders else {}
+            for way in {label: None, self.path(node): None, **whole}:
+                found.setdefault(way, []).append(node)
+        for bone, node in self.humanoid.items():
+            found.setdefault(f"vrm:{bone}", []).append(node)
+        return found
+
+    @property
+    def _hints(self) -> list[str]:
+        """What nodes may be called, without the labels of those that no file has yet."""
+        return [*self._by_name, *(way for way in self._by_address if not way.startswith("+"))]
+
+    def find(self, name: str, kind: str = "joint") -> int:
+        """The one node called ``name``: its name, its label (``#3``), its path, or ``vrm:head``.
+
+        Raises NameNotFoundError, or AmbiguousNameError where several share the name.
+        """
+        found = self._by_name.get(name, []) if name else []
+        if len(found) > 1:
+            # A joint wins over a mesh node of the same name; nothing else is guessed.
+            joints = [node for node in found if self.is_joint[node]]
+            found = joints if len(joints) == 1 else found
+        found = found or self._by_address.get(name, [])
+        if not found:
+            raise NameNotFoundError(kind, name, self._hints)
+        if len(found) > 1:
+            raise AmbiguousNameError(kind, name, [self.labels[node] for node in found])
+        return found[0]
+
+    def has(self, name: str) -> bool:
+        """Whether any node is called so, by name, label, path or VRM bone."""
+        return bool(name and (self._by_name.get(name) or self._by_address.get(name)))
+
+    def known(self, name: object) -> int | None:
+        """The one node called so, as `find` has it; None where there is none, or several, or no name."""
+        if not isinstance(name, str):
+            return None
+        try:
+            return self.find(name)
+        except (NameNotFoundError, AmbiguousNameError):
+            return None
+
+    def match(self, pattern: str, among: Iterable[int] | None = None) -> list[int]:
+        """All nodes that a glob such as ``*_L`` matches by name, label or path.
+
+        An exact name wins over a pattern, so names with ``*`` or ``[`` in them can
+        be given as they are. Raises NameNotFoundError when nothing matches.
+        """
+        exact = self._by_name.get(pattern) or self._by_address.get(pattern)
+        nodes = range(len(self)) if among is None else among
+        if exact:
+            return sorted(exact)
+        found = [
+            node
+            for node in nodes
+            if any(
+                fnmatchcase(text, pattern)
+                for text in (self.names[node], self.labels[node], self.path(node))
+                if text
+            )
+        ]
+        if not found:
+            raise NameNotFoundError("joint", pattern, self._hints, pattern=True)
+        return found
