@@ -85,7 +85,7 @@ class SkinnedPoints:
     def at_rest(self) -> Floats:
         """The points at rest, (p, 3)."""
         rig, place = self._part
-        world = sampling.worlds(rig, sampling.rest(rig, normalised=self._unit))[np.newaxis]
+        world = sampling.worlds(rig, rig.normalised_local if self._unit else rig.local)[np.newaxis]
         weights = np.broadcast_to(self.mesh.morph_weights, (1, len(self.mesh.morph_weights)))
         return np.asarray(self._seen(world, place, weights)[0])
 

@@ -26,10 +26,8 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
 
-def worlds(rig: Rig, local: Floats | None = None) -> Floats:
-    """World matrices, (..., n, 4, 4), of local ones; of the rest pose (not to be changed) unless given."""
-    if local is None:
-        return rig.world
+def worlds(rig: Rig, local: Floats) -> Floats:
+    """World matrices, (..., n, 4, 4), of local ones."""
     many = local.ndim - 3
     # Nodes before times: what is multiplied is picked in large pieces of memory, as `Motion` lays it out.
     mine: Floats = local.transpose(*range(many, local.ndim), *range(many))
@@ -70,11 +68,6 @@ def world_of(rig: Rig, node: int) -> Floats:
     return world
 
 
-def rest(rig: Rig, *, normalised: bool = True) -> Floats:
-    """Local matrices at rest, (n, 4, 4), not to be changed; see `locals_at` for ``normalised``."""
-    return rig.shown if normalised else rig.local
-
-
 def locals_at(rig: Rig, clip: Clip, times: ArrayLike, *, normalised: bool = True) -> Floats:
     """Local matrices during a clip, (f, n, 4, 4), at ``times``, (f,), in the clip's unit.
 
@@ -102,7 +95,7 @@ class Motion:
         local: Floats = np.empty((len(rig), 4, 4, count)).transpose(3, 0, 1, 2)
         still = np.ones(len(rig), dtype=bool)
         still[self.driven] = False
-        local[:, still] = rest(rig, normalised=normalised)[still]
+        local[:, still] = (rig.normalised_local if normalised else rig.local)[still]
         if not len(self.driven):
             return local
         # With nodes before times, as they lie in memory.
@@ -181,10 +174,10 @@ def bind_worlds(rig: Rig, skin: Skin) -> Floats:
     A scale that a file hides in all inverse binds alike (dequantisation) cancels. Found once for a skin;
     not to be changed.
     """
-    if skin not in rig.posed:
-        rig.posed[skin] = _bind_worlds(rig, skin) if len(skin.joints) else worlds(rig)
-        rig.posed[skin].flags.writeable = False
-    return rig.posed[skin]
+    if skin not in rig.bind_poses:
+        rig.bind_poses[skin] = _bind_worlds(rig, skin) if len(skin.joints) else rig.world
+        rig.bind_poses[skin].flags.writeable = False
+    return rig.bind_poses[skin]
 
 
 def _bind_worlds(rig: Rig, skin: Skin) -> Floats:

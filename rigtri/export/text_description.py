@@ -103,7 +103,7 @@ class _Seen:
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
-        self.world = sampling.worlds(rig)
+        self.world = rig.world
         self.position = self.world[:, 3, :3]
         with np.errstate(invalid="ignore", divide="ignore"):
             self.axes = normalise(self.world[:, :3, :3])

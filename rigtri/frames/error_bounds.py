@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import Motion, between_keys, key_times, rest, worlds
+from rigtri.evaluation.sampling import Motion, between_keys, key_times, worlds
 from rigtri.frames.rig_size import fits, size_at_least, size_of
 from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
@@ -50,7 +50,7 @@ class LeverArm:
 
     @property
     def _world(self) -> Floats:
-        return self._rig.shown_world
+        return self._rig.normalised_world
 
     @cached_property
     def exact(self) -> Floats:
@@ -123,7 +123,7 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
 
     And how far it is from its parent at most, (n,), in the parent's space. Splines may overshoot: inf.
     """
-    local = rest(rig)
+    local = rig.normalised_local
     rows = [local[:, k, :3] for k in range(3)]
     square, aside = _squares(rows)
     high = _most(square, aside)

@@ -29,7 +29,7 @@ def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> fl
     known = _sizes.get(rig)
     if known is not None and [one() for one in known[0]] == list(meshes):
         return known[1]
-    size = _measured(rig, meshes, rig.shown_world if world is None else world)
+    size = _measured(rig, meshes, rig.normalised_world if world is None else world)
     _sizes[rig] = tuple(map(ref, meshes)), size
     return size
 

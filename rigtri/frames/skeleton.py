@@ -141,7 +141,7 @@ def reference(tree: Skeleton, pose: str | None) -> ReferencePose:
     Raises UsageError for a pose that the file does not have.
     """
     rig = tree.rig
-    at_rest = worlds(rig)
+    at_rest = rig.world
     if pose not in (None, "bind", "nodes"):
         world = _clip_pose(rig, str(pose))
         return _reference(tree, world, at_rest, dict.fromkeys(tree.joints, str(pose)), 0.0)
@@ -239,11 +239,11 @@ def _main_skins(tree: Skeleton) -> dict[int, tuple[Skin, list[int], Floats]]:
             if joint in tree.above:
                 held.setdefault(tree.root_of[joint], []).append(joint)
         more = [root for root in held if root not in best or len(held[root]) > len(best[root][1])]
-        posed = bind_worlds(tree.rig, skin) if more else worlds(tree.rig)
+        posed = bind_worlds(tree.rig, skin) if more else tree.rig.world
         for root in more:
             # Joints of ours have places in skins whose own joints have none.
             told = [joint for joint in held[root] if joint not in tree.rig.own] or held[root]
-            if _is_pose(posed[told], worlds(tree.rig)[told]):
+            if _is_pose(posed[told], tree.rig.world[told]):
                 best[root] = skin, held[root], posed
     return {root: best[root] for root in tree.roots if root in best}
 

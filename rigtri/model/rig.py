@@ -86,14 +86,14 @@ class Rig(NodeNames):
         return self._worlds(self.local)
 
     @cached_property
-    def shown(self) -> Floats:
-        """`local` with rotations as they are meant, unit, (n, 4, 4); shared, so not to be changed."""
+    def normalised_local(self) -> Floats:
+        """`local` with rotations made unit, (n, 4, 4); shared, so not to be changed."""
         return self._locals(normalise(self.rotation))
 
     @cached_property
-    def shown_world(self) -> Floats:
-        """`normalise` seen from the world, (n, 4, 4); shared, so not to be changed."""
-        return self._worlds(self.shown)
+    def normalised_world(self) -> Floats:
+        """`normalised_local` seen from the world, (n, 4, 4); shared, so not to be changed."""
+        return self._worlds(self.normalised_local)
 
     def _worlds(self, local: Floats) -> Floats:
         world = local.copy()
@@ -109,7 +109,7 @@ class Rig(NodeNames):
         return found
 
     @cached_property
-    def posed(self) -> dict[Skin, Floats]:
+    def bind_poses(self) -> dict[Skin, Floats]:
         """The bind poses that `rigtri.evaluation.sampling.bind_worlds` has found."""
         return {}
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.sampling import world_of, worlds
+from rigtri.evaluation.sampling import world_of
 from rigtri.evaluation.twist_joints import is_twist
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.limits import refuse_unworkable
@@ -128,7 +128,7 @@ class _Builder:
         self.rig, self.options, self.report = rig, options, report
         self.tree: Skeleton = skeleton(rig, options.root)
         self.ref: ReferencePose = reference(self.tree, "nodes")
-        self.world = worlds(rig)
+        self.world = rig.world
         self.limbs = with_recognised(rig, options.ik) if self._all_limbs else options.ik
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))
         self.aims = {joint: aim_of(self.tree, self.ref, joint, rules) for joint in self.tree.joints}

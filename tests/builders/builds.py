@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, RigtriError
-from rigtri.evaluation.sampling import worlds
 from rigtri.model.rig import Rig
 from rigtri.operations import add_controls, add_polevector, make_limb
 from rigtri.operations.add_posereader import posereader
@@ -67,7 +66,7 @@ def _pole_joints(rig: Rig, report: Report) -> Rig:
 def _limbs(rig: Rig, report: Report) -> Rig:
     """One below a middle joint, and one on its own."""
     joints = _joints(rig)
-    parent, places = joints[len(joints) // 2], worlds(rig)[:, 3, :3]
+    parent, places = joints[len(joints) // 2], rig.world[:, 3, :3]
     size = float(np.ptp(places, axis=0).max()) or 1.0
     steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
     x, y, z = ((float(a), float(b), float(c)) for a, b, c in places[parent] + steps)

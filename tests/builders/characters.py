@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from rigs import rig_of
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
@@ -55,7 +54,7 @@ def character(seed: int = 0) -> Held:
         payload=np.array([-1, -1, -1, -1, SWORD, CAMERA, BODY, FACE]),
     )
     joints = np.array([SPINE, HIPS, HAND, ARM])
-    skin = Skin("skin", joints, inverse(worlds(rig)[joints]), key=0)
+    skin = Skin("skin", joints, inverse(rig.world[joints]), key=0)
     rig = replace(rig, skins=(skin,), clips=(Clip("walk", _tracks(random), key=0),))
     return Held(rig, _meshes(random))
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.maths.trigonometry import Floats
@@ -48,7 +47,7 @@ def chain(*positions: tuple[float, float, float], names: str = "abcdefgh") -> Ri
     translation = np.diff(points, axis=0, prepend=np.zeros((1, 3)))
     n = len(points)
     rig = rig_of(list(names[:n]), list(range(-1, n - 1)), translation)
-    skin = Skin("skin", np.arange(n), inverse(worlds(rig)))
+    skin = Skin("skin", np.arange(n), inverse(rig.world))
     return replace(rig, skins=(skin,))
 
 

@@ -237,10 +237,9 @@ def test_styles_behind_a_chain_are_for_that_chain(run: Any, samples: Path, tmp_p
     out = tmp_path / "out.glb"
     arguments = ["--aim", "y", "--up", "x", "--chain", "upper_arm_L", "forearm_L", "--aim", "z"]
     run("orient-joints", samples / "biped.glb", "-o", out, *arguments, "--joints", "thigh_L")
-    from rigtri.evaluation.sampling import worlds
 
     rig = read(out).rig
-    world = worlds(rig)
+    world = rig.world
 
     def aims(name: str, child: str) -> Any:
         bone = world[rig.find(child), 3, :3] - world[rig.find(name), 3, :3]

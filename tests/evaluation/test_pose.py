@@ -63,7 +63,7 @@ def test_what_no_track_drives_stays_at_rest() -> None:
     local = sampling.locals_at(held.rig, held.rig.clips[0], [0.3, 1.0])
     driven = {track.node for track in held.rig.clips[0].tracks if track.path != "weights"}
     still = [node for node in range(len(held.rig)) if node not in driven]
-    assert_array_equal(local[0, still], sampling.rest(held.rig)[still])
+    assert_array_equal(local[0, still], held.rig.normalised_local[still])
 
 
 def test_values_are_held_before_the_first_and_after_the_last_key() -> None:
@@ -97,8 +97,8 @@ def test_one_key_is_the_same_at_all_times() -> None:
 
 def test_a_rotation_that_is_not_unit_scales_only_when_taken_raw() -> None:
     rig = rig_of(["a"], [-1], np.zeros((1, 3)), 2.0 * QUARTER[np.newaxis])
-    assert_allclose(sampling.rest(rig)[0, 0, :3], [0, 1, 0], atol=1e-12)
-    assert np.abs(sampling.rest(rig, normalised=False)[0, :3, :3]).max() > 2
+    assert_allclose(rig.normalised_local[0, 0, :3], [0, 1, 0], atol=1e-12)
+    assert np.abs(rig.local[0, :3, :3]).max() > 2
 
 
 def test_key_times_come_sorted_and_each_once() -> None:
@@ -117,7 +117,7 @@ def test_a_child_moves_with_its_parent() -> None:
 def test_skin_matrices_are_the_identity_in_the_bind_pose() -> None:
     rig = chain((0, 0, 0), (1, 2, 0), (2, 0, 3))
     assert_allclose(
-        sampling.skin_matrices(rig.skins[0], sampling.worlds(rig)), np.tile(np.eye(4), (3, 1, 1)), atol=1e-12
+        sampling.skin_matrices(rig.skins[0], rig.world), np.tile(np.eye(4), (3, 1, 1)), atol=1e-12
     )
 
 
@@ -158,7 +158,7 @@ def test_dual_quaternions_keep_the_distance_that_linear_blending_loses() -> None
 def test_dual_quaternions_carry_scale_and_mirroring() -> None:
     rig = replace(random_rig(0), clips=())
     body = replace(character().drawn[0], node=0, joints=np.full((40, 1), 2), weights=np.ones((40, 1)))
-    world = sampling.worlds(rig)[np.newaxis]
+    world = rig.world[np.newaxis]
     both = (
         sampling.deformed(replace(body, dual_quaternion=dual), rig, world, np.zeros((1, 0)))
         for dual in (False, True)
@@ -194,7 +194,7 @@ def test_not_a_number_in_a_weight_stays_with_its_point() -> None:
     weights = held.drawn[0].weights.copy()
     weights[7, 0] = np.nan
     body = replace(held.drawn[0], weights=weights)
-    points = sampling.deformed(body, held.rig, sampling.worlds(held.rig)[np.newaxis], np.zeros((1, 0)))
+    points = sampling.deformed(body, held.rig, held.rig.world[np.newaxis], np.zeros((1, 0)))
     assert_array_equal(np.flatnonzero(np.isnan(points[0]).any(axis=1)), [7])
 
 
@@ -203,7 +203,7 @@ def test_in_the_bind_pose_points_are_where_the_mesh_has_them() -> None:
     rig = held.rig
     tracks = (replace(rig.clips[0].tracks[1], values=unit(np.ones((4, 4)))),)
     moved = sampling.worlds(rig, sampling.locals_at(rig, Clip("x", tracks), 0.0))[0]
-    assert not np.allclose(moved[[HIPS, SPINE, ARM]], sampling.worlds(rig)[[HIPS, SPINE, ARM]])
+    assert not np.allclose(moved[[HIPS, SPINE, ARM]], rig.world[[HIPS, SPINE, ARM]])
     at_bind = sampling.bind_worlds(rig, rig.skins[0])
     assert_allclose(
         sampling.deformed(held.drawn[0], rig, at_bind[np.newaxis], np.zeros((1, 0)))[0], held.drawn[0].points

@@ -99,7 +99,7 @@ def test_an_upper_bone_loses_its_twist_towards_its_root_and_keeps_its_swing() ->
 def test_twist_joints_stand_along_the_bone_in_its_joints_axes() -> None:
     rig = add_twist(ARM, options=LOWER)
     nodes = [t.node for t in twist_joints(rig)]
-    assert_allclose(worlds(rig)[nodes, 3, :3], [[5, 0, 0], [6, 0, 0], [7, 0, 0]])
+    assert_allclose(rig.world[nodes, 3, :3], [[5, 0, 0], [6, 0, 0], [7, 0, 0]])
     assert_allclose(rig.rotation[nodes], np.tile(IDENTITY, (3, 1)), atol=1e-12)
     assert [int(rig.parents[node]) for node in nodes] == [1, 1, 1]
     assert rig.skins[0].joints.tolist()[-3:] == nodes
@@ -210,7 +210,7 @@ def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:
     assert twice.names == once.names
     assert twice.clips is once.clips
     moved = add_twist(once, options=replace(LOWER, count=4))
-    assert_allclose(worlds(moved)[[t.node for t in twist_joints(moved)], 3, 0], [4.8, 5.6, 6.4, 7.2])
+    assert_allclose(moved.world[[t.node for t in twist_joints(moved)], 3, 0], [4.8, 5.6, 6.4, 7.2])
     with pytest.raises(UsageError, match="4 twist joints already"):
         add_twist(moved, options=LOWER)
 

@@ -103,7 +103,7 @@ def test_every_joint_of_a_split_aims_as_it_was_told(case: str, suffix: str, tmp_
     source, out = made(tmp_path, CASES[case], suffix), tmp_path / f"out{suffix}"
     oriented(source, out)
     rig = read(out).rig
-    world = worlds(rig)
+    world = rig.world
     for joint, child in pairwise(NAMES[1:]):
         bone = world[rig.find(child), 3, :3] - world[rig.find(joint), 3, :3]
         x, y, z = frames(rig, world, joint)
@@ -234,7 +234,7 @@ def test_a_split_joint_lends_and_takes_axes_like_any_other(suffix: str, tmp_path
     edit(other, home, back)
     one, two = read(out).rig, read(home).rig
     for joint in NAMES:
-        assert np.allclose(frames(two, worlds(two), joint), frames(one, worlds(one), joint), atol=1e-6)
+        assert np.allclose(frames(two, two.world, joint), frames(one, one.world, joint), atol=1e-6)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -291,7 +291,7 @@ def test_axes_and_locators_do_not_care_for_the_worlds_scale(
         limb = (given(rig, "shoulder", "elbow", "wrist"),)
         report = Report()
         out = orient_joints(add_polevector(rig, options=AddPolevectorOptions(limb=limb), report=report))
-        world, pole = worlds(out), out.find("elbow_pole", "node")
+        world, pole = out.world, out.find("elbow_pole", "node")
         root, elbow = world[out.find("root"), 3, :3], world[out.find("elbow"), 3, :3]
         found.append(
             (frames(out, world, "elbow"), (world[pole, 3, :3] - elbow) / size, (elbow - root) / size)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, random_turns
 
-from rigtri.evaluation.sampling import locals_at, rest, skin_matrices, worlds
+from rigtri.evaluation.sampling import locals_at, skin_matrices, worlds
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
 from rigtri.maths.matrices import from_frame, multiply
@@ -30,7 +30,7 @@ QUARTER = from_axis_angle([0, 0, 1], np.pi / 2)
 def poses(rig: Rig) -> Floats:
     """World matrices at rest and during the clips, between keys and beyond them, (f, n, 4, 4)."""
     moving = [worlds(rig, locals_at(rig, clip, TIMES)) for clip in rig.clips]
-    return np.concatenate([worlds(rig, rest(rig))[np.newaxis], *moving])
+    return np.concatenate([worlds(rig, rig.normalised_local)[np.newaxis], *moving])
 
 
 def turned_by(turn: Floats, world: Floats) -> Floats:
@@ -126,8 +126,8 @@ def test_a_quarter_turn_about_z_in_numbers() -> None:
     """The child stood at +x of its parent; seen from the turned parent it stands at −y."""
     rig = reframe(chain((0, 0, 0), (1, 0, 0)), np.stack([QUARTER, IDENTITY]))
     assert_allclose(rig.translation[1], [0, -1, 0], atol=1e-15)
-    assert_allclose(worlds(rig)[0, :3, :3], [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-15)
-    assert_allclose(worlds(rig)[1, :3, :3], np.eye(3), atol=1e-15)
+    assert_allclose(rig.world[0, :3, :3], [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-15)
+    assert_allclose(rig.world[1, :3, :3], np.eye(3), atol=1e-15)
 
 
 def test_a_vector_that_a_format_keeps_in_a_frame_follows() -> None:
@@ -144,7 +144,7 @@ def test_a_payload_gets_a_node_of_its_own_and_its_morphs_follow() -> None:
     assert turned.names[2] == "a_payload"
     assert turned.payload.tolist() == [-1, -1, 0]
     assert turned.clips[0].tracks[0].node == 2
-    assert_allclose(worlds(turned)[2], np.eye(4), atol=1e-15)
+    assert_allclose(turned.world[2], np.eye(4), atol=1e-15)
 
 
 def test_an_uneven_scale_allows_what_keeps_it_diagonal_and_refuses_the_rest() -> None:

@@ -18,7 +18,7 @@ from second_opinions import khronos_errors, usd_errors, validator
 from usd_files import animation, at, save, scene, skeleton
 
 from rigtri.errors import FileError, UsageError
-from rigtri.evaluation.sampling import bind_worlds, worlds
+from rigtri.evaluation.sampling import bind_worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.formats.gltf.container import open_container
 from rigtri.model.rig import Rig
@@ -47,7 +47,7 @@ def grown(rig: Rig, report: Report | None = None) -> Rig:
     joints = max((skin.joints for skin in rig.skins), key=len, default=np.arange(len(rig)))
     leaf, middle = int(joints[-1]), int(joints[len(joints) // 2])
     for number, parent in enumerate((leaf, middle)):
-        place = worlds(rig)[parent, 3, :3] + np.array([1.0, 2.0, 3.0])
+        place = rig.world[parent, 3, :3] + np.array([1.0, 2.0, 3.0])
         rig, node = add_joint(rig, f"new{number}", parent, note("a", number), place, AXES)
     rig, _ = add_joint(rig, "new2", node, note("a", 2), place + np.array([0.0, 1.0, 0.0]), AXES)
     return rig
@@ -61,9 +61,9 @@ def test_a_new_joint_stands_to_its_parent_in_the_bind_pose_as_at_rest() -> None:
     rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
     rig, node = add_joint(rig, "new", 1, note("a", 0), np.array([3.0, 1.0, 0.0]), AXES)
     assert rig.skins[0].joints.tolist() == [0, 1, 2, 3]
-    assert_allclose(worlds(rig)[node, :3, :3], AXES, atol=1e-15)
-    assert_allclose(rig.skins[0].inverse_bind[3], np.linalg.inv(worlds(rig)[node]), atol=1e-12)
-    assert_allclose(bind_worlds(rig, rig.skins[0])[node], worlds(rig)[node], atol=1e-12)
+    assert_allclose(rig.world[node, :3, :3], AXES, atol=1e-15)
+    assert_allclose(rig.skins[0].inverse_bind[3], np.linalg.inv(rig.world[node]), atol=1e-12)
+    assert_allclose(bind_worlds(rig, rig.skins[0])[node], rig.world[node], atol=1e-12)
     assert rig.skins[0].weighted.tolist() == [True] * 4
 
 
@@ -72,7 +72,7 @@ def test_a_joint_moved_back_has_the_bits_it_had() -> None:
     place = np.array([3.0, 1.0, 0.0])
     rig, node = add_joint(rig, "new", 1, note("a", 0), place, AXES)
     there = move_joint(rig, node, place + 1.0, np.eye(3))
-    assert_allclose(there.skins[0].inverse_bind[3], np.linalg.inv(worlds(there)[node]), atol=1e-12)
+    assert_allclose(there.skins[0].inverse_bind[3], np.linalg.inv(there.world[node]), atol=1e-12)
     same = move_joint(rig, node, place * (1 + 1e-9), AXES)
     assert np.array_equal(same.local, rig.local)
     assert np.array_equal(same.skins[0].inverse_bind, rig.skins[0].inverse_bind)
@@ -111,7 +111,7 @@ def test_new_joints_change_nothing_else(path: Path, tmp_path: Path) -> None:
         ]
     wanted = grown(before.rig)
     for name in ("new0", "new1", "new2"):
-        one, other = worlds(wanted)[wanted.find(name)], worlds(after.rig)[after.rig.find(name)]
+        one, other = wanted.world[wanted.find(name)], after.rig.world[after.rig.find(name)]
         assert_allclose(other, one, atol=1e-5 * max(1.0, np.abs(one).max()))
 
 
@@ -216,7 +216,7 @@ def test_poles_and_ik_ends_may_be_joints(suffix: str, samples: Path, tmp_path: P
     assert outcome.verification.deviation == 0.0
     before, after = read(source).rig, read(once).rig
     assert len(after.skins[0].joints) == len(before.skins[0].joints) + 8
-    world = worlds(after)
+    world = after.world
     for node in after.skins[0].joints[-8:].tolist():
         told = after.notes[node]
         validator("node").validate(told)
@@ -244,7 +244,7 @@ def test_a_pole_joint_stands_where_the_locator_would(samples: Path) -> None:
         for kind in ("locator", "joint")
     )
     for name in ("forearm_L_pole", "shin_R_pole"):
-        one, other = worlds(loose)[loose.find(name)], worlds(joint)[joint.find(name)]
+        one, other = loose.world[loose.find(name)], joint.world[joint.find(name)]
         assert_allclose(one, other, atol=1e-6)
     assert joint.is_joint[joint.find("shin_R_pole")]
 
@@ -276,7 +276,7 @@ def test_new_joints_turn_and_split_like_all_others(tmp_path: Path) -> None:
     source, out = usd(tmp_path / "in.usda", Limb(keys={"elbow": STRETCH})), tmp_path / "out.usda"
 
     def step(rig: Rig, report: Report) -> Rig:
-        place = worlds(rig)[rig.find("wrist"), 3, :3] + 1.0
+        place = rig.world[rig.find("wrist"), 3, :3] + 1.0
         rig, _ = add_joint(rig, "new", rig.find("wrist"), note("a", 0), place, np.eye(3))
         return orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale="split"), report=report)
 

@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, rig_of
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
-from rigtri.evaluation.sampling import worlds
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -27,7 +26,7 @@ def hero() -> Rig:
 @given(st.integers(0, 2**32 - 1))
 def test_worlds_are_locals_times_the_parents_world(seed: int) -> None:
     rig = random_rig(seed)
-    world = worlds(rig)
+    world = rig.world
     for node, parent in enumerate(rig.parents.tolist()):
         above = world[parent] if parent >= 0 else np.eye(4)
         assert_allclose(world[node], rig.local[node] @ above, atol=1e-9)
@@ -55,7 +54,7 @@ def test_a_node_and_all_below_it_are_found_from_both_ends(seed: int) -> None:
 
 def test_a_rig_without_nodes_is_a_rig() -> None:
     rig = rig_of([], [], np.zeros((0, 3)))
-    assert (len(rig), rig.levels, worlds(rig).shape) == (0, (), (0, 4, 4))
+    assert (len(rig), rig.levels, rig.world.shape) == (0, (), (0, 4, 4))
 
 
 def test_a_node_is_found_by_name_label_path_and_vrm_bone() -> None:
@@ -101,5 +100,5 @@ def test_new_nodes_come_last_and_have_no_key() -> None:
     more = rig.with_nodes(["pole"], [-1], np.array([[1.0, 2, 3]]), np.array([[0.0, 0, 0, 1]]))
     assert (more.names, more.keys) == (("a", "b", "pole"), (0, 1, None))
     assert more.labels[2] == "+pole"
-    assert_array_equal(worlds(more)[2, 3, :3], [1, 2, 3])
+    assert_array_equal(more.world[2, 3, :3], [1, 2, 3])
     assert len(rig) == 2

@@ -22,7 +22,7 @@ import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, RigtriError, UsageError
 from rigtri.evaluation.constraint_application import apply_constraints
 from rigtri.evaluation.constraint_solver import pole_position, rotate_of, to_parts
-from rigtri.evaluation.sampling import locals_at, rest, worlds
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.constraint_transform import lost_rules
 from rigtri.frames.reframe import reframe
@@ -86,7 +86,7 @@ def following(given: ConstrainOptions) -> Any:
 
 def solved(rig: Rig) -> Floats:
     """World matrices, (n, 4, 4), with all constraints evaluated."""
-    return worlds(rig, apply_constraints(rig, rest(rig)[np.newaxis]))[0]
+    return worlds(rig, apply_constraints(rig, rig.normalised_local[np.newaxis]))[0]
 
 
 VARIANTS: list[dict[str, Any]] = [
@@ -117,15 +117,18 @@ def test_a_kept_offset_leaves_its_child_where_it_was(
     rig = random_pose(seed)
     weights = dict.fromkeys(drivers, 1.0) | {"driver": 0.3}
     out = constrain(rig, options=ConstrainOptions(child="child", drivers=tuple(weights.items()), **variant))
-    assert_allclose(solved(out)[: len(rig)], worlds(rig), rtol=0, atol=1e-12)
-    assert apply_constraints(out, rest(out)[np.newaxis])[0, :4].tolist() == rest(out)[:4].tolist()
+    assert_allclose(solved(out)[: len(rig)], rig.world, rtol=0, atol=1e-12)
+    assert (
+        apply_constraints(out, out.normalised_local[np.newaxis])[0, :4].tolist()
+        == out.normalised_local[:4].tolist()
+    )
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_one_parent_driver_carries_its_child_as_if_it_hung_below(seed: int) -> None:
     rig = random_pose(seed, even=True)
     out = moved(constrain(rig, options=options("parent", "driver")), seed + 9, "driver", "above")
-    before, after = worlds(rig), worlds(out)
+    before, after = rig.world, out.world
     offset = multiply(before[4], inverse(before[1]))
     assert_allclose(solved(out)[4], multiply(offset, after[1]), atol=1e-12)
 
@@ -133,7 +136,7 @@ def test_one_parent_driver_carries_its_child_as_if_it_hung_below(seed: int) -> N
 def test_parent_without_offset_takes_its_drivers_place() -> None:
     rig = random_pose(1, even=True)
     out = constrain(rig, options=options("parent", "driver", maintain_offset=False))
-    assert_allclose(solved(out)[4], worlds(rig)[1], atol=1e-12)
+    assert_allclose(solved(out)[4], rig.world[1], atol=1e-12)
 
 
 def test_a_point_follows_the_place_alone_and_orient_the_turn_alone() -> None:
@@ -175,7 +178,7 @@ def test_offset_and_joint_orient_go_together() -> None:
     out = replace(made, rotation=rotation)
     assert_allclose(solved(out)[2], compose([0, 0, 0], about_z(105), [1, 1, 1]), atol=1e-12)
     (rule,) = (rule_of(out, note) for note in out.notes.values() if note["type"] == "constraint")
-    local = apply_constraints(out, rest(out)[np.newaxis])[0, 2]
+    local = apply_constraints(out, out.normalised_local[np.newaxis])[0, 2]
     assert_allclose(np.degrees(rotate_of(rule, to_parts(local).rotation)), [0, 0, 65], atol=1e-10)
     # Taking the joint orient out of the world turn, before the parent, is what fails in the article.
     assert_allclose(np.degrees(rotate_of(rule, to_parts(solved(out)[2]).rotation)), [0, 0, 75], atol=1e-10)
@@ -193,7 +196,7 @@ def test_the_reported_rotate_and_joint_orient_recompose_the_local(order: Order) 
         joint_orient = from_angles(np.radians(record["jointOrient"]), "xyz")
         # Rows: rotate first, then joint orient.
         local = to_axes(rotate) @ to_axes(joint_orient)
-        found = apply_constraints(out, rest(out)[np.newaxis])[0, 4]
+        found = apply_constraints(out, out.normalised_local[np.newaxis])[0, 4]
         assert_allclose(local, to_axes(to_parts(found).rotation), atol=1e-12)
 
 
@@ -218,7 +221,9 @@ def test_a_skipped_axis_stays_in_the_chosen_order() -> None:
     def angles(*skip: str) -> Floats:
         given = options("orient", "driver", skip=skip, order="zyx", joint_orient="none")
         out = moved(constrain(rig, options=given), 8, "driver")
-        return to_angles(to_parts(apply_constraints(out, rest(out)[np.newaxis])[0, 4]).rotation, "zyx")
+        return to_angles(
+            to_parts(apply_constraints(out, out.normalised_local[np.newaxis])[0, 4]).rotation, "zyx"
+        )
 
     wanted = angles()
     wanted[0] = to_angles(rig.rotation[4], "zyx")[0]
@@ -231,7 +236,7 @@ def test_weights_interpolate(share: float) -> None:
     drivers = (("driver", 2 * (1 - share)), ("other", 2 * share))
     given = ConstrainOptions(kind="parent", child="child", drivers=drivers, maintain_offset=False)
     out = solved(constrain(rig, options=given))[4]
-    a, b = to_parts(worlds(rig)[1]), to_parts(worlds(rig)[2])
+    a, b = to_parts(rig.world[1]), to_parts(rig.world[2])
     assert_allclose(out[3, :3], (1 - share) * a.translation + share * b.translation, atol=1e-12)
     turn = slerp(a.rotation, b.rotation, share)
     assert_allclose(to_axes(to_parts(out).rotation), to_axes(turn), atol=1e-12)
@@ -263,14 +268,14 @@ def test_without_any_weight_the_child_keeps_its_own() -> None:
     given = ConstrainOptions(kind="parent", child="child", drivers=(("driver", 0.0), ("other", 0.0)))
     out = constrain(rig, options=given, report=report)
     assert [notice.code for notice in report.warnings if "weight" in notice.code] == ["constraint-weightless"]
-    assert_allclose(solved(moved(out, 2, "driver"))[4], worlds(rig)[4], atol=1e-12)
+    assert_allclose(solved(moved(out, 2, "driver"))[4], rig.world[4], atol=1e-12)
 
 
 def test_a_driver_whose_scale_is_zero_in_some_frame_does_not_count_there() -> None:
     rig = random_pose(2, even=True)
     out = constrain(rig, options=options("parent", "driver", "other"))
     alone = constrain(rig, options=options("parent", "other"))
-    local = np.repeat(rest(moved(out, 3, "other"))[np.newaxis], 2, axis=0)
+    local = np.repeat(moved(out, 3, "other").normalised_local[np.newaxis], 2, axis=0)
     local[1, 1, :3, :3] = 0.0
     found = apply_constraints(out, local)
     assert np.isfinite(found).all()
@@ -283,7 +288,7 @@ def test_shear_of_a_stretched_driver_is_left_out_and_told() -> None:
     rig = random_pose(4)
     out = moved(constrain(rig, options=options("parent", "driver"), report=report), 5, "driver")
     assert "constraint-shear" in [notice.code for notice in report.warnings]
-    found = apply_constraints(out, rest(out)[np.newaxis])[0, 4, :3, :3]
+    found = apply_constraints(out, out.normalised_local[np.newaxis])[0, 4, :3, :3]
     rows = found / np.linalg.norm(found, axis=1, keepdims=True)
     assert_allclose(rows @ rows.T, np.eye(3), atol=1e-9)
 
@@ -305,7 +310,7 @@ def test_an_aim_points_at_the_middle_of_its_drivers(scale: tuple[float, float, f
 
 def test_up_leans_to_what_was_asked() -> None:
     rig = random_pose(8, even=True)
-    place = worlds(rig)
+    place = rig.world
     wanted: dict[str, tuple[dict[str, Any], Floats]] = {
         "vector": ({"up_vector": (1.0, 2.0, 3.0)}, np.array([1.0, 2.0, 3.0])),
         "object": ({"up_object": "up"}, place[5, 3, :3] - place[4, 3, :3]),
@@ -346,9 +351,7 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
         assert (note["child"], note["chain"]) == ("b", ["a", "b", "c"])
         rule = rule_of(out, note)
         # In the plane of the bend, as far from the line of root and end as the driver.
-        assert_allclose(
-            pole_position(rule, worlds(out)[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12
-        )
+        assert_allclose(pole_position(rule, out.world[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12)
 
 
 def test_circles_are_refused_and_named(samples: Path) -> None:
@@ -474,8 +477,8 @@ def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Pat
     if len(rig) > 2000:
         return  # one rule of thousands of nodes; the law is the same
     with np.errstate(all="ignore"):
-        local = rest(rig)[np.newaxis]
-        size = max(1.0, float(np.abs(worlds(rig)).max()))
+        local = rig.normalised_local[np.newaxis]
+        size = max(1.0, float(np.abs(rig.world).max()))
         # Of axes that float32 has stored as a matrix, what is no frame (1e-7) is left out.
         whole = local.copy()
         child = rig.find(chosen[0].child, "node")
@@ -505,7 +508,7 @@ VRM = [
 def looking(rig: Rig, head: str = "head", hand: str = "hand_R") -> Rig:
     """With two nodes below the head that look at the right hand along −z."""
     above = rig.find(head)
-    world = worlds(rig)
+    world = rig.world
     way = world[rig.find(hand), 3, :3] - world[above, 3, :3]
     turn = product(conjugate(to_parts(world[above]).rotation), between([0, 0, -1], way))
     return rig.with_nodes(["gaze", "copy"], [above, above], np.zeros((2, 3)), np.stack([turn, turn]))
@@ -599,7 +602,7 @@ def in_poses(path: Path, names: list[str], random: np.random.Generator) -> bytes
 
 def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) -> None:
     rig = told(looking(read(samples / "biped.glb").rig), *VRM)
-    assert_allclose(solved(rig), worlds(rig, rest(rig)), atol=1e-7)
+    assert_allclose(solved(rig), worlds(rig, rig.normalised_local), atol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -783,9 +786,9 @@ def test_rules_mean_the_same_in_turned_frames(variant: dict[str, Any]) -> None:
     if "roll" in variant:
         turns[3], turns[4] = turns[0], unit([0.5, 0.5, 0.5, 0.5])
     after = reframe(out, turns)
-    local = rest(out)[np.newaxis].copy()
+    local = out.normalised_local[np.newaxis].copy()
     node = {name: out.find(name) for name in NAMES}
-    new = rest(moved(out, 4, "driver", "other", "above", "up"))
+    new = moved(out, 4, "driver", "other", "above", "up").normalised_local
     for name in ("driver", "other", "above", "up"):
         local[0, node[name]] = new[node[name]]
     above = [turns[parent] if parent >= 0 else np.array([0, 0, 0, 1.0]) for parent in out.parents]
@@ -852,7 +855,7 @@ def test_a_note_that_is_no_whole_rule_moves_nothing(wrong: dict[str, Any]) -> No
     assert set(rules_of(rig)) == {node}
     broken = replace(rig, notes={**rig.notes, node: {**rig.notes[node], **wrong}})
     assert not rules_of(broken)
-    local = rest(broken)[np.newaxis]
+    local = broken.normalised_local[np.newaxis]
     assert apply_constraints(broken, local).tolist() == local.tolist()
     turns = np.tile([0.5, 0.5, 0.5, 0.5], (len(rig), 1))
     assert reframe(broken, turns).notes == broken.notes

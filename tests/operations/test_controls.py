@@ -17,7 +17,6 @@ from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
@@ -57,7 +56,7 @@ def test_one_builder_serves_chains_of_any_length(count: int) -> None:
 def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
     turned = replace(FINGER, rotation=np.stack([from_axis_angle([1, 2, 3], k) for k in range(4)]))
     out = add_controls(turned, options=AddControlsOptions(selection=Selection(joints=("*",))))
-    world = worlds(out)
+    world = out.world
     for joint, control in controls(out).items():
         assert_allclose(world[control], world[out.find(joint)], atol=1e-12)
         assert not out.translation[control].any()
@@ -67,7 +66,7 @@ def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
 def test_a_scaled_or_mirrored_joint_gives_its_control_no_scale() -> None:
     scaled = replace(FINGER, scale=FINGER.scale * [[100], [1], [-1], [1]])
     out = add_controls(scaled, options=AddControlsOptions(selection=Selection(joints=("*",))))
-    world = worlds(out)
+    world = out.world
     for joint, control in controls(out).items():
         assert_allclose(world[control, 3], world[out.find(joint), 3], atol=1e-9)
         assert_allclose(world[control, :3, :3], nearest_rotation(world[out.find(joint)]), atol=1e-9)
@@ -121,7 +120,7 @@ def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> Non
 def test_shapes_of_the_trunk_reach_around_it(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     out = add_controls(rig, options=WHOLE)
-    world = worlds(rig)
+    world = rig.world
     shoulders = [world[rig.find(f"upper_arm_{side}"), 3, :3] for side in "LR"]
     half = np.linalg.norm(shoulders[0] - shoulders[1]) / 2
     for joint in ("hips", "spine"):
@@ -139,7 +138,7 @@ def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> N
     poles = [node for node, note in out.notes.items() if note["type"] == "poleVector"]
     assert {int(out.parents[node]) for node in poles} == {root}
     assert {int(out.parents[out.parents[node]]) for node in ik.values()} == {root}
-    assert_allclose(worlds(out)[root, :3, :3], np.eye(3), atol=1e-12)
+    assert_allclose(out.world[root, :3, :3], np.eye(3), atol=1e-12)
 
 
 @pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
@@ -200,7 +199,7 @@ def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:
     out = add_controls(turned, options=AddControlsOptions(selection=Selection(joints=("*",))))
     assert len(out) == len(rig)
     for joint, control in controls(out).items():
-        assert_allclose(worlds(out)[control], worlds(out)[out.find(joint)], atol=1e-9)
+        assert_allclose(out.world[control], out.world[out.find(joint)], atol=1e-9)
 
 
 def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:

@@ -52,7 +52,7 @@ def test_the_articles_arm_has_the_articles_numbers() -> None:
     """X along the bone, Y the plane's normal (bend × aim), Z their product; the pole 5 from the root."""
     article = AddPolevectorOptions(method="ratio", from_="root", distance=5.0, orientation="limb")
     out, (shoulder, elbow, wrist), _ = made(poles=article)
-    world = worlds(out)
+    world = out.world
     assert_allclose(world[[shoulder, elbow, wrist], 3, :3], ARM, atol=1e-6)
     assert_allclose(world[shoulder, :3, :3], [[0.6, 0.8, 0], [0, 0, -1], [-0.8, 0.6, 0]], atol=1e-6)
     assert_allclose(world[elbow, :3, :3], [[0.6, -0.8, 0], [0, 0, -1], [0.8, 0.6, 0]], atol=1e-6)
@@ -67,7 +67,7 @@ def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
     out, joints, _ = made(style=style)
     points, normal = np.array(ARM), np.array([0.0, 0.0, -1.0])
     for joint, bone in zip(joints, np.diff(points, axis=0), strict=False):
-        axes = worlds(out)[joint, :3, :3]
+        axes = out.world[joint, :3, :3]
         bone = bone / np.linalg.norm(bone)
         ups = {"plane": normal, "pole": np.cross(bone, normal), "world:+y": np.array([0.0, 1, 0])}
         for axis, wanted in ((style.aim, bone), (style.up, ups[style.up_from])):
@@ -79,7 +79,7 @@ def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
 
 def test_the_end_aims_where_it_is_told() -> None:
     out, joints, _ = made(end_aim=(6.0, 0.0, 2.0), style=AxisStyle(up_from="world:+y"))
-    assert_allclose(worlds(out)[joints[2], :2, :3], [[0, 0, 1], [0, 1, 0]], atol=1e-6)
+    assert_allclose(out.world[joints[2], :2, :3], [[0, 0, 1], [0, 1, 0]], atol=1e-6)
     with pytest.raises(GeometryError, match="along the limb's hinge"):
         made(end_aim=(6.0, 0.0, 2.0))
     with pytest.raises(GeometryError, match="stands there itself"):
@@ -99,8 +99,8 @@ def test_points_on_a_line_want_to_be_told_the_side() -> None:
     with pytest.raises(GeometryError, match=r"lie on a line \(bent 0°\).*--bend"):
         made(line)
     out, joints, report = made(line, bend=(1.0, 0.0, 3.0))
-    assert_allclose(worlds(out)[joints[0], :3, :3], [[1, 0, 0], [0, 1, 0], [0, 0, 1]], atol=1e-6)
-    assert_allclose(worlds(out)[pole(out), 3, :3], [1, 0, 1], atol=1e-6)
+    assert_allclose(out.world[joints[0], :3, :3], [[1, 0, 0], [0, 1, 0], [0, 0, 1]], atol=1e-6)
+    assert_allclose(out.world[pole(out), 3, :3], [1, 0, 1], atol=1e-6)
     assert report.limbs[0]["source"] == "given"
     assert out.notes[joints[0]]["source"] == "given"
     with pytest.raises(GeometryError, match="runs along the limb"):
@@ -125,21 +125,21 @@ def test_points_at_one_place_are_told(points: Any) -> None:
 def test_a_limb_is_the_same_in_any_unit(scale: float) -> None:
     out, joints, _ = made(tuple(map(tuple, (np.array(ARM) * scale).tolist())))
     for joint, other in zip(joints, made()[1], strict=True):
-        assert_allclose(worlds(out)[joint, :3, :3], worlds(made()[0])[other, :3, :3], atol=1e-6)
+        assert_allclose(out.world[joint, :3, :3], made()[0].world[other, :3, :3], atol=1e-6)
 
 
 def test_a_longer_chain_is_laid_into_the_plane_and_says_how_far() -> None:
     """The farthest of the inner points, the third, says where the plane is: z = 0."""
     points = ((0.0, 0, 0), (1.0, 1, 0.25), (2.0, 2, 0), (3.0, 1, -0.5), (4.0, 0, 0))
     out, joints, report = made(points, planar=True)
-    assert_allclose(worlds(out)[joints, 3, 2], 0.0, atol=1e-6)
+    assert_allclose(out.world[joints, 3, 2], 0.0, atol=1e-6)
     assert_allclose([entry["moved"] for entry in report.added], [0, 0.25, 0, 0.5, 0], atol=1e-12)
-    normals = worlds(out)[joints, 1, :3]
+    normals = out.world[joints, 1, :3]
     assert_allclose(normals, np.tile([0, 0, -1.0], (5, 1)), atol=1e-6)
     note = out.notes[joints[0]]
     assert note["middle"] == "limb_3"
     assert out.notes[pole(out)]["chain"] == ["limb_1", "limb_3", "limb_5"]
-    assert_allclose(worlds(out)[pole(out), 3, 2], 0.0, atol=1e-6)
+    assert_allclose(out.world[pole(out), 3, 2], 0.0, atol=1e-6)
 
 
 def test_a_limb_below_a_joint_joins_its_skins_and_otherwise_has_its_own() -> None:
@@ -163,7 +163,7 @@ def test_locators_may_stand_anywhere_below_turned_and_scaled_nodes() -> None:
     report = Report()
     out = make_limb(rig, options=MakeLimbOptions(locators=("a", "b", "c"), parent="top"), report=report)
     joints = [out.find(f"limb_{k}") for k in (1, 2, 3)]
-    assert_allclose(worlds(out)[joints, 3], worlds(out)[[1, 2, 3], 3], atol=1e-5)
+    assert_allclose(out.world[joints, 3], out.world[[1, 2, 3], 3], atol=1e-5)
     assert out.notes[joints[0]]["locators"] == ["a", "b", "c"]
     assert report.added[0]["parent"] == "top"
 
@@ -187,10 +187,10 @@ def test_a_second_run_moves_its_limb() -> None:
     assert same == joints
     assert len(again) == len(out)
     assert not any(entry["new"] for entry in report.added)
-    assert_allclose(worlds(again)[joints, 3, :3], moved, atol=1e-6)
-    assert_allclose(worlds(again)[pole(again), 3, 2], 1.0, atol=1e-6)
+    assert_allclose(again.world[joints, 3, :3], moved, atol=1e-6)
+    assert_allclose(again.world[pole(again), 3, 2], 1.0, atol=1e-6)
     inverse_bind = again.skins[0].inverse_bind
-    assert_allclose(inverse_bind, np.linalg.inv(worlds(again)[joints]), atol=1e-6)
+    assert_allclose(inverse_bind, np.linalg.inv(again.world[joints]), atol=1e-6)
     with pytest.raises(UsageError, match="'arm' has 3 joints, and here are 4 points"):
         made((*ARM, (7.0, 1.0, 0.0)), rig=out, name="arm", planar=True)
     with pytest.raises(UsageError, match="keeps its name"):
@@ -208,7 +208,7 @@ def test_a_new_file_is_whole_and_a_second_run_has_its_bytes(suffix: str, tmp_pat
         assert result.exit_code == 0, result.output
     assert again.read_bytes() == out.read_bytes()
     rig = read(out).rig
-    assert_allclose(worlds(rig)[rig.find("arm_3"), 3, :3], [50, 140, -1], atol=1e-4)
+    assert_allclose(rig.world[rig.find("arm_3"), 3, :3], [50, 140, -1], atol=1e-4)
     assert [rig.names[k] for k in rig.skins[0].joints] == ["arm_1", "arm_2", "arm_3"]
     for note in rig.notes.values():
         validator("node").validate(note)
@@ -244,9 +244,9 @@ def middle_joint(rig: Rig) -> int:
 def placed(rig: Rig, **options: Any) -> MakeLimbOptions:
     """Options for a limb at a middle joint, as large as the rig."""
     parent = middle_joint(rig)
-    points = worlds(rig)[:, 3, :3]
+    points = rig.world[:, 3, :3]
     size = float(np.ptp(points, axis=0).max()) or 1.0
-    start = worlds(rig)[parent, 3, :3]
+    start = rig.world[parent, 3, :3]
     steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
     three = tuple((float(x), float(y), float(z)) for x, y, z in start + steps)
     return MakeLimbOptions(points=three, name="added", **options)
@@ -275,7 +275,7 @@ def test_limbs_change_nothing_else_and_come_only_once(path: Path, tmp_path: Path
     assert found.lost == ()
     size = np.abs(options.points).max()
     for name in ("added", "free"):
-        places = worlds(after.rig)[[after.rig.find(f"{name}_{k}") for k in (1, 2, 3)], 3, :3]
+        places = after.rig.world[[after.rig.find(f"{name}_{k}") for k in (1, 2, 3)], 3, :3]
         assert_allclose(places, options.points, atol=1e-5 * size)
     report = edit(once, twice, step, options=TRUSTING).report
     assert once.read_bytes() == twice.read_bytes()
@@ -320,7 +320,7 @@ def test_a_scene_of_locators_alone_gets_its_limb_in_usd_too(tmp_path: Path) -> N
     result = CliRunner().invoke(program, words)
     assert result.exit_code == 0, result.output
     rig = read(out).rig
-    assert_allclose(worlds(rig)[rig.skins[0].joints, 3, :3], ARM, atol=1e-6)
+    assert_allclose(rig.world[rig.skins[0].joints, 3, :3], ARM, atol=1e-6)
 
 
 def test_words_of_lists_are_taken_up_to_the_next_option() -> None:
@@ -384,7 +384,7 @@ def test_locators_are_read_in_the_pose_that_is_named(samples: Path) -> None:
     found = {}
     for pose in ("nodes", "walk@0.5"):
         out = make_limb(rig, options=MakeLimbOptions(locators=names, name="copy", pose=pose))
-        found[pose] = worlds(out)[[out.find(f"copy_{k}") for k in (1, 2, 3)], 3, :3]
+        found[pose] = out.world[[out.find(f"copy_{k}") for k in (1, 2, 3)], 3, :3]
     there = worlds(rig, locals_at(rig, rig.clip("walk"), [0.5]))[0]
     assert_allclose(found["walk@0.5"], there[[rig.find(name) for name in names], 3, :3], atol=1e-9)
     assert np.abs(found["walk@0.5"] - found["nodes"]).max() > 0.01

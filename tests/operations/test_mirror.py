@@ -17,7 +17,6 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
 from rigtri.frames.skeleton import skeleton
@@ -87,7 +86,7 @@ def test_equal_turns_of_behaviour_mirrored_joints_give_a_mirrored_skin(samples: 
         assert other is not None
         delta = from_axis_angle(turns.normal(size=3), 0.8)
         rotation[joint], rotation[other] = (multiply(rotation[k], delta) for k in (joint, other))
-    posed = worlds(replace(out, rotation=rotation))
+    posed = replace(out, rotation=rotation).world
     here, there = posed[joints, 3, :3], posed[twins, 3, :3]  # type: ignore[index]
     assert np.ptp(here - out.world[joints, 3, :3]) > 0.1
     assert_allclose(here * REFLECT, there, atol=1e-6)
@@ -141,9 +140,9 @@ def test_what_one_arm_has_the_other_gets(samples: Path) -> None:
         note = out.notes[control]
         assert (note["joint"], note["side"], note["shape"]) == (f"{name}_R", "right", "square")
         joint = out.world[out.find(f"{name}_R")]
-        assert_allclose(worlds(out)[control, 3, :3], joint[3, :3], atol=1e-6)
+        assert_allclose(out.world[control, 3, :3], joint[3, :3], atol=1e-6)
     assert out.notes[out.find("hand_R_ik_ctl", "node")]["chain"] == ["upper_arm_R", "forearm_R", "hand_R"]
-    here, there = (worlds(out)[out.find(f"forearm_{s}_pole", "node")] for s in "LR")
+    here, there = (out.world[out.find(f"forearm_{s}_pole", "node")] for s in "LR")
     assert out.notes[out.find("forearm_R_pole", "node")]["reach"] == 1.25
     assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
 
@@ -155,7 +154,7 @@ def test_what_an_animator_has_set_is_mirrored(samples: Path) -> None:
     rotation[control] = from_axis_angle(np.array([0.2, 1.0, -0.4]), 0.7)
     translation[control] = (0.05, 0.02, -0.01)
     out = mirror(replace(rig, rotation=rotation, translation=translation))
-    posed = worlds(out)
+    posed = out.world
     for name in ("upper_arm_{}_ctl", "forearm_{}_ctl", "hand_{}_ctl"):
         here, there = (posed[out.find(name.format(s), "node")] for s in "LR")
         assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
@@ -256,8 +255,8 @@ def test_a_character_that_stands_elsewhere_is_mirrored_in_its_own_space(
     space = there.world[int(there.parents[joint])]
     assert np.abs(space - np.eye(4)).max() > 0.5
     for node in ("upper_arm_R", "forearm_R", "hand_R", "forearm_R_pole"):
-        wanted = matmul(worlds(here)[here.find(node, "node")], space)
-        found = worlds(there)[there.find(node, "node")]
+        wanted = matmul(here.world[here.find(node, "node")], space)
+        found = there.world[there.find(node, "node")]
         assert_allclose(found[3, :3], wanted[3, :3], atol=4e-6)
         if not node.endswith("pole"):
             assert_allclose(nearest_rotation(found), nearest_rotation(wanted), atol=4e-6)
@@ -276,8 +275,8 @@ def carried(rig: Rig, away: float) -> Rig:
 def test_the_plane_is_found_between_most_pairs_and_told(samples: Path) -> None:
     rig, report = carried(left_arm(read(samples / "biped.glb").rig), 2.5), Report()
     out = mirror(rig, options=MirrorOptions(what=("polevectors",), root="biped"), report=report)
-    here, there = (worlds(out)[out.find(f"forearm_{s}_pole", "node"), 3, :3] for s in "LR")
-    joint = worlds(out)[out.find("forearm_L"), 3, :3] - (2.5, 0, 0)
+    here, there = (out.world[out.find(f"forearm_{s}_pole", "node"), 3, :3] for s in "LR")
+    joint = out.world[out.find("forearm_L"), 3, :3] - (2.5, 0, 0)
     assert_allclose(here * REFLECT + (5.0, 0, 0), there, atol=1e-9)
     assert joint[0] > 0.1
     assert [notice.code for notice in report.warnings] == ["mirror-plane"]

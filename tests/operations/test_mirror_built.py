@@ -17,7 +17,6 @@ from second_opinions import khronos_errors, usd_errors, validator
 from rigtri.cli.main import program
 from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.pose_readers import PoseReader, weights
-from rigtri.evaluation.sampling import rest, worlds
 from rigtri.export.text_description import describe
 from rigtri.formats import read
 from rigtri.frames.mirror_modes import MIRRORS, Across, Mirror, mirrored_axes
@@ -57,7 +56,7 @@ def left(rig: Rig, report: Report | None = None) -> Rig:
     for rule in (aim, parent):
         rig = constrain(rig, options=rule, report=report)
     rig = add_rivet(rig, options=AddRivetOptions("body", triangles=(310,), names=("badge_L",)), report=report)
-    x, y, z = worlds(rig)[rig.find("forearm_L"), 0, :3].tolist()
+    x, y, z = rig.world[rig.find("forearm_L"), 0, :3].tolist()
     reader = AddPosereaderOptions(
         driver="forearm_L",
         frame="upper_arm_L",
@@ -133,7 +132,7 @@ def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> Non
 @pytest.mark.parametrize("mode", MIRRORS)
 def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, samples: Path) -> None:
     out = mirror(left(read(samples / "biped.glb").rig), options=MirrorOptions(mode=mode))
-    world = worlds(out)
+    world = out.world
     for part in (1, 2, 3):
         here, there = (world[out.find(f"wing_{part}_{side}")] for side in "LR")
         assert_allclose(there[3, :3], np.array(WING[part - 1]) * [-1, 1, 1], atol=1e-7)
@@ -144,7 +143,7 @@ def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, sample
 
 
 def test_equal_turns_of_a_made_limb_and_its_mirror_image_give_a_mirrored_skin(built: Rig) -> None:
-    posed = worlds(turned(built, wing_1=about(1, 2, -1), wing_2=about(-2, 1, 0.5)))
+    posed = turned(built, wing_1=about(1, 2, -1), wing_2=about(-2, 1, 0.5)).world
     points = np.array([[0.1, 0.02, 0.03, 1.0], [0.0, -0.2, 0.1, 1.0]])
     for part in (1, 2, 3):
         nodes = [built.find(f"wing_{part}_{side}") for side in "LR"]
@@ -169,7 +168,7 @@ def test_twist_joints_lie_mirrored_and_carry_the_same_share(built: Rig) -> None:
 @pytest.mark.parametrize("child", ["foot", "thigh"])
 def test_mirrored_drivers_give_mirrored_children_by_the_mirrored_constraint(built: Rig, child: str) -> None:
     posed = turned(built, hand=about(1, 1, 0), forearm=about(0, 1, 1), upper_arm=about(1, 0, 2))
-    world, local = worlds(posed), rest(posed)
+    world, local = posed.world, posed.normalised_local
     found = []
     for side in "LR":
         node = built.find(f"{child}_{side}")
@@ -183,7 +182,7 @@ def test_mirrored_drivers_give_mirrored_children_by_the_mirrored_constraint(buil
     assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
     wanted = mirrored_axes(nearest_rotation(here), "behavior", Across())
     assert_allclose(nearest_rotation(there), wanted, atol=1e-5)  # the biped's sides differ by 1e-7
-    moved = here - worlds(built)[built.find(f"{child}_L")]
+    moved = here - built.world[built.find(f"{child}_L")]
     assert np.abs(moved).max() > 1e-2
 
 
@@ -193,7 +192,7 @@ def test_a_mirrored_reader_reads_the_same_of_the_mirrored_pose(built: Rig) -> No
     ]
     read_out = []
     for turn in (about(0, 0, 1, 0.0), about(0, 1, 0), about(1, 0, -1, 1.2)):
-        world = worlds(turned(built, forearm=turn))
+        world = turned(built, forearm=turn).world
         both_sides = []
         for side in "LR":
             note = said(built, f"bent_{side}")
@@ -236,7 +235,7 @@ def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path:
     targets = {n["name"]: n["targets"] for n in read(two).rig.notes.values() if n["type"] == "poseReader"}
     for a, b in (("bend", "bend_R_2"), ("bend_L", "bend_R"), ("tw", "tw_R")):
         lead, follow = (np.array(targets[name][0]["direction"]) for name in (a, b))
-        world = worlds(read(two).rig)
+        world = read(two).rig.world
         here, there = (nearest_rotation(world[read(two).rig.find(f"upper_arm_{s}")]) for s in "LR")
         assert_allclose((lead @ here) * REFLECT, follow @ there, atol=1e-5)
 
@@ -249,7 +248,7 @@ def test_a_reader_alone_on_one_side_is_named_by_check(samples: Path) -> None:
 
 
 def test_a_rivet_sits_at_the_mirrored_place(built: Rig) -> None:
-    here, there = (worlds(built)[built.find(f"badge_{side}", "node"), 3, :3] for side in "LR")
+    here, there = (built.world[built.find(f"badge_{side}", "node"), 3, :3] for side in "LR")
     assert here[0] > 0.05
     assert_allclose(here * REFLECT, there, atol=1e-5)
 

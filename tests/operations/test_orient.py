@@ -39,13 +39,13 @@ def arm() -> Rig:
 
 
 def axes(rig: Rig, name: str) -> Floats:
-    return normalise(worlds(rig)[rig.find(name), :3, :3])
+    return normalise(rig.world[rig.find(name), :3, :3])
 
 
 def rebound(rig: Rig) -> Rig:
     """The rig with its rest pose as bind pose: after a test has moved its joints."""
     (skin,) = rig.skins
-    return replace(rig, skins=(replace(skin, inverse_bind=inverse(worlds(rig))[skin.joints]),))
+    return replace(rig, skins=(replace(skin, inverse_bind=inverse(rig.world)[skin.joints]),))
 
 
 def oriented(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
@@ -68,7 +68,7 @@ PAIRS = [(a, u) for a, u in product(("x", "-x", "y", "-y", "z", "-z"), repeat=2)
 @pytest.mark.parametrize(("aim", "up"), PAIRS)
 def test_each_of_the_24_axis_pairs_aims_and_stays_right_handed(aim: str, up: str) -> None:
     out = oriented(arm(), style=AxisStyle(aim, up))
-    frames = normalise(worlds(out)[:, :3, :3])
+    frames = normalise(out.world[:, :3, :3])
     assert_allclose(np.linalg.det(frames), 1, atol=1e-12)
     letter, sign = axis_of(aim)
     assert_allclose(frames[0, letter] * sign, normalise(ELBOW), atol=1e-12)
@@ -121,7 +121,7 @@ def test_the_middle_joint_flexes_about_plus_n() -> None:
     flexed = replace(out, rotation=out.rotation.copy())
     elbow = out.find("b")
     flexed.rotation[elbow] = multiply(out.rotation[elbow], from_axis_angle([0, 1, 0], 0.3))
-    straight, bent = worlds(out)[:3, 3, :3], worlds(flexed)[:3, 3, :3]
+    straight, bent = out.world[:3, 3, :3], flexed.world[:3, 3, :3]
     assert np.linalg.norm(bent[2] - bent[0]) < np.linalg.norm(straight[2] - straight[0])
 
 
@@ -134,11 +134,11 @@ def test_axes_come_from_the_joints_own_space_under_a_stretched_ancestor() -> Non
     points = np.array([[0, 0, 0], [1, 2, 0.5], [2, 3, 1.5], [3, 3, 3]], dtype=float)
     rig = chain((0, 0, 0), *map(tuple, points[1:].tolist()))
     rig.scale[0] = [1.0, 1.33, 1.0]
-    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
     out = oriented(rig, selection=Selection(joints=("b", "c")))
-    position = worlds(out)[:, 3, :3]
+    position = out.world[:, 3, :3]
     assert_allclose(axes(out, "b")[0], normalise(position[2] - position[1]), atol=1e-12)
-    assert_allclose(position, worlds(rig)[:, 3, :3], atol=1e-12)
+    assert_allclose(position, rig.world[:, 3, :3], atol=1e-12)
 
 
 def test_unnamed_the_root_stays_and_says_why() -> None:
@@ -164,7 +164,7 @@ def test_several_children_average_and_a_lone_slot_far_off_is_no_continuation() -
     positions = [(0, 0, 0), (1, 0, 0), (2, 0.2, 0), (2, -0.2, 0), (1, -0.4, 0)]
     rig = rig_of(list("abcde"), [-1, 0, 1, 1, 2], np.array(positions, dtype=float))
     rig.translation[1:] -= np.array([positions[p] for p in (0, 1, 1, 2)])
-    rig = replace(rig, skins=(Skin("s", np.arange(5), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(5), inverse(rig.world)),))
     weights = np.array([True, True, True, True, False])
     rig = replace(rig, skins=(replace(rig.skins[0], weigh=lambda: weights),))
     report = Report()
@@ -181,13 +181,13 @@ def test_several_children_average_and_a_lone_slot_far_off_is_no_continuation() -
 )
 def test_the_branch_rule_chooses_among_children(branch: Any, expected: Any) -> None:
     rig = rig_of(list("abcd"), [-1, 0, 1, 1], np.array([[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [2, -0.2, 0]]))
-    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
     assert_allclose(axes(oriented(rig, branch=branch), "b")[0], normalise(expected), atol=1e-12)
 
 
 def test_a_named_child_decides_its_branch_and_aim_at_goes_before_all() -> None:
     rig = rig_of(list("abcd"), [-1, 0, 1, 1], np.array([[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [2, -0.2, 0]]))
-    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
     out = oriented(rig, branch_to=("d",))
     assert_allclose(axes(out, "b")[0], normalise([2, -0.2, 0]), atol=1e-12)
     out = oriented(rig, branch_to=("d",), aim_at=(("b", "a"),))
@@ -209,7 +209,7 @@ def test_the_end_rule_orients_the_last_joint(end: Any, expected: Any) -> None:
 
 def test_an_end_joint_aims_at_its_bare_tip() -> None:
     rig = rig_of([*"abc", "c_end"], [-1, 0, 1, 2], np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 1]]))
-    rig = replace(rig, skins=(Skin("s", np.arange(3), inverse(worlds(rig))[:3]),))
+    rig = replace(rig, skins=(Skin("s", np.arange(3), inverse(rig.world)[:3]),))
     report = Report()
     assert_allclose(axes(oriented(rig, report), "c")[0], [0, 0, 1], atol=1e-12)
     assert report.joints[-1]["aims_at"] == "c_end"
@@ -218,9 +218,9 @@ def test_an_end_joint_aims_at_its_bare_tip() -> None:
 def test_a_shin_of_a_flat_rig_aims_at_the_foot_that_its_limb_names() -> None:
     positions = np.array([[0, 0, 0], [0, 2, 0.1], [0, -1, 0.3], [0, 0, 0]], dtype=float)
     rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], positions)
-    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
     out = oriented(rig, limbs=(given(rig, "thigh", "shin", "foot"),))
-    place = worlds(rig)[:, 3, :3]
+    place = rig.world[:, 3, :3]
     assert_allclose(axes(out, "shin")[0], normalise(place[3] - place[2]), atol=1e-12)
 
 
@@ -284,7 +284,7 @@ def test_a_side_that_is_straight_mirrors_the_other() -> None:
     )
     names = ["hips", "thigh_L", "shin_L", "foot_L", "thigh_R", "shin_R", "foot_R"]
     rig = rig_of(names, [-1, 0, 1, 2, 0, 4, 5], positions.astype(float))
-    rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(rig.world)),))
     report = Report()
     out = oriented(rig, report)
     # The left knee bends towards +x, so the right one towards −x: z is the bend's side.
@@ -351,7 +351,7 @@ def test_an_offset_turns_about_the_new_axes() -> None:
 def test_behaviour_mirroring_aims_the_other_side_backwards() -> None:
     positions = np.array([[0, 0, 0], [1, 0, 0], [1, -0.2, 0], [-1, 0, 0], [-1, -0.2, 0]], dtype=float)
     rig = rig_of(["root", "arm_L", "hand_L", "arm_R", "hand_R"], [-1, 0, 1, 0, 3], positions)
-    rig = replace(rig, skins=(Skin("s", np.arange(5), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(5), inverse(rig.world)),))
     out = oriented(rig, mirror="behavior")
     left, right = axes(out, "arm_L"), axes(out, "arm_R")
     assert_allclose(right, -left * [-1, 1, 1], atol=1e-12)
@@ -364,7 +364,7 @@ def test_the_axes_of_another_file_come_back_exactly() -> None:
     rig = rebound(rig)
     away = oriented(rig, style=AxisStyle("-z", "y"))
     home = oriented(away, like=rig)
-    assert_allclose(worlds(home), worlds(rig), atol=1e-9)
+    assert_allclose(home.world, rig.world, atol=1e-9)
 
 
 def test_a_rotation_common_to_the_whole_skeleton_is_taken_out_of_like() -> None:
@@ -374,7 +374,7 @@ def test_a_rotation_common_to_the_whole_skeleton_is_taken_out_of_like() -> None:
     z_up = rebound(z_up)
     turned = oriented(z_up, style=AxisStyle("y", "z"))
     home = oriented(rig, like=turned)
-    seen = axes(turned, "b") @ worlds(z_up)[0, :3, :3].T
+    seen = axes(turned, "b") @ z_up.world[0, :3, :3].T
     assert_allclose(axes(home, "b"), seen, atol=1e-7)
 
 
@@ -387,7 +387,7 @@ def test_stored_frames_are_applied_and_undone() -> None:
     again = oriented(arm(), frames=stored)
     assert_allclose(again.rotation, out.rotation, atol=1e-15)
     back = oriented(out, frames=stored, inverse=True)
-    assert_allclose(worlds(back), worlds(arm()), atol=1e-12)
+    assert_allclose(back.world, arm().world, atol=1e-12)
 
 
 def test_a_scale_that_would_shear_is_snapped_skipped_or_an_error() -> None:
@@ -400,7 +400,7 @@ def test_a_scale_that_would_shear_is_snapped_skipped_or_an_error() -> None:
     turned = axes(out, "d") @ axes(rig, "d").T
     assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
     assert any(notice.code == "nonuniform-scale" for notice in report.warnings)
-    assert_allclose(worlds(oriented(rig, on_nonuniform_scale="skip"))[3], worlds(rig)[3], atol=1e-12)
+    assert_allclose(oriented(rig, on_nonuniform_scale="skip").world[3], rig.world[3], atol=1e-12)
     with pytest.raises(GeometryError, match="'d'"):
         oriented(rig, on_nonuniform_scale="error")
 
@@ -430,7 +430,7 @@ def test_a_split_holds_the_axes_in_a_node_of_its_own_and_moves_nothing() -> None
     out = oriented(rig, report, on_nonuniform_scale="split")
     holder = out.find("b_orient", "node")
     assert out.children[holder] == (out.find("b"),)
-    assert_allclose(axes(out, "b_orient")[0], normalise(np.subtract(*worlds(rig)[[2, 1], 3, :3])), atol=1e-12)
+    assert_allclose(axes(out, "b_orient")[0], normalise(np.subtract(*rig.world[[2, 1], 3, :3])), atol=1e-12)
     before, after = posed(rig), posed(out)
     old = [out.find(name) for name in rig.names]
     assert_allclose(after[:, old, 3], before[:, :, 3], atol=1e-12)
@@ -478,7 +478,7 @@ def test_files_of_one_skeleton_get_one_set_of_axes_in_the_bind_pose() -> None:
     other_turn = [a.T @ b for a, b in zip(axes(posed, "a"), axes(other, "a"), strict=True)]
     assert_allclose(one_turn, other_turn, atol=1e-9)
     moved = oriented(posed, pose="nodes")
-    assert np.abs(worlds(moved)[:3, :3, :3] - worlds(other)[:3, :3, :3]).max() > 1e-3
+    assert np.abs(moved.world[:3, :3, :3] - other.world[:3, :3, :3]).max() > 1e-3
 
 
 def test_identity_inverse_binds_are_no_bind_pose() -> None:
@@ -500,7 +500,7 @@ def twins() -> Rig:
     )
     rig.translation[5:] = points[1:]
     rig.rotation[5] = from_axis_angle([1, 1, 0], 0.5)
-    inverse_bind = inverse(worlds(rig))
+    inverse_bind = inverse(rig.world)
     halves = (np.arange(4), np.arange(4, 8))
     return replace(rig, skins=tuple(Skin(f"s{k}", half, inverse_bind[half]) for k, half in enumerate(halves)))
 
@@ -517,8 +517,8 @@ def test_frames_of_characters_that_share_names_are_not_mixed_up() -> None:
     report = Report()
     out = oriented(twins(), report, style=AxisStyle("y", "x"))
     back = oriented(out, frames=frames_json(report), inverse=True)
-    assert_allclose(worlds(back), worlds(twins()), atol=1e-12)
-    assert_allclose(worlds(oriented(out, like=twins())), worlds(twins()), atol=1e-9)
+    assert_allclose(back.world, twins().world, atol=1e-12)
+    assert_allclose(oriented(out, like=twins()).world, twins().world, atol=1e-9)
 
 
 def test_a_regular_zigzag_keeps_its_side_in_a_second_run() -> None:
@@ -573,9 +573,9 @@ def test_like_is_exact_below_an_ancestor_that_stretches() -> None:
     rig = rig_of(["top", *"abcd"], [-1, 0, 1, 2, 3], np.vstack([[[0, 0, 0]], arm().translation]))
     rig.scale[0] = [1.0, 2.0, 1.0]
     rig.rotation[1:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
-    rig = replace(rig, skins=(Skin("s", np.arange(1, 5), inverse(worlds(rig))[1:]),))
+    rig = replace(rig, skins=(Skin("s", np.arange(1, 5), inverse(rig.world)[1:]),))
     home = oriented(oriented(rig, style=AxisStyle("-z", "y")), like=rig)
-    assert_allclose(worlds(home), worlds(rig), atol=1e-9)
+    assert_allclose(home.world, rig.world, atol=1e-9)
 
 
 def test_a_snap_aims_first_and_then_fits_the_rest() -> None:
@@ -586,7 +586,7 @@ def test_a_snap_aims_first_and_then_fits_the_rest() -> None:
     out = oriented(rig, report)
     turned = axes(out, "b") @ axes(rig, "b").T
     assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
-    bone = normalise(worlds(rig)[2, 3, :3] - worlds(rig)[1, 3, :3])
+    bone = normalise(rig.world[2, 3, :3] - rig.world[1, 3, :3])
     assert axes(out, "b")[0] @ bone == pytest.approx(np.abs(axes(rig, "b") @ bone).max())
 
 

@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 from rigs import chain, rig_of
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
@@ -36,7 +35,7 @@ def placed(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
 
 
 def position(rig: Rig, name: str = "b_pole") -> Floats:
-    return np.asarray(worlds(rig)[rig.find(name), 3, :3])
+    return np.asarray(rig.world[rig.find(name), 3, :3])
 
 
 def test_the_talk_stands_half_the_limb_beyond_the_elbow() -> None:
@@ -48,7 +47,7 @@ def test_the_article_stands_five_units_from_the_shoulder() -> None:
     assert_allclose(position(out), [0, 5, 0])
     n = np.cross([3, 4, 0], [3, -4, 0])
     shoulder = [[0.6, 0.8, 0], normalise(n), np.cross([0.6, 0.8, 0], normalise(n))]
-    assert_allclose(worlds(out)[out.find("b_pole"), :3, :3], shoulder, atol=1e-12)
+    assert_allclose(out.world[out.find("b_pole"), :3, :3], shoulder, atol=1e-12)
 
 
 def test_the_ratio_method_divides_the_chord_as_the_bones_divide_the_limb() -> None:
@@ -76,7 +75,7 @@ def test_the_pole_stands_where_the_options_say(options: dict[str, Any], wanted: 
 def test_nothing_that_was_there_moves_and_the_locator_is_a_root_of_its_own() -> None:
     rig = arm()
     out = placed(rig)
-    assert_allclose(worlds(out)[:3], worlds(rig), atol=0)
+    assert_allclose(out.world[:3], rig.world, atol=0)
     group = int(out.parents[out.find("b_pole")])
     assert out.names[group] == "rigtri_controls"
     assert out.parents[group] == -1
@@ -95,7 +94,7 @@ def test_a_second_run_finds_its_locator_and_moves_it() -> None:
 def test_a_locator_under_a_scaled_skeleton_stands_in_world_units() -> None:
     rig = arm()
     rig.scale[0] = [100.0] * 3
-    rig = replace(rig, skins=(Skin("s", np.arange(3), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(3), inverse(rig.world)),))
     assert_allclose(position(placed(rig)), [300, 900, 0])
 
 
@@ -145,11 +144,11 @@ def test_the_other_side_tells_the_side_of_a_straight_limb() -> None:
     )
     names = ["hips", "thigh_L", "shin_L", "foot_L", "thigh_R", "shin_R", "foot_R"]
     rig = rig_of(names, [-1, 0, 1, 2, 0, 4, 5], points.astype(float))
-    rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(7), inverse(rig.world)),))
     report = Report()
     out = add_polevector(rig, options=AddPolevectorOptions(limbs="auto"), report=report)
     left, right = position(out, "shin_L_pole"), position(out, "shin_R_pole")
-    place = worlds(rig)[:, 3, :3]
+    place = rig.world[:, 3, :3]
     towards = normalise(right - place[5])
     assert_allclose(towards, normalise(left - place[2]) * [-1, 1, 1], atol=0.25)
     assert report.limbs[1]["source"] == "other side"
@@ -180,7 +179,7 @@ def test_clips_in_which_the_pole_flips_are_listed() -> None:
 def test_the_foot_of_a_flat_rig_need_not_hang_below_the_shin() -> None:
     points = np.array([[0, 0, 0], [0, 3, 0], [0, -1.5, 0.5], [0, 0, 0]], dtype=float)
     rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], points)
-    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(worlds(rig))),))
+    rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
     out = placed(rig, limb=(given(rig, "thigh", "shin", "foot"),))
     assert position(out, "shin_pole")[2] > 0.5
 

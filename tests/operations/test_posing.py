@@ -207,7 +207,7 @@ def test_a_written_pose_looks_as_the_clip_does_morphs_included(kind: str, tmp_pa
     assert weights[0].any()
     np.testing.assert_allclose(now.morph_weights, weights[0], atol=1e-7)
     played = sampling.worlds(before, sampling.locals_at(before, clip, times))
-    still = sampling.worlds(after, sampling.rest(after))[np.newaxis]
+    still = sampling.worlds(after, after.normalised_local)[np.newaxis]
     shown = sampling.deformed(now, after, still, now.morph_weights[np.newaxis])
     assert np.abs(shown - sampling.deformed(mesh, before, played, mesh.morph_weights[np.newaxis])).max() > 0.1
     np.testing.assert_allclose(shown, sampling.deformed(mesh, before, played, weights), atol=1e-6)

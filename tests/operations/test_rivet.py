@@ -113,7 +113,7 @@ def test_a_rivet_on_the_middle_of_a_triangle_by_hand(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     out = add_rivet(rig, options=MIDDLE)
     node = out.find("button")
-    world = sampling.worlds(out)[node]
+    world = out.world[node]
     assert_allclose(world[3, :3], [1.25 / 3, 5 / 3, 0], atol=1e-7)
     edge = np.array([0.75, 2, 0]) / np.hypot(0.75, 2)
     assert_allclose(world[0, :3], edge, atol=1e-7)

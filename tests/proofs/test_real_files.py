@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose
 from places import ASSETS, FROZEN, NO_LIMB, leave_out, leave_out_refused, real_files
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
@@ -120,7 +119,7 @@ def test_every_turned_joint_aims_at_its_child_within_a_ten_thousandth_degree(pat
 
 def test_limbs_flex_about_plus_n(path: Path) -> None:
     rig = opened(path)
-    at_rest = worlds(rig)
+    at_rest = rig.world
     out = orient_joints(rig, options=OrientJointsOptions(pose="nodes"))
     turned = {n for n in range(len(rig)) if np.any(out.rotation[n] != rig.rotation[n])}
     for limb in recognise(rig):
@@ -155,7 +154,7 @@ def _with_rotation(rig: Rig, node: int, rotation: Any) -> Any:
     matrix, rotations = rig.matrix.copy(), rig.rotation.copy()
     matrix[node] = compose(translation, rotation, scale)
     rotations[node] = rotation
-    return worlds(replace(rig, matrix=matrix, rotation=rotations))
+    return replace(rig, matrix=matrix, rotation=rotations).world
 
 
 def test_the_axes_of_the_source_come_back_with_like(path: Path, tmp_path: Path) -> None:
@@ -166,8 +165,8 @@ def test_the_axes_of_the_source_come_back_with_like(path: Path, tmp_path: Path) 
     back = OrientJointsOptions(like=rig)
     edit(away, home, lambda r, report: orient_joints(r, options=back, report=report), options=TRUSTING)
     joints = list(skeleton(rig).joints)
-    before = nearest_rotation(worlds(rig)[joints])
-    after = nearest_rotation(worlds(read(home, TRUSTING).rig)[joints])
+    before = nearest_rotation(rig.world[joints])
+    after = nearest_rotation(read(home, TRUSTING).rig.world[joints])
     assert_allclose(after, before, atol=1e-6)
 
 
@@ -177,9 +176,9 @@ def test_pole_vectors_lie_in_the_plane_of_their_limb(path: Path) -> None:
     if not limbs:
         leave_out(path, NO_LIMB)
     out = add_polevector(rig, options=AddPolevectorOptions(limbs="auto"), report=report)
-    world = worlds(out)
+    world = out.world
     for limb, entry in zip(limbs, report.limbs, strict=True):
         if entry["source"] == "pose":
-            wanted = pole_position(*worlds(rig)[list(limb.triple), 3, :3])
+            wanted = pole_position(*rig.world[list(limb.triple), 3, :3])
             assert_allclose(world[out.find(entry["polevector"], "node"), 3, :3], wanted, rtol=1e-9, atol=1e-9)
-    assert np.array_equal(world[: len(rig)], worlds(rig))
+    assert np.array_equal(world[: len(rig)], rig.world)

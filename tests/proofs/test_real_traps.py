@@ -16,7 +16,6 @@ from numpy.testing import assert_allclose
 from places import ASSETS, NO_ASSETS
 from second_opinions import khronos_errors, usd_errors
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, unit
 from rigtri.maths.triangle import bend_angle, pole_position
@@ -136,8 +135,8 @@ def test_where_rest_is_not_bind_the_user_chooses_and_both_stay(tmp_path: Path) -
         before, after, report, found = leg.turn(tmp_path, replace(ALL, pose=pose))
         assert found.deviation <= FLOOR
         assert {entry["pose"] for entry in report.joints if entry["status"] == "turned"} == {pose}
-        assert_allclose(worlds(after)[:, 3], worlds(before)[:, 3], atol=1e-6)
-        planes[pose] = worlds(after)[after.find("thigh"), 1, :3]
+        assert_allclose(after.world[:, 3], before.world[:, 3], atol=1e-6)
+        planes[pose] = after.world[after.find("thigh"), 1, :3]
     assert np.degrees(angle(planes["bind"], planes["nodes"])) > 10
 
 
@@ -162,8 +161,8 @@ def test_a_locator_below_a_scaled_root_has_the_size_of_the_world(scale: float, t
     out = add_polevector(after, options=AddPolevectorOptions(limb=(limb,), reach=0.5))
     wanted = pole_position(*np.asarray(PLACES)[1:], reach=0.5)
     (locator,) = (node for node, note in out.notes.items() if note["type"] == "poleVector")
-    assert_allclose(worlds(out)[locator, 3, :3], wanted, atol=1e-5)
-    assert_allclose(np.linalg.norm(worlds(out)[locator, :3, :3], axis=1), 1.0, rtol=1e-5)
+    assert_allclose(out.world[locator, 3, :3], wanted, atol=1e-5)
+    assert_allclose(np.linalg.norm(out.world[locator, :3, :3], axis=1), 1.0, rtol=1e-5)
 
 
 # 5. Clips that do not animate every joint (34 files), single keys, STEP, clips that start late.
@@ -270,14 +269,14 @@ def test_a_bare_leaf_end_gives_the_last_joint_its_direction(tmp_path: Path) -> N
     _, after, report, _ = helpers().turn(tmp_path, OrientJointsOptions())
     foot = next(entry for entry in report.joints if entry["joint"] == "foot")
     assert foot["status"] == "turned"
-    assert_allclose(worlds(after)[after.find("foot"), 0, :3], [0, 0, 1], atol=1e-6)
+    assert_allclose(after.world[after.find("foot"), 0, :3], [0, 0, 1], atol=1e-6)
 
 
 def test_a_bone_of_no_length_is_looked_through(tmp_path: Path) -> None:
     _, after, _, found = helpers().turn(tmp_path, ALL)
     assert found.deviation <= FLOOR
-    shin = worlds(after)[after.find("shin")]
-    bone = worlds(after)[after.find("foot"), 3, :3] - shin[3, :3]
+    shin = after.world[after.find("shin")]
+    bone = after.world[after.find("foot"), 3, :3] - shin[3, :3]
     assert np.degrees(angle(shin[0, :3], bone)) < 1e-4
     assert np.isfinite(after.rotation).all()
 
@@ -288,7 +287,7 @@ def test_a_child_far_off_without_weight_is_no_continuation(tmp_path: Path) -> No
     leg.gltf["skins"][0]["joints"].append(slot)
     leg.bind([*PLACES, [0.5, 0.3, 0]])
     _, after, _, _ = leg.turn(tmp_path, OrientJointsOptions())
-    foot, shin = (worlds(after)[after.find(name), 0, :3] for name in ("foot", "shin"))
+    foot, shin = (after.world[after.find(name), 0, :3] for name in ("foot", "shin"))
     assert np.degrees(angle(foot, shin)) < 60  # the parent's direction, not the slot's
     assert np.degrees(angle(foot, [0.3, 0.1, 0])) > 30
 
@@ -321,8 +320,8 @@ def test_a_shin_whose_foot_hangs_under_the_root_aims_at_the_foot(tmp_path: Path)
     leg.swing(2)
     _, after, _, found = leg.turn(tmp_path, OrientJointsOptions())
     assert found.deviation <= FLOOR
-    shin = worlds(after)[after.find("lowerleg.l")]
-    bone = worlds(after)[after.find("foot.l"), 3, :3] - shin[3, :3]
+    shin = after.world[after.find("lowerleg.l")]
+    bone = after.world[after.find("foot.l"), 3, :3] - shin[3, :3]
     assert np.degrees(angle(shin[0, :3], bone)) < 1e-4
 
 
@@ -405,7 +404,7 @@ def test_matrix_joints_and_nodes_between_joints_turn_as_well(tmp_path: Path) -> 
     assert after.has_matrix[after.find("thigh")]
     assert not after.has_matrix[after.find("shin")]
     body = before.find("body", "node"), after.find("body", "node")
-    assert_allclose(worlds(after)[body[1]], worlds(before)[body[0]], atol=1e-12)
+    assert_allclose(after.world[body[1]], before.world[body[0]], atol=1e-12)
 
 
 # 12. Straight limbs are the normal case: 98 of 224 bend less than 0.1° at rest.
@@ -425,7 +424,7 @@ def test_a_straight_leg_learns_its_hinge_from_its_clips(tmp_path: Path) -> None:
     leg.track(2, "rotation", [0.0, 0.5, 1.0], turns)
     _, after, _, found = leg.turn(tmp_path)
     assert found.deviation <= FLOOR
-    assert_allclose(worlds(after)[after.find("shin"), 1, :3], [0.6, 0, 0.8], atol=1e-5)
+    assert_allclose(after.world[after.find("shin"), 1, :3], [0.6, 0, 0.8], atol=1e-5)
     assert np.isfinite(after.rotation).all()
 
 
@@ -466,7 +465,7 @@ def test_an_error_that_nobody_asked_about_stays_in_the_file(tmp_path: Path) -> N
 
 def test_our_pole_vector_lies_where_artists_put_theirs() -> None:
     rig = read(asset("gltf/kaykit_Barbarian.glb")).rig
-    world = worlds(rig)
+    world = rig.world
 
     def place(name: str) -> Any:
         return world[rig.find(name, "node"), 3, :3]

@@ -12,7 +12,6 @@ from engines import apart, blender, blender_ik, blender_scene, three_rig
 from numpy.testing import assert_allclose
 from places import ASSETS, NO_ASSETS, SAMPLES, USD, slow
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -106,7 +105,7 @@ def built(path: Path, step: Step, folder: Path) -> tuple[Path, Rig]:
 
 
 def size_of(rig: Rig) -> float:
-    points = worlds(rig)[rig.is_joint, 3, :3]
+    points = rig.world[rig.is_joint, 3, :3]
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
@@ -153,7 +152,7 @@ def test_blender_draws_every_control_at_its_joint_and_keeps_the_bones(path: Path
     before, scene = blender_scene(path, out, folder=tmp_path)
     same_bones(before, scene)
     things = by_note(scene["things"], "stored")
-    world, near = worlds(rig), CLOSE * size_of(rig) * (metres(path) if path.suffix in USD else 1.0)
+    world, near = rig.world, CLOSE * size_of(rig) * (metres(path) if path.suffix in USD else 1.0)
     assert len(rig.pending.shapes) > 20
     for node, shape in rig.pending.shapes.items():
         thing = things[key_of(dict(rig.notes[node]))]
@@ -200,7 +199,7 @@ def test_blender_has_a_bone_more_for_each_joint_that_is_added(
     before, after = blender_scene(SAMPLES / name, out, folder=tmp_path)
     ((_, had),), ((_, has),) = before["bones"].items(), after["bones"].items()
     assert len(has) == len(had) + more
-    world = worlds(rig)
+    world = rig.world
     for node, note in rig.notes.items():
         if rig.is_joint[node] and note["type"] in ("limb", "poleVector", "twist"):
             place = in_blender(rig, world[node, 3, :3], out)
@@ -260,7 +259,7 @@ def test_three_js_draws_every_control_at_its_joint(path: Path, tmp_path: Path) -
     out, rig = built(path, whole, tmp_path)
     (scene,) = three_rig(out, folder=tmp_path)
     things = by_note(scene["things"], "note")
-    world, near = worlds(rig), 1e-6 * size_of(rig)
+    world, near = rig.world, 1e-6 * size_of(rig)
     assert len(rig.pending.shapes) > 20
     for node, shape in rig.pending.shapes.items():
         thing = things[key_of(dict(rig.notes[node]))]

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats.gltf.json_copy_on_write import Draft
 from rigtri.formats.gltf.structure import SHOWN_EXTENSIONS
 from rigtri.formats.vrm.node_constraints import CONSTRAINT, stored, stored_axis
@@ -175,7 +174,7 @@ class NodeWriter:
 
     def _put_under(self, node: int, root: int) -> None:
         """Let a new root keep its place in the world below another node."""
-        world = worlds(self._rig)
+        world = self._rig.world
         local = multiply(world[node], inverse(world[root]))
         holder = self._node(node)
         for key in (*PARTS, "matrix"):

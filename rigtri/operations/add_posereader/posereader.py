@@ -331,7 +331,7 @@ class _Builder:
     @cached_property
     def _resting(self) -> Floats:
         """The driver's rotation in the frame at rest, (4,)."""
-        return self._rotation(pose.worlds(self.rig)[np.newaxis])
+        return self._rotation(self.rig.world[np.newaxis])
 
     def _rotation(self, world: Floats) -> Floats:
         frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
@@ -366,7 +366,7 @@ class _Builder:
             raise UsageError("a target is a direction other than 0,0,0, a pose or a node")
         if self.frame < 0:
             return normalise(wanted)
-        axes = from_axes(orthonormal_axes(pose.worlds(self.rig)[self.frame]))
+        axes = from_axes(orthonormal_axes(self.rig.world[self.frame]))
         return np.asarray(rotate(conjugate(axes), normalise(wanted)))
 
     def _posed(self, text: str) -> Floats:
@@ -453,7 +453,7 @@ class _Builder:
         return found
 
     def _weights_at_rest(self) -> Floats:
-        world = pose.worlds(self.rig)[np.newaxis]
+        world = self.rig.world[np.newaxis]
         frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
         nodes = {name: world[:, node] for name, node in self._nodes().items()}
         return np.asarray(weights(self.reader, world[:, self.driver], frame, nodes)[0])

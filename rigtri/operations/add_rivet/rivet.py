@@ -12,7 +12,7 @@ import numpy as np
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.point_skinning import SkinnedPoints
-from rigtri.evaluation.sampling import sample, worlds
+from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,
@@ -388,7 +388,7 @@ class _Rivet:
                 "vertices": [int(vertex) for vertex in self.seat.vertices],
                 "barycentric": [float(weight) for weight in self.seat.weights],
                 "new": rig.keys[node] is None,
-                "position": [float(x) for x in worlds(rig)[node, 3, :3]],
+                "position": [float(x) for x in rig.world[node, 3, :3]],
                 "keys": counts,
                 "deviation": worst / self.size,
             }

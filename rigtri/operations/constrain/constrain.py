@@ -16,7 +16,7 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.constraint_application import constrained_local
 from rigtri.evaluation.constraint_solver import rotate_of, to_parts
 from rigtri.evaluation.dependency_graph import ControlCycleError, dependencies, find_cycle
-from rigtri.evaluation.sampling import rest, worlds
+from rigtri.evaluation.sampling import worlds
 from rigtri.evaluation.solver import refuse_cycles
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.euler import ORDERS, Order, from_angles
@@ -179,7 +179,7 @@ def _asked(rig: Rig, options: ConstrainOptions) -> Rule:
     child = chain[1] if chain else rig.find(options.child, "node")
     if len(set(drivers)) < len(drivers):
         raise UsageError("a driver is named twice; give it once, with the sum of the weights")
-    own = to_parts(rest(rig)[child]).rotation
+    own = to_parts(rig.normalised_local[child]).rotation
     orients: dict[str, Any] = {"rest": own, "none": IDENTITY}
     given = options.joint_orient
     joint_orient = orients[given] if isinstance(given, str) else from_angles(np.array(given) * _DEGREE, "xyz")
@@ -283,7 +283,7 @@ def _tell(rig: Rig, rule: Rule, report: Report) -> None:
             "constraint-weightless",
             f"all drivers of '{rig.title(rule.child)}' have weight 0, so it keeps its own place",
         )
-    world = rig.shown_world
+    world = rig.normalised_world
     for driver in rule.drivers:
         size = length(world[driver, :3, :3])
         uneven = size.max() - size.min() > SKEW * size.max() or skew(world[driver]) > SKEW
@@ -335,7 +335,7 @@ def _record(rig: Rig, rule: Rule, node: int, note: dict[str, Any]) -> dict[str, 
     }
     if rule.kind == "polevector":
         return record | {"chain": [rig.title(joint) for joint in rule.chain]}
-    local = rest(rig)[np.newaxis]
+    local = rig.normalised_local[np.newaxis]
     own = local[:, rule.child]
     with np.errstate(all="ignore"):
         found = constrained_local(rig, rule, worlds(rig, local), local, own)

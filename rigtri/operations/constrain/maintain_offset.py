@@ -8,7 +8,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import aim_rotation, lengths_for, nearest_rotation_of, to_parts
-from rigtri.evaluation.sampling import rest, worlds
+from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import from_frame, identity, inverse, multiply, transform_points
 from rigtri.maths.quaternions import IDENTITY, conjugate, to_axes
 from rigtri.maths.quaternions import multiply as product
@@ -26,7 +26,7 @@ def measured(rig: Rig, rule: Rule, *, keep: bool) -> Rule:
 
     Raises GeometryError where the child, its parent or a driver has no frame (a scale of zero).
     """
-    local = rest(rig)
+    local = rig.normalised_local
     world = worlds(rig, local)
     count = 1 if rule.kind == "aim" else len(rule.drivers)
     offsets = identity(count)

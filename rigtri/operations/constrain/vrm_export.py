@@ -16,7 +16,7 @@ import numpy as np
 
 from rigtri.evaluation.constraint_application import constrained_local
 from rigtri.evaluation.constraint_solver import nearest_rotation_of, to_parts
-from rigtri.evaluation.sampling import rest, worlds
+from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import skew
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
@@ -103,11 +103,11 @@ def _why_no_frame(rig: Rig, rule: Rule) -> str:
         return "one of the nodes keeps a matrix instead of a rotation"
     if child in rig.frame_of:
         return "the child's axes are held by a node of their own"
-    scales = to_parts(rest(rig)[[child, driver]]).scale
+    scales = to_parts(rig.normalised_local[[child, driver]]).scale
     if not (rig.scale[[child, driver]] > 0).all() or not (scales > 0).all():
         return "one of the nodes is mirrored"
     compared = rule.kind == "aim" or rule.space == "world"
-    world = rig.shown_world
+    world = rig.normalised_world
     above = [int(rig.parents[node]) for node in (child, driver) if rig.parents[node] >= 0]
     if compared and not all(_even(world[node]) for node in above):
         return "a node above is mirrored, or stretched unlike along its axes"
@@ -123,7 +123,7 @@ def _why_elsewhere(rig: Rig, rule: Rule) -> str:
             return f"it compares own axes, which differ at rest; {_LOCAL}"
     if rule.kind == "aim" and rotation_angle(nearest_rotation_of(rule.offsets[0])) > _SAME:
         return "it keeps no offset, and the axis does not point at the driver at rest"
-    local = rest(rig)[np.newaxis]
+    local = rig.normalised_local[np.newaxis]
     own = local[:, rule.child]
     found = constrained_local(rig, rule, worlds(rig, local), local, own)
     if _apart(found[0], own[0]) > _SAME:

@@ -8,7 +8,6 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.constraint_solver import to_parts
-from rigtri.evaluation.sampling import rest, worlds
 from rigtri.frames.mirror_modes import mirrored_axes
 from rigtri.maths.matrices import identity, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotation_angle, to_axes
@@ -76,7 +75,7 @@ def _mirrored(rig: Rig, rule: Rule, options: MirrorOptions) -> Rule | None:
         drivers=tuple(node for node in drivers if node is not None),
         chain=tuple(node for node in chain if node is not None),
         joint_orient=_joint_orient(rig, rule, child, options),
-        rest=to_parts(rest(rig)[child]).rotation,
+        rest=to_parts(rig.normalised_local[child]).rotation,
         aim=aim if rule.kind == "aim" else rule.aim,
         up=up if rule.kind == "aim" else rule.up,
         up_vector=above if rule.kind == "aim" else rule.up_vector,
@@ -86,7 +85,7 @@ def _mirrored(rig: Rig, rule: Rule, options: MirrorOptions) -> Rule | None:
 
 def _joint_orient(rig: Rig, rule: Rule, child: int, options: MirrorOptions) -> Floats:
     """The twin's own rest rotation or none, where the rule's is that, else the mirrored one, (4,)."""
-    local, given = rest(rig), rule.joint_orient
+    local, given = rig.normalised_local, rule.joint_orient
     if _same(given, IDENTITY):
         return IDENTITY.copy()
     if _same(given, to_parts(local[rule.child]).rotation):
@@ -102,4 +101,4 @@ def _same(one: Floats, two: Floats) -> bool:
 
 def _turn(rig: Rig, node: int) -> Floats:
     """The axes of a node in the world as a rotation, (4,); −1: the world's own."""
-    return from_axes(orthonormal_axes(worlds(rig)[node])) if node >= 0 else IDENTITY.copy()
+    return from_axes(orthonormal_axes(rig.world[node])) if node >= 0 else IDENTITY.copy()

@@ -9,7 +9,6 @@ import numpy as np
 
 from rigtri.declaration.kinds import vector
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.sampling import worlds
 from rigtri.frames.mirror_modes import Mirror, mirrored_axes, twin_of
 from rigtri.maths.matrices import determinant, nearest_rotation
 from rigtri.maths.triangle import axis_of
@@ -46,7 +45,7 @@ def mirror_limbs(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 
 
 def _limb(rig: Rig, chain: list[int], note: Mapping[str, Any], options: MirrorOptions, report: Report) -> Rig:
-    world = worlds(rig)[chain]
+    world = rig.world[chain]
     places = options.across.points(world[:, 3, :3])
     axes = mirrored_axes(nearest_rotation(world), options.mode, options.across)
     found = [twin_of(rig, k) for k in chain]
@@ -178,7 +177,7 @@ def _signed(axis: str, signs: Floats) -> str:
 
 
 def _record(rig: Rig, node: int, *, new: bool) -> dict[str, Any]:
-    world = worlds(rig)[node]
+    world = rig.world[node]
     return {
         "node": rig.names[node],
         "type": "limb",

@@ -12,7 +12,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.frames.error_bounds import TOLERANCE
 from rigtri.frames.mirror_modes import Across, Mirror, Plane, side_of, twin_of
 from rigtri.maths.matrices import nearest_rotation, orthonormal_axes
@@ -158,7 +157,7 @@ def lone(rig: Rig, node: int, report: Report, what: str, why: str = "") -> None:
 
 def direction(rig: Rig, here: int, there: int, own: Floats, options: MirrorOptions) -> Floats:
     """A direction in the axes of a node, (3,), as the mirrored direction in the axes of its twin."""
-    world = worlds(rig)
+    world = rig.world
     axes, twins = nearest_rotation(world[[here, there]])
     seen = own[0] * axes[0] + own[1] * axes[1] + own[2] * axes[2]
     return tidy(np.array([dot(options.across.directions(seen), row) for row in twins]))
@@ -172,7 +171,7 @@ def tidy(direction: Floats) -> Floats:
 
 def axes_at(rig: Rig, node: int) -> Floats:
     """The world axes of a node as rows, (3, 3)."""
-    return orthonormal_axes(worlds(rig)[node])
+    return orthonormal_axes(rig.world[node])
 
 
 def alike(one: Any, other_one: Any, size: float) -> bool:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate
 from rigtri.maths.trigonometry import Floats
@@ -125,7 +124,7 @@ def _goals(
 
 def _turn(rig: Rig, node: int) -> Floats:
     """The axes of a node in the world as a rotation, (4,); −1: the world's own."""
-    return from_axes(orthonormal_axes(worlds(rig)[node])) if node >= 0 else IDENTITY.copy()
+    return from_axes(orthonormal_axes(rig.world[node])) if node >= 0 else IDENTITY.copy()
 
 
 Triples = tuple[tuple[str, str, str], ...]

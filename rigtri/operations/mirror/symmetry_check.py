@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.frames.mirror_modes import PLANES, Plane, mirrored_axes
 from rigtri.frames.mirror_plane import TOLERANCE, parting
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
@@ -81,7 +80,7 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None) -> Asymmetry:
     options = replace(options, across=parted.across)
     joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
     found, alone = _pairs(rig, joints, options)
-    rest = worlds(rig)
+    rest = rig.world
     kinds = {node: str(note.get("type")) for node, note in rig.notes.items() if node not in set(tree.joints)}
     standing, unpaired = _pairs(rig, (n for n, kind in kinds.items() if kind in _STANDING), options)
     rules = (n for n, kind in kinds.items() if kind in ("constraint", "poseReader"))

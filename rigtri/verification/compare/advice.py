@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.frames.error_bounds import lever_arms
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.scale_tolerance import ROUNDING
@@ -44,7 +43,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
             f"{before.title(noisy[0])}, or {allow}"
         )
     depth = max(before.depth) + 1
-    far = float(np.abs(worlds(before)[:, 3, :3]).max(initial=0.0)) / (result.diagonal or 1.0)
+    far = float(np.abs(before.world[:, 3, :3]).max(initial=0.0)) / (result.diagonal or 1.0)
     floor = depth * max(far, 1.0) * float(np.finfo(np.float32).eps) / 2
     return (
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "

@@ -31,7 +31,7 @@ def compare_attached(before: Rig, after: Rig, m: Matching) -> list[str]:
         return []
     with np.errstate(all="ignore"):
         # Rotations as the format means them: unit, whatever was stored.
-        worlds = before.shown_world, after.shown_world
+        worlds = before.normalised_world, after.normalised_world
         return [
             *_vectors(before, after, m, worlds),
             *_constraints(before, after, m, worlds),

@@ -450,7 +450,7 @@ def _run(before: Rig, after: Rig, tally: _Tally, *, normalised: bool) -> None:
         return
     (before, after), tally.watched = _needed(before, after, tally.watched)
     both, count = joined(before, after), len(before)  # one evaluation costs less than two
-    still = sampling.worlds(both, sampling.rest(both, normalised=normalised))[np.newaxis]
+    still = sampling.worlds(both, both.normalised_local if normalised else both.local)[np.newaxis]
     tally.add(Moment(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
     size = min(max(map(_times_at_once, (before, after))), _times_of_points(tally.watched))
     for clip, *clips in zip(both.clips, before.clips, after.clips, strict=True):

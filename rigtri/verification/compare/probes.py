@@ -360,7 +360,7 @@ def bare_frames(
     nodes = np.flatnonzero(unseen).tolist()
     if nodes:
         reach = _reaches(before, 0.05 * diagonal)[nodes]
-        axes = length(sampling.worlds(before)[nodes, :3, :3])
+        axes = length(before.world[nodes, :3, :3])
         with np.errstate(divide="ignore", invalid="ignore"):
             far = reach[:, np.newaxis] / axes
         ends = np.where(np.isfinite(far), far, 0.0)[:, np.newaxis] * np.eye(3)
@@ -392,7 +392,7 @@ def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
 
 def _reaches(rig: Rig, least: float) -> Floats:
     """How far what hangs on each node reaches at rest, (n,), in file units."""
-    places, found = sampling.worlds(rig)[:, 3, :3], np.full(len(rig), least)
+    places, found = rig.world[:, 3, :3], np.full(len(rig), least)
     for node in range(len(rig) - 1, -1, -1):
         parent = int(rig.parents[node])
         if parent >= 0:
@@ -403,7 +403,7 @@ def _reaches(rig: Rig, least: float) -> Floats:
 
 def _whole(rig: Rig, nodes: Sequence[int], diagonal: float) -> Floats:
     """The corners of frames a diagonal long, (r, 8, 4); of what has no size at rest, its place."""
-    axes = length(sampling.worlds(rig)[nodes, :3, :3])
+    axes = length(rig.world[nodes, :3, :3])
     with np.errstate(divide="ignore", invalid="ignore"):
         size = diagonal / axes
     size = np.where(np.isfinite(size), size, 0.0)

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.evaluation import sampling
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import inverse, nearest_rotation
 from rigtri.maths.trigonometry import Floats
@@ -123,7 +122,7 @@ def _equal(one: Floats, other: Floats) -> Booleans:
 def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
     """Nodes whose axes point elsewhere in the world, or that stand elsewhere."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        worlds = sampling.worlds(before), sampling.worlds(after)
+        worlds = before.world, after.world
         axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
     places = worlds[0][:, 3, :3]
     whole = places[np.isfinite(places).all(axis=1)]

@@ -11,7 +11,6 @@ import pytest
 from gltf_files import Builder, character, small
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.formats.gltf.document import GltfDocument
 
@@ -109,7 +108,7 @@ def test_the_rig_is_what_the_file_says(tmp_path: Path) -> None:
     assert rig.rules.facing == (0.0, 0.0, 1.0)
     assert list(rig.rules.fixed) == [rig.find("foot")]
     # Row vectors: the last row of the stored sixteen numbers is the position.
-    np.testing.assert_allclose(worlds(rig)[rig.find("#4"), 3, :3], [1.5, 3, -2])
+    np.testing.assert_allclose(rig.world[rig.find("#4"), 3, :3], [1.5, 3, -2])
     assert [skin.name for skin in rig.skins] == ["all", ""]
     assert rig.skins[1].joints.tolist() == [8, 7, 2]
     assert len(rig.skins[1].inverse_bind) == 3
@@ -200,7 +199,7 @@ def test_lenient_splits_the_matrix_of_an_animated_node(tmp_path: Path) -> None:
     names = ("new name", *document.rig.names[1:])
     document.write(replace(document.rig, names=names), tmp_path / "b.glb", tmp_path / "b.glb")
     again = GltfDocument.read(tmp_path / "b.glb").rig
-    np.testing.assert_allclose(worlds(again), worlds(document.rig), atol=1e-12)
+    np.testing.assert_allclose(again.world, document.rig.world, atol=1e-12)
 
 
 def test_rotations_that_are_not_unit_are_noticed(tmp_path: Path) -> None:

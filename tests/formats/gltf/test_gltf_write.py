@@ -17,7 +17,6 @@ from rigs import lawful
 from second_opinions import khronos_errors
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats import Companion, ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.nonuniform_scale import ScaleTable
@@ -78,10 +77,10 @@ def test_random_turns_move_nothing(path: Path, tmp_path: Path) -> None:
     comparison = verify(document, after)
     assert comparison.passes(1e-5), comparison.summary()
     # The file has the axes that were asked for.
-    expected = worlds(reframe(document.rig, turn))
+    expected = reframe(document.rig, turn).world
     place_of = {key: k for k, key in enumerate(after.rig.keys)}
     order = [place_of[key] for key in document.rig.keys]
-    assert np.abs(worlds(after.rig)[order] - expected[: len(order)]).max() < 1e-5 * np.abs(expected).max()
+    assert np.abs(after.rig.world[order] - expected[: len(order)]).max() < 1e-5 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
@@ -309,7 +308,7 @@ def test_a_single_root_stays_the_only_root(tmp_path: Path) -> None:
     written(document, rig, tmp_path / "b.glb")
     again = GltfDocument.read(tmp_path / "b.glb").rig
     assert glb_json(tmp_path / "b.glb")["scenes"] == [{"nodes": [0]}]
-    np.testing.assert_allclose(worlds(again)[again.find("pole")], worlds(rig)[-1], atol=1e-12)
+    np.testing.assert_allclose(again.world[again.find("pole")], rig.world[-1], atol=1e-12)
 
 
 def test_a_node_put_above_another_takes_its_place_among_the_children(tmp_path: Path) -> None:
@@ -395,7 +394,7 @@ def test_turning_there_and_back_gives_back_the_same_rest_pose(tmp_path: Path) ->
     turn = random_turns(document.rig)
     there = GltfDocument.read(written(document, reframe(document.rig, turn), tmp_path / "b.glb"))
     back = GltfDocument.read(written(there, reframe(there.rig, conjugate(turn)), tmp_path / "c.glb"))
-    np.testing.assert_allclose(worlds(back.rig), worlds(document.rig), atol=1e-12)
+    np.testing.assert_allclose(back.rig.world, document.rig.world, atol=1e-12)
 
 
 @pytest.mark.skipif(not ASSETS.is_dir(), reason="real files are not here: set RIGTRI_ASSETS")

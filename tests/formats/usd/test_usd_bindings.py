@@ -69,7 +69,7 @@ def test_a_clip_is_what_usdskel_plays(name: str, tmp_path: Path) -> None:
     rig = read(path).rig
     assert bool(rig.shown_clips) == (name in PLAYED)
     joints = rig.skins[0].joints
-    mine = worlds(rig)[joints, 3, :3]
+    mine = rig.world[joints, 3, :3]
     if rig.shown_clips:
         mine = worlds(rig, locals_at(rig, rig.shown_clips[0], np.array([3.0])))[0, joints, 3, :3]
     np.testing.assert_allclose(mine, places(path, 3.0), atol=1e-6)

@@ -14,7 +14,6 @@ from pxr import Sdf
 from second_opinions import usd_errors
 from usd_files import deviation, error_of, read, turned, write
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.verification.compare.compare import self_check
 
 FILES = [path for path in (*sample_files(*USD), *asset_files(*USD)) if not error_of(path)]
@@ -53,8 +52,8 @@ def test_what_is_written_reads_back_as_the_rig_that_was_asked_for(path: Path, tm
     rig = turned(document.rig)
     again = read(write(document, rig, source.with_stem("out"))).rig
     assert again.labels == rig.labels
-    size = np.abs(worlds(rig)).max()
-    np.testing.assert_allclose(worlds(again), worlds(rig), atol=1e-12 * size)
+    size = np.abs(rig.world).max()
+    np.testing.assert_allclose(again.world, rig.world, atol=1e-12 * size)
     for one, other in zip(rig.clips, again.clips, strict=True):
         for wanted, found in zip(one.tracks, other.tracks, strict=True):
             scale = max(1.0, np.abs(wanted.values).max())

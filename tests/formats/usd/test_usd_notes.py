@@ -13,7 +13,6 @@ from pxr import Sdf, Usd, UsdGeom
 from second_opinions import usd_errors
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, write
 
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
@@ -81,7 +80,7 @@ def test_locators_are_found_again_and_the_second_run_changes_no_byte(tmp_path: P
     assert again.rig.notes[pole] == POLE
     assert again.rig.notes[again.rig.find("rigtri")] == {"v": 1, "type": "group"}
     assert not again.rig.has_matrix[pole]
-    assert_allclose(worlds(again.rig)[pole, 3, :3], (4, 5, 6))
+    assert_allclose(again.rig.world[pole, 3, :3], (4, 5, 6))
     same = replace(again.rig, notes=dict(again.rig.notes))
     assert write(again, same, tmp_path / "second.usda").read_bytes() == out.read_bytes()
 

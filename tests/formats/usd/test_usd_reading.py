@@ -40,7 +40,7 @@ def test_prims_and_joints_become_nodes(tmp_path: Path) -> None:
     assert rig.keys[4] == ("joint", "/Root/Skel", "a/b")
     assert rig.payload.tolist() == [-1, -1, 2, -1, -1, -1]
     assert rig.rules.up == (0, 1, 0)
-    assert_allclose(worlds(rig)[3:, 3, :3], [(0, 0, 0), (0, 2, 0), (0, 4, 1)])
+    assert_allclose(rig.world[3:, 3, :3], [(0, 0, 0), (0, 2, 0), (0, 4, 1)])
     assert rig.skins[0].weighted.tolist() == [True, True, True]
 
 
@@ -137,7 +137,7 @@ def test_without_rest_the_bind_pose_stands_in_and_none_is_written(tmp_path: Path
     source = save(tmp_path, scene(skeleton(rest=""), animation(), MESH))
     document = read(source)
     assert [notice.code for notice in document.warnings] == ["no-rest"]
-    assert_allclose(worlds(document.rig)[3:, 3, :3], [(0, 0, 0), (0, 2, 0), (0, 4, 1)])
+    assert_allclose(document.rig.world[3:, 3, :3], [(0, 0, 0), (0, 2, 0), (0, 4, 1)])
     out = write(document, turned(document.rig), tmp_path / "out.usda")
     assert "restTransforms" not in out.read_text()
     assert deviation(source, out) < 1e-6

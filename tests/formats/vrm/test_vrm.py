@@ -11,7 +11,6 @@ from avatars import NODES, avatar
 from gltf_files import Builder, glb_json, small
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
@@ -95,8 +94,8 @@ def test_vrm_1_offsets_stay_where_they_are_in_the_world(tmp_path: Path) -> None:
     after = GltfDocument.read(tmp_path / "b.vrm").rig
     assert len(after.bound) == 6
     for old, new in zip(document.rig.bound, after.bound, strict=True):
-        before = np.append(old.vector, 1) @ worlds(document.rig)[old.node]
-        np.testing.assert_allclose(np.append(new.vector, 1) @ worlds(after)[new.node], before, atol=1e-12)
+        before = np.append(old.vector, 1) @ document.rig.world[old.node]
+        np.testing.assert_allclose(np.append(new.vector, 1) @ after.world[new.node], before, atol=1e-12)
 
 
 def test_vrm_1_numbers_by_hand(tmp_path: Path) -> None:
@@ -202,7 +201,7 @@ def test_all_that_swings_looks_and_collides_stays_where_it_is(seed: int, tmp_pat
 def places(path: Path) -> dict[str, np.ndarray]:
     """Where colliders, plane normals, spring joints, their tails and the look-at point are in the world."""
     extensions, rig = glb_json(path)["extensions"], GltfDocument.read(path).rig
-    world, found = worlds(rig), {}
+    world, found = rig.world, {}
     row = {key: k for k, key in enumerate(rig.keys)}
     springs, vrm = extensions["VRMC_springBone"], extensions["VRMC_vrm"]
     for k, collider in enumerate(springs["colliders"]):

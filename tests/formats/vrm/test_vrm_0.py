@@ -17,7 +17,6 @@ from numpy.testing import assert_allclose
 from second_opinions import khronos_errors
 
 from rigtri.errors import FileError, NameNotFoundError, UsageError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
@@ -37,7 +36,7 @@ def run(app: Group, *args: object) -> Any:
 
 def places(gltf: dict[str, Any], rig: Rig) -> np.ndarray:
     """Where VRM 0 vectors lie in the world, read without rigtri: node-local, z to the other side."""
-    vrm, world = gltf["extensions"]["VRM"], worlds(rig)
+    vrm, world = gltf["extensions"]["VRM"], rig.world
     found = [(vrm["firstPerson"]["firstPersonBone"], vrm["firstPerson"]["firstPersonBoneOffset"])]
     for group in vrm["secondaryAnimation"]["colliderGroups"]:
         found += [(group["node"], collider["offset"]) for collider in group["colliders"]]
@@ -58,7 +57,7 @@ def test_all_bones_get_zero_rotations_and_nothing_moves(app: Group, option: str,
     before, after = GltfDocument.read(source), GltfDocument.read(out)
     bones = [NODES[name] for name in JOINTS if name != "hair_end"]
     assert_allclose(
-        worlds(after.rig)[bones, :3, :3], np.broadcast_to(np.eye(3), (len(bones), 3, 3)), atol=1e-12
+        after.rig.world[bones, :3, :3], np.broadcast_to(np.eye(3), (len(bones), 3, 3)), atol=1e-12
     )
     assert_allclose(after.rig.rotation[bones], np.tile(IDENTITY, (len(bones), 1)), atol=1e-12)
     assert verify(before, after).passes(1e-6)
@@ -118,7 +117,7 @@ def test_the_end_of_a_swinging_chain_hangs_as_before(tmp_path: Path) -> None:
     rig = GltfDocument.read(avatar_0(6).glb(tmp_path / "a.vrm")).rig
     after = orient_joints(rig, options=OrientJointsOptions(style=WORLD))
     end = NODES["hair_end"]
-    tails = [r.translation[end] @ worlds(r)[end, :3, :3] for r in (rig, after)]
+    tails = [r.translation[end] @ r.world[end, :3, :3] for r in (rig, after)]
     assert_allclose(tails[1], tails[0], atol=1e-12)
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.opinions.control_shapes import NAME, drawing
 from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, kind, parts, set_value
@@ -156,7 +155,7 @@ class _Additions:
 
     def __init__(self, source: Source, rig: Rig) -> None:
         self.source, self.rig = source, rig
-        self.world = worlds(rig)
+        self.world = rig.world
         self.paths: dict[int, Any] = {}
         self.made: dict[Any, Edit] = {}
         self.taken: set[Any] = set()

@@ -11,7 +11,6 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import bound_animation
 from rigtri.formats.usd.composition.stage import DEFAULT, quiet
@@ -227,7 +226,7 @@ class _Reader:
         prims = [prim for prim in others if prim.GetTypeName() == "Skeleton"]
         if not prims:
             return
-        world = worlds(self._rig())
+        world = self._rig().world
         for prim in prims:
             path = str(prim.GetPath())
             animation = bound_animation(prim, self.warnings)
@@ -254,7 +253,7 @@ class _Reader:
 
     def _library(self, others: list[Any]) -> None:
         """Animations without any skeleton, as skeletons of their own."""
-        world = worlds(self._rig())
+        world = self._rig().world
         for prim in (prim for prim in others if prim.GetTypeName() == "SkelAnimation"):
             path = str(prim.GetPath())
             animation = read_animation(prim, self.warnings)

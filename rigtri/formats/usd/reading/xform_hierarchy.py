@@ -14,7 +14,6 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from rigtri.errors import NameNotFoundError, UsageError
-from rigtri.evaluation.sampling import worlds
 from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.opinions.edits import kind
 from rigtri.formats.usd.opinions.xform_ops import FRAME, PARENT_INVERSE
@@ -119,7 +118,7 @@ def pseudo_skin(rig: Rig, root: int) -> Skin:
     return Skin(
         name=rig.names[root],
         joints=np.array(joints, dtype=np.int64),
-        inverse_bind=inverse(worlds(rig)[joints]),
+        inverse_bind=inverse(rig.world[joints]),
         stored=False,
         key=("root", rig.labels[root]),
     )
