@@ -599,10 +599,10 @@ class _Spoilt:
 
 
 def test_custom_data_that_cannot_be_unpacked_are_an_error_of_the_file() -> None:
-    from rigtri.formats.usd.document import _source_of
+    from rigtri.formats.usd.composition.overrides import overridden_file
 
     with pytest.raises(FileError, match=r"in\.usdc: USD cannot read it: .*enum value 239"):
-        _source_of(_Spoilt(), Path("in.usdc"))
+        overridden_file(_Spoilt(), Path("in.usdc"))
 
 
 def test_a_finding_of_openusd_that_quotes_bytes_is_told_all_the_same() -> None:

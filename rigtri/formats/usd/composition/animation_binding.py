@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pxr import Sdf, UsdSkel
+from pxr import UsdSkel
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.report import Notice
 
 SOURCE = "skel:animationSource"
@@ -76,15 +75,3 @@ def idle_above(stage: Any, path: Any) -> Any:
     """The uppermost prim at or above a path that is not active; None where all are."""
     above = (stage.GetPrimAtPath(prefix) for prefix in path.GetPrefixes())
     return next((prim for prim in above if prim and not prim.IsActive()), None)
-
-
-def bind(skeleton: str, animation: str) -> Edit:
-    """Let a skeleton be driven by an animation."""
-
-    def edit(layer: Any) -> None:
-        prim = Sdf.CreatePrimInLayer(layer, skeleton)
-        relation = prim.relationships.get(SOURCE) or Sdf.RelationshipSpec(prim, SOURCE, custom=False)
-        relation.targetPathList.ClearEditsAndMakeExplicit()
-        relation.targetPathList.explicitItems = [animation]
-
-    return Edit(Sdf.Path(skeleton), edit)

@@ -13,13 +13,11 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.animation_binding import idle_above
+from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
 from rigtri.formats.usd.composition.stage import DEFAULT
-from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 
 # What of a skeleton and its animation decides how they look.
 VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")
-_SOURCE = "skel:animationSource"
 # More ways than this to show one skeleton are more than anyone can look through.
 LIMIT = 64
 
@@ -52,18 +50,18 @@ class State:
 
 
 class Trial:
-    """The variants that matter to one skeleton.
+    """The variants that matter to one skeleton and its animation (paths; "" for none).
 
     states: every way to show it, the file's own first. depends: for each attribute that
     moves it in any of them, the sets that decide where its values come from.
     """
 
-    def __init__(self, stage: Any, skeleton: Skeleton, *, explore: bool = True) -> None:
-        self.source, self.skeleton = stage, skeleton
+    def __init__(self, stage: Any, skeleton: str, animation: str, *, explore: bool = True) -> None:
+        self.source, self.skeleton, self.animation = stage, skeleton, animation
         self.states: list[State] = []
         self.depends: dict[Any, set[VariantSet]] = {}
         self._authored: dict[VariantSet, str] = {}
-        watched = [path for path in (skeleton.path, skeleton.animation) if path]
+        watched = [path for path in (skeleton, animation) if path]
         if any(_sets(stage.GetPrimAtPath(path)) for path in _prefixes(watched) if stage.GetPrimAtPath(path)):
             self.stage = _bare_stage(stage, watched)
             if explore:
@@ -79,7 +77,7 @@ class Trial:
             for (path, name), variant in chosen.items():
                 Sdf.CreatePrimInLayer(session, path).variantSelections[name] = variant
         self._authored = dict(chosen)
-        self.stage.ExpandPopulationMask(lambda relation: relation.GetName() == _SOURCE)
+        self.stage.ExpandPopulationMask(lambda relation: relation.GetName() == SOURCE)
 
     def place_of(self, state: State, path: Any) -> str:
         """The strongest opinion on a prim in a state: its path and its layer."""
@@ -105,7 +103,7 @@ class Trial:
                 known[key] = other
                 if len(self.states) > LIMIT:
                     raise FileError(
-                        f"Variants show <{self.skeleton.path}> in more than {LIMIT} ways. Give those "
+                        f"Variants show <{self.skeleton}> in more than {LIMIT} ways. Give those "
                         "that are needed a file of their own."
                     )
         return steps
@@ -127,13 +125,13 @@ class Trial:
 
     def _look(self, chosen: Mapping[VariantSet, str]) -> State:
         self.choose(chosen)
-        prim = self.stage.GetPrimAtPath(self.skeleton.path)
+        prim = self.stage.GetPrimAtPath(self.skeleton)
         shown: Origins = {}
         targets = _targets(prim) if prim else []
         if prim and prim.GetTypeName() == "Skeleton" and prim.IsActive():
             paths = [path.AppendProperty(name) for path in (prim.GetPath(), *targets) for name in VALUES]
-            shown = self._origins_of([*paths, prim.GetPath().AppendProperty(_SOURCE)])
-        above = _prefixes([self.skeleton.path, *map(str, targets)])
+            shown = self._origins_of([*paths, prim.GetPath().AppendProperty(SOURCE)])
+        above = _prefixes([self.skeleton, *map(str, targets)])
         prims = [(path, self.stage.GetPrimAtPath(path)) for path in above]
         selected = {
             (path, name): prim.GetVariantSet(name).GetVariantSelection()
@@ -157,16 +155,16 @@ class Trial:
         found: Origins = {}
         for path in paths:
             prim = self.stage.GetPrimAtPath(path.GetPrimPath())
-            if path.name == _SOURCE:
+            if path.name == SOURCE:
                 found[path] = tuple(map(str, _targets(prim))) if prim else ()
             elif prim and (attribute := prim.GetAttribute(path.name)) and attribute.HasAuthoredValue():
                 found[path] = _origin(attribute)
         return found
 
 
-def why_split(stage: Any, skeleton: Skeleton) -> str:
+def why_split(stage: Any, skeleton: str, animation: str) -> str:
     """Which variant set decides what a skeleton's joints are or do; "" if none does."""
-    return split_by(Trial(stage, skeleton))
+    return split_by(Trial(stage, skeleton, animation))
 
 
 def split_by(trial: Trial) -> str:
@@ -252,7 +250,7 @@ def _sets(prim: Any) -> list[str]:
 def _targets(prim: Any) -> list[Any]:
     """The targets of the animation binding at or above a prim."""
     while prim:
-        relation = prim.GetRelationship(_SOURCE)
+        relation = prim.GetRelationship(SOURCE)
         if relation and relation.HasAuthoredTargets():
             return list(relation.GetTargets())
         prim = prim.GetParent()

@@ -33,7 +33,7 @@ class Expected:
         last = {edit.path: edit for edit in edits if isinstance(edit, Setting) and edit.name in VALUES}
         _check(stage, list(last.values()), "")
         for trial, state, settings in self._states:
-            again = Trial(stage, trial.skeleton, explore=False)
+            again = Trial(stage, trial.skeleton, trial.animation, explore=False)
             again.choose(state.chosen)
             _check(again.stage, settings, f"In {state.title}, ")
 

@@ -15,7 +15,9 @@ from rigtri.formats.usd.opinions.edits import Edit, Setting
 _SAID = ("typeName", "variability", "custom", "elementSize", "interpolation", "customData")
 
 
-def without_repeated(stage: Any, layer: Any, edits: Iterable[Edit], composed: Callable[[Any], Any]) -> None:
+def drop_redundant_opinions(
+    stage: Any, layer: Any, edits: Iterable[Edit], composed: Callable[[Any], Any]
+) -> None:
     """Take values out of a layer that ``edits`` have set to what they are without it, and overs left bare.
 
     stage: of the source. composed: the stage of a layer in the source's place, which it may change.

@@ -6,12 +6,15 @@ layer that another edit has already changed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pxr import Sdf
+from pxr import Sdf, Vt
+
+from rigtri.formats.usd.composition.animation_binding import SOURCE
+from rigtri.maths.trigonometry import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,16 +50,6 @@ class Setting(Edit):
 def arrays(values: Mapping[Any, Any]) -> dict[Any, np.ndarray]:
     """Values by time as arrays; what is blocked has none."""
     return {time: np.array(value) for time, value in values.items() if value is not None}
-
-
-def parts(key: Hashable) -> tuple[Any, ...]:
-    """The parts of a key that this format has given; none where a node is new."""
-    return key if isinstance(key, tuple) else ()
-
-
-def kind(key: Hashable) -> str:
-    """What a key stands for: ``prim``, ``joint``, ``skeleton``, ``root``, or "" where it is new."""
-    return str(parts(key)[0]) if parts(key) else ""
 
 
 def set_value(
@@ -130,3 +123,49 @@ def apply_schema(prim: Any, name: str) -> Edit:
         spec.SetInfo("apiSchemas", schemas)
 
     return Edit(path, edit)
+
+
+def set_tokens(prim: Any, name: str, tokens: Sequence[str]) -> Setting:
+    """Set a uniform token array."""
+    return set_value(prim, name, Sdf.ValueTypeNames.TokenArray, Vt.TokenArray(list(tokens)), uniform=True)
+
+
+def set_matrices(prim: Any, name: str, matrices: Floats) -> Setting:
+    """Set a uniform matrix array; matrices: (n, 4, 4)."""
+    value = Vt.Matrix4dArray.FromNumpy(np.ascontiguousarray(matrices))
+    return set_value(prim, name, Sdf.ValueTypeNames.Matrix4dArray, value, uniform=True)
+
+
+def remove_prim(path: Any) -> Edit:
+    """Remove a prim's spec with all below it; nothing where the layer has none."""
+
+    def edit(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is not None:
+            del spec.nameParent.nameChildren[spec.name]
+
+    return Edit(Sdf.Path(path), edit)
+
+
+def remove_properties(prim: Any, *names: str) -> Edit:
+    """Remove properties of a prim; nothing where the layer has none."""
+
+    def edit(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(prim)
+        for name in names if spec is not None else ():
+            if name in spec.properties:
+                del spec.properties[name]
+
+    return Edit(Sdf.Path(prim), edit)
+
+
+def bind_animation(skeleton: str, animation: str) -> list[Edit]:
+    """Let a skeleton be driven by an animation: its binding, and the schema that UsdSkel asks for."""
+
+    def edit(layer: Any) -> None:
+        prim = Sdf.CreatePrimInLayer(layer, skeleton)
+        relation = prim.relationships.get(SOURCE) or Sdf.RelationshipSpec(prim, SOURCE, custom=False)
+        relation.targetPathList.ClearEditsAndMakeExplicit()
+        relation.targetPathList.explicitItems = [animation]
+
+    return [Edit(Sdf.Path(skeleton), edit), apply_schema(skeleton, "SkelBindingAPI")]

@@ -39,11 +39,24 @@ def instance_of(stage: Any, path: Any) -> Any:
     return None
 
 
-def apply(stage: Any, edits: Sequence[Edit], layer: Any, warnings: list[Notice]) -> list[Any]:
+def apply_edits(stage: Any, edits: Sequence[Edit], layer: Any, warnings: list[Notice]) -> None:
+    """Make edits of a stage in a layer, those of prims inside instances through classes."""
+    inside: list[Edit] = []
+    with Sdf.ChangeBlock():
+        for edit in edits:
+            if instance_of(stage, edit.prim) is None:
+                edit(layer)
+            else:
+                inside.append(edit)
+    if inside:
+        _apply_inside(stage, inside, layer, warnings)
+
+
+def _apply_inside(stage: Any, edits: Sequence[Edit], layer: Any, warnings: list[Notice]) -> None:
     """Make edits of prims inside instances in ``layer``, through classes.
 
     edits: those whose prim lies in an instance of the stage. layer: a copy of the layer that
-    will be edited. Returns the paths of the classes.
+    will be edited.
     """
     prims = _instances_of(stage, edits)
     scratch, known = layers.empty(), _own_classes(stage, layer)
@@ -57,7 +70,6 @@ def apply(stage: Any, edits: Sequence[Edit], layer: Any, warnings: list[Notice])
     for group in groups:
         _write(group, stage, layer, scratch, known)
     _tell(stage, groups, warnings)
-    return [group.path for group in groups]
 
 
 @dataclass

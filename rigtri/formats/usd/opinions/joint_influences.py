@@ -14,7 +14,7 @@ from rigtri.formats.usd.composition.variants import choices
 from rigtri.formats.usd.opinions.edits import Edit, set_value
 from rigtri.formats.usd.reading.joint_tokens import split_token
 from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS
-from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
 
 ORDER, INDICES = "skel:joints", "primvars:skel:jointIndices"

@@ -1,4 +1,4 @@
-"""New keys of prims that are not ours: time samples of their ops, as far as their stacks allow.
+"""Key prims that are not rigtri's: time samples of their ops, as far as their stacks allow.
 
 A stack of translate, orient and scale says what tracks say. Another one that stands still is
 replaced by these; one that moves goes between its keys in ways that no track has.
@@ -8,18 +8,18 @@ Source: UsdGeomXformable, "Xform ops" and `xformOpOrder`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, UsdGeom, Vt
+from pxr import Gf, Sdf, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.evaluation.timelines import without_steps
 from rigtri.formats.usd.composition.stage import tokens_of, why_locked
-from rigtri.formats.usd.opinions.edits import Edit, set_value
-from rigtri.formats.usd.opinions.xform_ops import OPS, stand, stand_order, sure_turns
-from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
+from rigtri.formats.usd.opinions.xform_edits import OPS, set_transform, transform_ops, unit_rotations
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
@@ -32,13 +32,12 @@ _VECTORS = {"double3": Gf.Vec3d, "float3": Gf.Vec3f, "half3": Gf.Vec3h}
 _TURNS = {"quatd": (Gf.Quatd, Gf.Vec3d), "quatf": (Gf.Quatf, Gf.Vec3f), "quath": (Gf.Quath, Gf.Vec3h)}
 
 
-def edits(source: Source, rig: Rig, tracks: Sequence[Track]) -> list[Edit]:
-    """Edits that give prims their new tracks. FileError, naming the prim, where its ops cannot take them."""
-    found: list[Edit] = []
+def key_xforms(edit: UsdEdit) -> None:
+    """Write the new keys of prims that are not rigtri's. FileError where the ops of one take none."""
+    tracks = edit.changes.prim_tracks
     for node in dict.fromkeys(track.node for track in tracks):
-        mine = {track.path: _linear(rig, track) for track in tracks if track.node == node}
-        found += _prim(source, rig, node, mine)
-    return found
+        mine = {track.path: _linear(edit.rig, track) for track in tracks if track.node == node}
+        edit.values += _prim_edits(edit.source, edit.rig, node, mine)
 
 
 def _linear(rig: Rig, track: Track) -> Track:
@@ -47,7 +46,7 @@ def _linear(rig: Rig, track: Track) -> Track:
     return without_steps(track)
 
 
-def _prim(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) -> list[Edit]:
+def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) -> list[Edit]:
     prim, path = source.stage.GetPrimAtPath(rig.labels[node]), Sdf.Path(rig.labels[node])
     order = list(tokens_of(prim, "xformOpOrder"))
     resets = [_RESET] if order[:1] == [_RESET] else []
@@ -64,9 +63,12 @@ def _prim(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) -> lis
             f"<{path}> stands by {shown}, which cannot take keys. Give it the ops xformOp:translate, "
             "xformOp:orient and xformOp:scale, in this order."
         )
-    names = stand_order(rig.local[node])
+    names = transform_ops(rig.local[node])
     names = [*resets, *(name for p, name in OPS.items() if p in tracks or name in names)]
-    return [*stand(path, rig.local[node], list(tracks.values())), _ordered(path, names)]
+    return [
+        *set_transform(path, rig.local[node], list(tracks.values())),
+        set_tokens(path, "xformOpOrder", names),
+    ]
 
 
 def _into_stack(
@@ -76,7 +78,7 @@ def _into_stack(
     found: list[Edit] = []
     path = prim.GetPath()
     rest = {} if local is None else dict(zip(OPS, decompose(local), strict=True))
-    stands = [] if local is None else stand_order(local)
+    stands = [] if local is None else transform_ops(local)
     names = [name for p, name in OPS.items() if name in ops or p in tracks or name in stands]
     for p, name in OPS.items():
         if name not in names or not (p in tracks or p in rest):
@@ -84,13 +86,13 @@ def _into_stack(
         type_name = prim.GetAttribute(name).GetTypeName() if name in ops else _NEW[p]
         track = tracks.get(p)
         rows = np.zeros((0, 4)) if track is None else track.values
-        rows = sure_turns(rows) if p == "rotation" else rows
+        rows = unit_rotations(rows) if p == "rotation" else rows
         times = [] if track is None else track.times.tolist()
         values = {time: _value(type_name, row) for time, row in zip(times, rows, strict=True)}
         still = rest.get(p, None if name in ops else _NOTHING[p])
         default = None if still is None else _value(type_name, still)
         found.append(set_value(path, name, type_name, default, samples=values, alone=track is not None))
-    return found if names == ops else [*found, _ordered(path, [*resets, *names])]
+    return found if names == ops else [*found, set_tokens(path, "xformOpOrder", [*resets, *names])]
 
 
 _NOTHING: dict[Path, Floats] = {
@@ -106,7 +108,3 @@ def _value(type_name: Any, row: Floats) -> Any:
         return _VECTORS[str(type_name)](*row.tolist())
     quaternion, vector = _TURNS[str(type_name)]
     return quaternion(float(row[3]), vector(*row[:3].tolist()))
-
-
-def _ordered(path: Any, names: list[str]) -> Edit:
-    return set_value(path, "xformOpOrder", _TYPES.TokenArray, Vt.TokenArray(names), uniform=True)

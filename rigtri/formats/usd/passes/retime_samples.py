@@ -1,8 +1,8 @@
-"""Keys of joints: at other times than before, or of joints and properties that had none.
+"""Retime the samples of animations: keys at other times, or of joints and properties that had none.
 
 An animation has one array for all its joints at each time, so its keys are those of any of them:
-each property has samples at all times at which a track of it has a key. It is done as a split is
-done: first every array says at those times what it said before, and then the rig is written into it.
+each property has samples at all times at which a track of it has a key. First every array gets its
+own values at those times; `write_animations` then writes the rig's.
 
 Source: UsdSkel, SkelAnimation (`joints`, and arrays of as many items; it plays with all three or not).
 """
@@ -18,15 +18,15 @@ from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import sample, sorted_unique
-from rigtri.evaluation.timelines import without_steps
-from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd.composition.animation_binding import bind
+from rigtri.evaluation.timelines import PLAYED, without_steps
 from rigtri.formats.usd.composition.stage import why_instanced
 from rigtri.formats.usd.composition.variants import Trial
-from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, kind, parts, set_value
-from rigtri.formats.usd.opinions.preview_stage import edited
+from rigtri.formats.usd.opinions.animation_edits import set_array
+from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_tokens
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
-from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.reading.node_keys import parts
+from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
@@ -41,41 +41,34 @@ _ARRAYS = {
 # A track that holds a default and one that is it differ by rounding, as a share of the largest number.
 _ROUNDING = 1e-9
 
-# What moves joints during an animation, or stands in its defaults, by node and property.
-Said = dict[tuple[int, Path], Track]
+# The tracks of an animation, or of its defaults, by node and property.
+Tracks = dict[tuple[int, Path], Track]
 
 
-def driven(source: Source, rig: Rig, options: ReadOptions) -> tuple[Source, Rig, list[Edit]]:
-    """The source with samples where ``rig`` has keys, the rig with as many for each joint, and the edits.
+def retime_samples(edit: UsdEdit) -> None:
+    """Read the source again with samples where the rig has keys; each joint gets keys at all of them.
 
-    FileError where an animation cannot be edited.
+    Clips of no place in the file stay behind the others. FileError where an animation cannot be edited.
     """
+    source, rig = edit.source, edit.rig
     same = all(new is old for new, old in zip(rig.clips, source.rig.clips, strict=False))
     if same and len(rig.clips) == len(source.rig.clips):
-        return source, rig, []
-    places = _places(source)
-    plans = [_Plan(source, rig, places, path) for path in _touched(source, rig, places)]
+        return
+    plans = [_Plan(source, rig, path) for path in _retimed(source, rig)]
     if not plans:
-        return source, rig, []
-    edits = [edit for plan in plans for edit in plan.edits()]
-    wide = edited(source, edits, options) if edits else source
-    said = {plan.animation.path: plan.said for plan in plans}
-    return wide, replace(rig, clips=tuple(_aligned(source, wide, rig, said))), edits
+        return
+    edits = [change for plan in plans for change in plan.edits()]
+    if edits:
+        edit.prepare(edits)
+    tracks = {plan.animation.path: plan.tracks for plan in plans}
+    clips = (*_aligned(source, edit.source, rig, tracks), *(c for c in rig.clips if c.key == PLAYED))
+    edit.rig = replace(rig, clips=clips)
 
 
-def _places(source: Source) -> dict[int, tuple[str, str]]:
-    """The skeleton and the token of each joint that an animation can move."""
-    return {
-        node: (parts(skin.key)[1], token)
-        for skin in source.rig.skins
-        if kind(skin.key) in ("skeleton", "library")
-        for node, token in zip(skin.joints.tolist(), source.skeletons[parts(skin.key)[1]].tokens, strict=True)
-    }
-
-
-def _touched(source: Source, rig: Rig, places: Mapping[int, tuple[str, str]]) -> list[str]:
+def _retimed(source: Source, rig: Rig) -> list[str]:
     """The animations whose tracks have other keys than they had, or a skeleton's path where none plays."""
     found: dict[str, None] = {}
+    places = source.joints
     old = {clip.key: clip for clip in source.rig.clips}
     for clip in rig.clips:
         was = old.get(clip.key)
@@ -102,14 +95,14 @@ def _other_keys(rig: Rig, clip: Hashable, was: Track, now: Track) -> bool:
     return len(now.times) > 1 and was.interpolation != now.interpolation
 
 
-def _defaults(rig: Rig, path: str) -> Said:
+def _defaults(rig: Rig, path: str) -> Tracks:
     """What the default values of an animation are to be, those of new joints among them."""
     tracks = [t for clip in rig.clips if clip.key == ("default", path) for t in clip.tracks]
     tracks.sort(key=lambda track: track.key is None)
     return {(t.node, t.path): t for t in tracks if len(t.times) == 1}
 
 
-def _is_default(held: Track, defaults: Said) -> bool:
+def _is_default(held: Track, defaults: Tracks) -> bool:
     """Whether a track says nothing but the default of its property."""
     default = defaults.get((held.node, held.path))
     if default is None or len(held.times) > 1:
@@ -129,7 +122,8 @@ class _Row:
 class _Plan:
     """What one animation is to say."""
 
-    def __init__(self, source: Source, rig: Rig, places: Mapping[int, tuple[str, str]], path: str) -> None:
+    def __init__(self, source: Source, rig: Rig, path: str) -> None:
+        places = source.joints
         self.source, self.rig = source, rig
         self.skeleton = path if path in source.skeletons and path not in source.animations else ""
         if not self.skeleton and path not in source.animations:
@@ -138,15 +132,15 @@ class _Plan:
         users = [s.path for s in source.skeletons.values() if path in (s.animation, s.path)]
         self.users = [source.skeletons[user] for user in users]
         self.defaults = _defaults(rig, path)
-        self.said = self._tracks({node for node, (s, _) in places.items() if s in users})
+        self.tracks = self._tracks({node for node, (s, _) in places.items() if s in users})
         rows = {token: _Row(token, []) for token in self.animation.tokens}
-        asked = {node for node, _ in (*self.said, *self.defaults)}
+        asked = {node for node, _ in (*self.tracks, *self.defaults)}
         for node, (skeleton, token) in places.items():
             if skeleton in users and (token in rows or node in asked):
                 rows.setdefault(token, _Row(token, [])).nodes.append(node)
         self.rows = list(rows.values())
 
-    def _tracks(self, nodes: set[int]) -> Said:
+    def _tracks(self, nodes: set[int]) -> Tracks:
         """What moves the joints from now on: what has no place yet goes over what has."""
         home = ("samples", self.animation.path)
         stored = [t for c in self.rig.clips if c.key == home for t in c.tracks if t.key is not None]
@@ -182,12 +176,11 @@ class _Plan:
         if self.skeleton:
             yield define(path, "SkelAnimation")
         if more:
-            yield set_value(path, "joints", _TYPES.TokenArray, Vt.TokenArray(tokens), uniform=True)
+            yield set_tokens(path, "joints", tokens)
         for name in wanted:
             yield self._array(name, times[name])
         if self.skeleton:
-            yield bind(self.skeleton, path)
-            yield apply_schema(self.skeleton, "SkelBindingAPI")
+            yield from bind_animation(self.skeleton, path)
 
     def _times(self, name: str) -> Floats:
         """All times at which a track of a property has a key, (k,); none where none moves."""
@@ -195,7 +188,7 @@ class _Plan:
         distinct: dict[int, Floats] = {}
         for row in self.rows:
             for node in row.nodes:
-                track = self.said.get((node, PROPERTIES[name]))
+                track = self.tracks.get((node, PROPERTIES[name]))
                 if track is not None and not (track.key == HELD and _is_default(track, self.defaults)):
                     times = without_steps(track).times
                     distinct[id(track) if track.interpolation == "STEP" else id(times)] = times
@@ -225,7 +218,7 @@ class _Plan:
                 )
         own = {Sdf.Path(path).AppendProperty(name) for name in ("joints", *PROPERTIES)}
         for skeleton in self.users if not self.skeleton else ():
-            depends = Trial(self.source.stage, skeleton).depends
+            depends = Trial(self.source.stage, skeleton.path, skeleton.animation).depends
             for found in sorted(own.intersection(depends)):
                 above, variants = min(depends[found])
                 raise FileError(
@@ -235,26 +228,21 @@ class _Plan:
 
     def _array(self, name: str, times: Floats) -> Edit:
         """An array at new times, as it was; new columns have what their joints are at rest."""
-        item, path = self.animation.properties.get(name), self.animation.path
+        item = self.animation.properties.get(name)
         if item is None:
-            type_name, array, number = _ARRAYS[name]
-        else:
-            prim = self.source.stage.GetPrimAtPath(path)
-            type_name, array = prim.GetAttribute(name).GetTypeName(), item.kind
-            number = item.samples.dtype.type if len(item.times) else _number(item)
-        rest = self._rest(name).astype(number)
+            type_name, kind_of, number = _ARRAYS[name]
+            rest = self._rest(name).astype(number)
+            rows = np.repeat(rest[np.newaxis], len(times), axis=0)
+            undefined = len(times) and any(p.default is None for p in self.animation.properties.values())
+            new = Property(times, rows, (), None if undefined else rest, kind_of, type_name)
+            return set_array(self.animation.path, name, new, only=True)
+        rest = self._rest(name).astype(_number(item))
         rows = np.repeat(rest[np.newaxis], len(times), axis=0)
-        single: np.ndarray | None = rest
-        if item is None and len(times) and any(p.default is None for p in self.animation.properties.values()):
-            single = None
-        if item is not None:
-            width = len(self.animation.tokens)
-            rows[:, :width] = _resampled(item, times)
-            single = None if item.default is None else np.concatenate([item.default, rest[width:]])
-        samples = {float(time): _value(array, row) for time, row in zip(times, rows, strict=True)}
-        samples.update(dict.fromkeys(() if item is None else item.blocked))
-        default = None if single is None else _value(array, single)
-        return set_value(path, name, type_name, default, samples=dict(sorted(samples.items())), alone=True)
+        width = len(self.animation.tokens)
+        rows[:, :width] = _resampled(item, times)
+        default = None if item.default is None else np.concatenate([item.default, rest[width:]])
+        new = replace(item, times=times, samples=rows, default=default)
+        return set_array(self.animation.path, name, new, only=True)
 
     def _rest(self, name: str) -> Floats:
         """What the joints are at rest, (j, c); tokens that no skeleton has do nothing."""
@@ -273,11 +261,8 @@ def _blank(source: Source, skeleton: str) -> Animation:
 
 
 def _number(item: Property) -> Any:
-    return item.samples.dtype.type if item.default is None else item.default.dtype.type
-
-
-def _value(array: Any, rows: np.ndarray) -> Any:
-    return array.FromNumpy(np.ascontiguousarray(rows))
+    """The type of the numbers of an array."""
+    return (item.default if item.default is not None and not len(item.times) else item.samples).dtype.type
 
 
 def _resampled(item: Property, times: Floats) -> Floats:
@@ -303,23 +288,23 @@ def _exactly(track: Track, times: Floats) -> Floats:
     return values
 
 
-def _aligned(source: Source, wide: Source, rig: Rig, said: Mapping[str, Said]) -> Iterator[Clip]:
-    """The clips of a rig with the tracks that the source has that is to be written."""
+def _aligned(source: Source, prepared: Source, rig: Rig, planned: Mapping[str, Tracks]) -> Iterator[Clip]:
+    """The clips of a rig with the tracks of the prepared source."""
     known = {clip.key: clip for clip in rig.clips}
     before = {clip.key: clip for clip in source.rig.clips}
-    # What is as it was read is what is read now, too, so that nobody writes it again.
-    read = {(c.key, t.node, t.path, t.key): t for c in wide.rig.clips for t in c.tracks}
+    # A track that is as it was read is the one that is read now, so that no pass writes it again.
+    read = {(c.key, t.node, t.path, t.key): t for c in prepared.rig.clips for t in c.tracks}
     again = {id(t): read.get((c.key, t.node, t.path, t.key), t) for c in source.rig.clips for t in c.tracks}
-    for shown in wide.rig.clips:
+    for shown in prepared.rig.clips:
         clip = known.get(shown.key, replace(shown, tracks=()))
         path = parts(shown.key)[1]
-        fresh = {id(t) for one in said.values() for t in one.values() if t.key is None}
-        fresh |= {id(t) for one in said for t in _defaults(rig, one).values() if t.key is None}
-        if clip is before.get(shown.key) and path not in said:
+        fresh = {id(t) for one in planned.values() for t in one.values() if t.key is None}
+        fresh |= {id(t) for one in planned for t in _defaults(rig, one).values() if t.key is None}
+        if clip is before.get(shown.key) and path not in planned:
             yield shown
             continue
         kept = tuple(again.get(id(t), t) for t in clip.tracks if id(t) not in fresh)
-        if path not in said:
+        if path not in planned:
             yield replace(clip, tracks=kept)
             continue
         joints = {(t.node, t.path) for t in shown.tracks if t.path != "weights"}
@@ -328,15 +313,15 @@ def _aligned(source: Source, wide: Source, rig: Rig, said: Mapping[str, Said]) -
         was = {} if old is None else {(t.node, t.path): t for t in old.tracks}
         mine = _defaults(rig, path)
         if parts(shown.key)[0] == "samples":
-            mine = {**{key: track for key, track in mine.items() if key not in was}, **said[path]}
+            mine = {**{key: track for key, track in mine.items() if key not in was}, **planned[path]}
         joined = (t for t in shown.tracks if t.path != "weights" and t.node not in rig.pending.removed)
-        tracks = [_on(t, mine, was, rig) for t in joined]
+        tracks = [_retimed_track(t, mine, was, rig) for t in joined]
         yield replace(clip, tracks=(*tracks, *others), idle=shown.idle)
 
 
-def _on(shown: Track, said: Said, was: Said, rig: Rig) -> Track:
-    """A track of the source with what the rig says there at its times."""
-    own, old = said.get((shown.node, shown.path)), was.get((shown.node, shown.path))
+def _retimed_track(shown: Track, tracks: Tracks, was: Tracks, rig: Rig) -> Track:
+    """A track of the prepared source with the values of the rig at its times."""
+    own, old = tracks.get((shown.node, shown.path)), was.get((shown.node, shown.path))
     if own is None:
         rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}[shown.path]
         return replace(shown, values=np.broadcast_to(rest[shown.node], shown.values.shape))

@@ -1,31 +1,30 @@
 """Split joints: a joint of its own above another holds its axes, whatever that one's scale is.
 
-It is done in two steps. First the file gets the joints, with all that lists or
-names joints widened and renamed, and no value changed; then the rig is written
-into it as into any other file.
+Here the file gets the joints, with new names and columns for them wherever joints are listed, and no
+value changes; the passes after this one write the rig as into any other file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from pxr import Sdf, Vt
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.sampling import bind_worlds
-from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.stage import why_instanced
 from rigtri.formats.usd.composition.variants import why_split
-from rigtri.formats.usd.opinions.edits import Edit, kind, parts, set_value
+from rigtri.formats.usd.opinions.animation_edits import set_array
+from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
-from rigtri.formats.usd.opinions.preview_stage import edited
+from rigtri.formats.usd.opinions.skeleton_edits import joint_names, set_joints
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.reading.joint_tokens import holder_token, split_token
-from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_before
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
@@ -33,9 +32,6 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.report import Notice
-
-_TYPES = Sdf.ValueTypeNames
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,40 +48,33 @@ class Split:
 
     @property
     def tokens(self) -> list[str]:
-        return _widened_tokens(self.skeleton.tokens, self.holders)
+        return _with_holders(self.skeleton.tokens, self.holders)
 
 
-def widened(
-    source: Source, rig: Rig, options: ReadOptions, warnings: list[Notice]
-) -> tuple[Source, Rig, list[Edit]]:
-    """The source with the joints that ``rig`` adds, the rig in its terms, and the edits between the two.
+def split_joints(edit: UsdEdit) -> None:
+    """Read the source again with a joint above each that is split.
 
     UsageError where joints may not be renamed; FileError where not everything that names
-    them can be reached.
+    them can be edited.
     """
-    splits = _wanted(source, rig)
+    source = edit.source
+    splits = _splits(source, edit.rig)
     if not splits:
-        return source, rig, []
-    if not options.allow_rename:
+        return
+    if not edit.options.allow_rename:
         raise UsageError(_refusal(splits))
     for path in splits:
         _check(source, splits, path)
-    edits = [*_skeleton_edits(source, splits), *_animation_edits(source, splits)]
     holders = {path: split.holders for path, split in splits.items()}
-    edits += influence_edits(source, holders)
-    warnings += stale_names(source, holders)
-    wide = edited(source, edits, options)
-    return wide, _aligned(wide, rig), edits
+    influences = influence_edits(source, holders)
+    edit.notices += stale_names(source, holders)
+    edit.prepare([*_skeleton_edits(source, splits), *_animation_edits(source, splits), *influences])
+    edit.rig = _aligned(edit.source, edit.rig)
 
 
-def _wanted(source: Source, rig: Rig) -> dict[str, Split]:
+def _splits(source: Source, rig: Rig) -> dict[str, Split]:
     """The joints that a rig splits and the source does not, by skeleton."""
-    token_of = {
-        source.rig.keys[node]: token
-        for skin in source.rig.skins
-        if kind(skin.key) in ("skeleton", "library")
-        for node, token in zip(skin.joints.tolist(), source.skeletons[parts(skin.key)[1]].tokens, strict=True)
-    }
+    token_of = {source.rig.keys[node]: token for node, (_, token) in source.joints.items()}
     found: dict[str, dict[str, str]] = {}
     for joint, holder in sorted(rig.frame_of.items()):
         if rig.keys[holder] is not None:
@@ -125,7 +114,7 @@ def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
     if skeleton.locked:
         raise FileError(f"{skeleton.locked}.")
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
-        why = why_split(source.stage, skeleton) or why_bound_otherwise(source.stage, skeleton.path)
+        why = why_split(source.stage, path, skeleton.animation) or why_bound_otherwise(source.stage, path)
         if why:
             raise FileError(f"{why}.")
     theirs = source.animations.get(skeleton.animation)
@@ -153,17 +142,13 @@ def _check_shared(
 
 def _skeleton_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edit]:
     for path, split in splits.items():
-        prim, rows, skeleton = source.stage.GetPrimAtPath(path), split.rows, split.skeleton
+        rows, skeleton = split.rows, split.skeleton
         if path in source.animations:
             continue
-        yield _set_tokens(path, "joints", split.tokens)
-        yield _set_matrices(path, "bindTransforms", skeleton.bind[rows])
-        if skeleton.has_rest:
-            yield _set_matrices(path, "restTransforms", skeleton.rest[rows])
-        names = prim.GetAttribute("jointNames").Get() if prim.HasAttribute("jointNames") else None
-        if names and len(names) == len(skeleton.tokens):
-            taken = list(map(str, names))
-            yield _set_tokens(path, "jointNames", _named(split, taken))
+        rest = skeleton.rest[rows] if skeleton.has_rest else None
+        names = joint_names(source.stage, skeleton)
+        names = None if names is None else _named(split, names)
+        yield from set_joints(path, split.tokens, skeleton.bind[rows], rest, names)
 
 
 def _named(split: Split, names: list[str]) -> list[str]:
@@ -179,28 +164,19 @@ def _named(split: Split, names: list[str]) -> list[str]:
     return found
 
 
-def _set_tokens(path: str, name: str, tokens: list[str]) -> Edit:
-    return set_value(path, name, _TYPES.TokenArray, Vt.TokenArray(tokens), uniform=True)
-
-
-def _set_matrices(path: str, name: str, matrices: Floats) -> Edit:
-    value = Vt.Matrix4dArray.FromNumpy(np.ascontiguousarray(matrices))
-    return set_value(path, name, _TYPES.Matrix4dArray, value, uniform=True)
-
-
 def _animation_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edit]:
     for path, animation in source.animations.items():
         users = [splits[s] for s in splits if source.skeletons[s].animation == path]
         holders = {token: name for split in users for token, name in split.holders.items()}
         if not holders:
             continue
-        yield _set_tokens(path, "joints", _widened_tokens(animation.tokens, holders))
+        yield set_tokens(path, "joints", _with_holders(animation.tokens, holders))
         at = [column for column, token in enumerate(animation.tokens) if token in holders]
         for name, item in animation.properties.items():
-            yield _widen(source, path, name, item, at)
+            yield set_array(path, name, _with_columns(name, item, at))
 
 
-def _widened_tokens(tokens: tuple[str, ...], holders: Mapping[str, str]) -> list[str]:
+def _with_holders(tokens: tuple[str, ...], holders: Mapping[str, str]) -> list[str]:
     found = []
     for token in tokens:
         found += [holder_token(token, holders)] if token in holders else []
@@ -208,40 +184,34 @@ def _widened_tokens(tokens: tuple[str, ...], holders: Mapping[str, str]) -> list
     return found
 
 
-def _widen(source: Source, path: str, name: str, item: Property, at: list[int]) -> Edit:
-    """A column that does nothing before each of some columns of an array, at every time."""
-
-    def wide(rows: np.ndarray) -> Any:
-        return item.kind.FromNumpy(np.ascontiguousarray(np.insert(rows, at, NOTHING[name], axis=0)))
-
-    samples = {float(time): wide(rows) for time, rows in zip(item.times, item.samples, strict=True)}
-    samples.update(dict.fromkeys(item.blocked))
-    single = None if item.default is None else wide(item.default)
-    type_name = source.stage.GetPrimAtPath(path).GetAttribute(name).GetTypeName()
-    return set_value(path, name, type_name, single, samples=dict(sorted(samples.items())))
+def _with_columns(name: str, item: Property, at: list[int]) -> Property:
+    """An array with a column that does nothing before each of some columns."""
+    samples = np.insert(item.samples, at, NOTHING[name], axis=1)
+    default = None if item.default is None else np.insert(item.default, at, NOTHING[name], axis=0)
+    return replace(item, samples=samples, default=default)
 
 
-def _aligned(wide: Source, rig: Rig) -> Rig:
-    """A rig as the widened source has it: its keys, a row of each skin and tracks for every joint."""
-    count = len(wide.rig)
-    if not np.array_equal(wide.rig.parents, rig.parents[:count]):
+def _aligned(prepared: Source, rig: Rig) -> Rig:
+    """A rig with the keys of the prepared source, and a row of each skin and tracks for every joint."""
+    count = len(prepared.rig)
+    if not np.array_equal(prepared.rig.parents, rig.parents[:count]):
         raise ValueError("nodes of a file keep their order, and new ones come last")
-    skins = [_aligned_skin(old, new, rig) for old, new in zip(wide.rig.skins, rig.skins, strict=False)]
+    skins = [_aligned_skin(old, new, rig) for old, new in zip(prepared.rig.skins, rig.skins, strict=False)]
     skins += rig.skins[len(skins) :]
-    clips = [_aligned_clip(old, new, rig) for old, new in zip(wide.rig.clips, rig.clips, strict=True)]
-    return replace(rig, keys=(*wide.rig.keys, *rig.keys[count:]), skins=tuple(skins), clips=tuple(clips))
+    clips = [_aligned_clip(old, new, rig) for old, new in zip(prepared.rig.clips, rig.clips, strict=True)]
+    return replace(rig, keys=(*prepared.rig.keys, *rig.keys[count:]), skins=tuple(skins), clips=tuple(clips))
 
 
-def _aligned_skin(wide: Skin, skin: Skin, rig: Rig) -> Skin:
+def _aligned_skin(prepared: Skin, skin: Skin, rig: Rig) -> Skin:
     rows = {node: row for row, node in enumerate(skin.joints.tolist())}
-    inverse_bind = wide.inverse_bind.copy()
+    inverse_bind = prepared.inverse_bind.copy()
     posed = bind_worlds(rig, skin)
-    for row, node in enumerate(wide.joints.tolist()):
+    for row, node in enumerate(prepared.joints.tolist()):
         if node in rows:
             inverse_bind[row] = skin.inverse_bind[rows[node]]
         else:  # the joint that it holds comes next
             inverse_bind[row] = inverse(_bind_above(rig, node + 1, posed, skin.inverse_bind[rows[node + 1]]))
-    return replace(skin, joints=wide.joints, inverse_bind=inverse_bind, key=wide.key)
+    return replace(skin, joints=prepared.joints, inverse_bind=inverse_bind, key=prepared.key)
 
 
 def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Floats:
@@ -254,19 +224,19 @@ def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Fl
     return rotate_before(conjugate(turn), from_frame(bind[:3, :3] / size[:, np.newaxis], bind[3, :3]))
 
 
-def _aligned_clip(wide: Clip, clip: Clip, rig: Rig) -> Clip:
-    """A clip of a rig with a track for every one that the widened source has, and those that are new."""
-    if wide.key != clip.key:
+def _aligned_clip(prepared: Clip, clip: Clip, rig: Rig) -> Clip:
+    """A clip of a rig with a track for every one that the prepared source has, and those that are new."""
+    if prepared.key != clip.key:
         raise FileError(f"Clip '{clip.name}': clips of USD files keep their order.")
     known: dict[tuple[int, str], Track] = {(t.node, t.path): t for t in clip.tracks if t.key is not None}
     fresh = (track for track in clip.tracks if track.key is None)
-    return replace(clip, tracks=(*(_aligned_track(t, known, rig) for t in wide.tracks), *fresh))
+    return replace(clip, tracks=(*(_aligned_track(t, known, rig) for t in prepared.tracks), *fresh))
 
 
-def _aligned_track(wide: Track, known: Mapping[tuple[int, str], Track], rig: Rig) -> Track:
+def _aligned_track(prepared: Track, known: Mapping[tuple[int, str], Track], rig: Rig) -> Track:
     """The rig's own track, or where it has none, its rest value at every key."""
-    own = known.get((wide.node, wide.path))
+    own = known.get((prepared.node, prepared.path))
     if own is not None:
-        return replace(own, key=wide.key)
-    rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}[wide.path]
-    return replace(wide, values=np.broadcast_to(rest[wide.node], wide.values.shape))
+        return replace(own, key=prepared.key)
+    rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}[prepared.path]
+    return replace(prepared, values=np.broadcast_to(rest[prepared.node], prepared.values.shape))

@@ -1,4 +1,4 @@
-"""Skeletons that are the same but for rounding get the same bits.
+"""Unify the values of skeletons that are the same but for rounding.
 
 Instances and references of one character stand in different places, and axes
 worked out there differ in their last bits. What they share (a prototype, an
@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.formats.usd.opinions.edits import parts
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
@@ -24,17 +25,18 @@ from rigtri.model.skin import Skin
 ROUNDING = 1e-9
 
 
-def united(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Rig:
-    """The rig in which joints of equal skeletons that were turned alike have the same values."""
-    leader = _leaders(before, rig, skeletons)
+def unify_rounding(edit: UsdEdit) -> None:
+    """Give joints of equal skeletons that were reoriented alike the same values."""
+    rig = edit.rig
+    leader = _leaders(edit.source.rig, rig, edit.source.skeletons)
     if (leader == np.arange(len(leader))).all():
-        return rig
+        return
     number = {joints.tobytes(): k for k, joints in enumerate(skin.joints for skin in rig.skins)}
     skins = []
     for skin in rig.skins:
         first = rig.skins[number.get(leader[skin.joints].tobytes(), number[skin.joints.tobytes()])]
         skins.append(skin if first is skin else replace(skin, inverse_bind=first.inverse_bind))
-    return replace(
+    edit.rig = replace(
         rig,
         translation=rig.translation[leader],
         rotation=rig.rotation[leader],
@@ -42,7 +44,7 @@ def united(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Rig:
         matrix=rig.matrix[leader],
         has_matrix=rig.has_matrix[leader],
         skins=tuple(skins),
-        clips=tuple(_united_clip(clip, leader) for clip in rig.clips),
+        clips=tuple(_unified_clip(clip, leader) for clip in rig.clips),
     )
 
 
@@ -55,7 +57,7 @@ def _leaders(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Intege
         if skeleton is None:
             continue
         for known, first in firsts:
-            if _same_skeleton(known, skeleton) and _same_turns(rig, first, new):
+            if _same_skeleton(known, skeleton) and _same_values(rig, first, new):
                 leader[new.joints] = first.joints
                 break
         else:
@@ -71,7 +73,7 @@ def _same_skeleton(one: Skeleton, other: Skeleton) -> bool:
     )
 
 
-def _same_turns(rig: Rig, one: Skin, other: Skin) -> bool:
+def _same_values(rig: Rig, one: Skin, other: Skin) -> bool:
     return _close(one.inverse_bind, other.inverse_bind) and _close(
         rig.local[one.joints], rig.local[other.joints]
     )
@@ -82,13 +84,13 @@ def _close(one: Floats, other: Floats) -> bool:
     return one.shape == other.shape and bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * size)
 
 
-def _united_clip(clip: Clip, leader: Integers) -> Clip:
+def _unified_clip(clip: Clip, leader: Integers) -> Clip:
     """The clip with tracks that drive the same column of one animation made equal."""
     known = {(track.node, track.path): track for track in clip.tracks}
-    return replace(clip, tracks=tuple(_united_track(track, known, leader) for track in clip.tracks))
+    return replace(clip, tracks=tuple(_unified_track(track, known, leader) for track in clip.tracks))
 
 
-def _united_track(track: Track, known: Mapping[tuple[int, Path], Track], leader: Integers) -> Track:
+def _unified_track(track: Track, known: Mapping[tuple[int, Path], Track], leader: Integers) -> Track:
     first = known.get((int(leader[track.node]), track.path))
     if first is None or first is track or first.key != track.key or not _close(first.values, track.values):
         return track

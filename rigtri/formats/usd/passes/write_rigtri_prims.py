@@ -1,4 +1,4 @@
-"""Prims of our own: locators under a Scope ``rigtri`` of the top-level prim that holds a skeleton."""
+"""Write rigtri's own prims, such as controls: below a Scope ``rigtri`` of the prim that holds a skeleton."""
 
 from __future__ import annotations
 
@@ -10,15 +10,21 @@ from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import why_locked
-from rigtri.formats.usd.opinions.control_shapes import NAME, drawing
-from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, kind, parts, set_value
-from rigtri.formats.usd.opinions.xform_ops import OPS, SAME_TURN, stand
-from rigtri.formats.usd.passes.add_joints import own_skeleton
-from rigtri.formats.usd.reading import metadata_attributes
-from rigtri.formats.usd.reading.reader import GROUP, Source
+from rigtri.formats.usd.opinions.control_shape_edits import define_curves
+from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, remove_properties, set_value
+from rigtri.formats.usd.opinions.metadata_edits import set_attributes, set_joint_metadata
+from rigtri.formats.usd.opinions.rigtri_prims import is_rigtri_prim, sets_transform
+from rigtri.formats.usd.opinions.skeleton_edits import set_joints
+from rigtri.formats.usd.opinions.xform_edits import OPS, SAME_ROTATION, set_transform
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.control_shape_reader import NAME
+from rigtri.formats.usd.reading.metadata_attributes import TWIN, api_name, attributes_of
+from rigtri.formats.usd.reading.node_keys import kind, parts
+from rigtri.formats.usd.reading.reader import GROUP
+from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.matrices import inverse, multiply
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
-from rigtri.model.metadata import ADDED
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -26,26 +32,20 @@ from rigtri.model.skin import Skin
 SOURCE = "rigtri:source"
 
 
-def is_ours(rig: Rig, node: int) -> bool:
-    """Whether a prim was made by rigtri: it carries a note, and its place is ours to set."""
-    return "type" in rig.notes.get(node, {})
+def write_rigtri_prims(edit: UsdEdit) -> None:
+    """Define prims for new nodes, update those that changed, and remove those that go.
 
-
-def takes_place(before: Rig, rig: Rig, node: int) -> bool:
-    """Whether the place of a prim is ours to set: it has a note, or has been told the one it lost."""
-    told = rig.notes.get(node, {}).get("type") in ADDED
-    return is_ours(before, node) or (told and bool((before.local[node] != rig.local[node]).any()))
-
-
-def edits(source: Source, rig: Rig, keyed: Collection[int] = ()) -> list[Edit]:
-    """New nodes as prims, and prims of ours brought up to date. keyed: those with other tracks."""
+    FileError where another layer holds one that must be edited here.
+    """
+    source, rig = edit.source, edit.rig
     if any(c.key is None and c.kind != "tail" for c in rig.constraints):
         raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
-    updated = _update(source, rig, keyed)
+    edit.values += _updates(source, rig, edit.changes.rigtri_prims)
     additions = _Additions(source, rig)
-    added = additions.edits()
+    edit.values += additions.edits()
+    edit.values += _removals(source, rig)
     # Renaming comes last: all other edits know a prim by the path it had.
-    return [*updated, *added, *_removals(source, rig), *_renamings(source.rig, rig, additions.paths)]
+    edit.values += _renamings(source.rig, rig, additions.paths)
 
 
 def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
@@ -55,7 +55,7 @@ def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
         for node, key in reversed(list(enumerate(before.keys)))
         if kind(key) == "prim"
         and node not in rig.pending.removed
-        and is_ours(before, node)
+        and is_rigtri_prim(before, node)
         and before.names[node] != rig.names[node]
     }
 
@@ -76,13 +76,13 @@ def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
 def _tracks(rig: Rig, node: int) -> list[Track]:
     """All that moves a prim of ours; a scale that stays 1 is none."""
     found = [t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights"]
-    return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_TURN]
+    return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION]
 
 
 def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
     """The attribute of a control that a pose reader drives: what its value node says by its x translation."""
     note = rig.notes.get(node, {})
-    name = metadata_attributes.TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
+    name = TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
     samples = {
         float(time): float(row[0])
         for track in _tracks(rig, node)
@@ -94,7 +94,7 @@ def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
     return [set_value(control, name, double, resting, samples=samples, custom=True, alone=True)]
 
 
-def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
+def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
     before, found = source.rig, []
     for node, key in enumerate(before.keys):
         if kind(key) != "prim" or node in rig.pending.removed:
@@ -102,25 +102,25 @@ def _update(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
         path, note = before.labels[node], rig.notes.get(node, {})
         if dict(note) != dict(before.notes.get(node, {})):
             old, new = (
-                metadata_attributes.attributes_of(before.notes.get(node, {})),
-                metadata_attributes.attributes_of(note),
+                attributes_of(before.notes.get(node, {})),
+                attributes_of(note),
             )
-            found += [_remove(path, name) for name in old if name not in new]
-            found += _attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
+            found += [remove_properties(path, name) for name in old if name not in new]
+            found += set_attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
             found += _relations(path, note, _prims(rig, note, {}))
-        if not takes_place(before, rig, node):
+        if not sets_transform(before, rig, node):
             continue
         if node in rig.pending.shapes:
-            found += drawing(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
+            found += define_curves(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
             locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
             if locked:
                 raise FileError(f"{locked}.")
-            stands = stand(path, rig.local[node], _tracks(rig, node))
+            stands = set_transform(path, rig.local[node], _tracks(rig, node))
             used = {edit.name for edit in stands}
             idle = [name for name in OPS.values() if name not in used]
             prim = source.stage.GetPrimAtPath(path)
-            found += [*stands, *(_remove(path, name) for name in idle if prim.HasAttribute(name))]
+            found += [*stands, *(remove_properties(path, name) for name in idle if prim.HasAttribute(name))]
             if "attribute" in note:
                 found += _values(rig, node, rig.labels[rig.find(str(note["control"]), "node")])
     return found
@@ -196,7 +196,7 @@ class _Additions:
         rest = self.rig.local[skin.joints]
         roots = [k for k, joint in enumerate(joints) if int(self.rig.parents[joint]) not in joints]
         rest[roots] = multiply(self.world[skin.joints[roots]], inverse(above))
-        return own_skeleton(self._free(parent, skin.name or "skeleton"), skin, self.rig, rest)
+        return _define_skeleton(self._free(parent, skin.name or "skeleton"), skin, self.rig, rest)
 
     def _locator(self, node: int) -> list[Edit]:
         parent, above = self._parent(node)
@@ -205,19 +205,15 @@ class _Additions:
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         note = self.rig.notes.get(node, {})
-        found = [define(path, "Xform"), *stand(path, local, _tracks(self.rig, node))]
-        found += _attributes(path, metadata_attributes.attributes_of(note))
+        found = [define(path, "Xform"), *set_transform(path, local, _tracks(self.rig, node))]
+        found += set_attributes(path, attributes_of(note))
         found += _relations(path, note, _prims(self.rig, note, self.paths))
         if "attribute" in note:
             control = self.rig.find(str(note["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.pending.shapes:
-            found += drawing(path.AppendChild(NAME), self.rig.pending.shapes[node])
-        return (
-            [*found, apply_schema(path, metadata_attributes.api_name(note["type"]))]
-            if "type" in note
-            else found
-        )
+            found += define_curves(path.AppendChild(NAME), self.rig.pending.shapes[node])
+        return [*found, apply_schema(path, api_name(note["type"]))] if "type" in note else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:
         """The prim that a new node goes under, and that prim's world matrix."""
@@ -259,13 +255,30 @@ class _Additions:
                 path,
                 [
                     define(path, "Scope"),
-                    *_attributes(path, metadata_attributes.attributes_of({"v": 1, "type": "group", **note})),
-                    apply_schema(path, metadata_attributes.api_name("group")),
+                    *set_attributes(path, attributes_of({"v": 1, "type": "group", **note})),
+                    apply_schema(path, api_name("group")),
                 ],
             )
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
         above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
         return path, above
+
+
+def _define_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit]:
+    """A Skeleton prim at ``path`` with the new joints of a skin.
+
+    rest: (m, 4, 4), where each stands, seen from its parent joint, or from the prim if it has none.
+    """
+    tokens: dict[int, str] = {}
+    for node in skin.joints.tolist():
+        above = tokens.get(int(rig.parents[node]))
+        tokens[node] = f"{above}/{rig.names[node]}" if above else rig.names[node]
+    by_token = {token: rig.notes[node] for node, token in tokens.items() if node in rig.notes}
+    return [
+        define(path, "Skeleton"),
+        *set_joints(path, list(tokens.values()), inverse(skin.inverse_bind), rest),
+        *set_joint_metadata(path, by_token),
+    ]
 
 
 def _prims(rig: Rig, note: Mapping[str, Any], made: Mapping[int, Any]) -> list[Any]:
@@ -306,24 +319,6 @@ def _all(path: Any, steps: list[Edit]) -> Edit:
             step(layer)
 
     return Edit(path, edit)
-
-
-def _attributes(path: Any, wanted: dict[str, tuple[Any, Any]]) -> list[Edit]:
-    return [
-        set_value(
-            path, name, type_name, value, custom=True, uniform=name.startswith(metadata_attributes.PREFIX)
-        )
-        for name, (type_name, value) in wanted.items()
-    ]
-
-
-def _remove(path: str, name: str) -> Edit:
-    def edit(layer: Any) -> None:
-        spec = layer.GetPrimAtPath(path)
-        if spec is not None and name in spec.properties:
-            del spec.properties[name]
-
-    return Edit(Sdf.Path(path), edit)
 
 
 def _rename(path: str, name: str) -> Edit:

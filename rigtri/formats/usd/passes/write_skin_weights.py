@@ -1,4 +1,4 @@
-"""Weights of meshes shared anew among joints, as a rig's spreads say.
+"""Write skin weights that were redistributed among joints.
 
 Source: UsdSkel, SkelBindingAPI (`primvars:skel:jointIndices`, `primvars:skel:jointWeights`,
 their elementSize, and `skel:joints`).
@@ -10,18 +10,18 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Vt
+from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, why_instanced, why_locked
-from rigtri.formats.usd.opinions.edits import Edit, kind, parts, set_value
+from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
 from rigtri.formats.usd.opinions.joint_influences import INDICES, ORDER
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.mesh_reader import seen_at_start
-from rigtri.formats.usd.reading.reader import Source
+from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, WeightRedistribution
 from rigtri.model.skin_weights import folded, shared
 from rigtri.report import Notice
@@ -30,65 +30,63 @@ WEIGHTS = "primvars:skel:jointWeights"
 _OTHERWISE = "Leave out --split-weights"
 
 
-def weight_edits(source: Source, rig: Rig, warnings: list[Notice]) -> list[Edit]:
-    """The influences of all meshes that are bound to the skeletons of spreads, where they change.
+def write_skin_weights(edit: UsdEdit) -> None:
+    """Write the influences of meshes whose weights were split among joints, or whose joints go.
 
     FileError where they cannot be edited.
     """
+    source, rig = edit.source, edit.rig
     by_path: dict[str, list[WeightRedistribution]] = {}
     for spread in rig.pending.weight_redistributions:
         key = rig.skins[spread.skin].key
         if kind(key) == "skeleton":
             by_path.setdefault(parts(key)[1], []).append(spread)
-    folds = {
-        parts(key)[1]: fold
-        for fold in rig.pending.joint_merges
-        if kind(key := rig.skins[fold.skin].key) == "skeleton"
+    merges = {
+        parts(key)[1]: merge
+        for merge in rig.pending.joint_merges
+        if kind(key := rig.skins[merge.skin].key) == "skeleton"
     }
-    found: list[Edit] = []
-    for path, query in source.bindings.every if by_path or folds else ():
+    for path, query in source.bindings.every if by_path or merges else ():
         if not query.HasJointInfluences():
             continue
         tokens = source.skeletons[path].tokens if path in source.skeletons else ()
         if path in by_path:
-            found += _of_mesh(query, tokens, by_path[path], warnings)
-        if path in folds:
+            edit.values += _of_mesh(query, tokens, by_path[path], edit.notices)
+        if path in merges:
             node = source.rig.known(str(query.GetPrim().GetPath()))
-            width = 0 if node is None else folds[path].widths.get(node, 0)
-            found += _unfolded(query, tokens, folds[path], width)
-    return found
+            width = 0 if node is None else merges[path].widths.get(node, 0)
+            edit.values += _merged(query, tokens, merges[path], width)
 
 
-def _unfolded(query: Any, tokens: Sequence[str], fold: JointMerge, width: int) -> list[Edit]:
+def _merged(query: Any, tokens: Sequence[str], merge: JointMerge, width: int) -> list[Edit]:
     """The influences of a mesh without the joints that go, where it has any, by number or by name.
 
     width: how many a point had before, 0 where that is not known.
     """
     path, own = query.GetPrim().GetPath(), query.GetJointOrder()
-    if fold.idle and not own:
+    if merge.idle and not own:
         return []
     kept: dict[int, str] = {}
-    for row, token in zip(fold.rows.tolist(), tokens, strict=True):
+    for row, token in zip(merge.rows.tolist(), tokens, strict=True):
         kept.setdefault(row, token)  # heirs come before those that go
     order = [str(token) for token in own] if own else list(tokens)
-    heirs = [kept[fold.rows[tokens.index(token)]] if token in tokens else token for token in order]
+    heirs = [kept[merge.rows[tokens.index(token)]] if token in tokens else token for token in order]
     left = [token for token, heir in zip(order, heirs, strict=True) if token == heir]
     left += [heir for heir in dict.fromkeys(heirs) if heir not in left]
     if left == order:
         return []
     edits: list[Edit] = []
     count = len(seen_at_start(query.GetPrim().GetAttribute("points")) or ())
-    before = None if fold.idle or query.IsRigidlyDeformed() else _read(query, count)
+    before = None if merge.idle or query.IsRigidlyDeformed() else _read(query, count)
     if before is not None:
         rows = np.array([left.index(heir) for heir in heirs], dtype=np.int64)
-        at = np.array([fold.at[tokens.index(token)] if token in tokens else 0.0 for token in order])
+        at = np.array([merge.at[tokens.index(token)] if token in tokens else 0.0 for token in order])
         joints, weights = folded(rows, at, *before, width)
         if not (np.array_equal(joints, before[0]) and np.array_equal(weights, before[1])):
             _check(query)
             edits += _set(query, joints, weights)
     if own:
-        names = Vt.TokenArray(left)
-        edits.append(set_value(path, ORDER, Sdf.ValueTypeNames.TokenArray, names, uniform=True))
+        edits.append(set_tokens(path, ORDER, left))
     return edits
 
 
@@ -119,8 +117,7 @@ def _of_mesh(
     _check(query)
     edits = _set(query, joints, weights)
     if own and len(order) > len(own):
-        names = Vt.TokenArray(order)
-        edits.append(set_value(prim.GetPath(), ORDER, Sdf.ValueTypeNames.TokenArray, names, uniform=True))
+        edits.append(set_tokens(prim.GetPath(), ORDER, order))
     return edits
 
 

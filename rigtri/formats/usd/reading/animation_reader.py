@@ -46,7 +46,7 @@ class Property:
     """One array of an animation, in its stored precision; quaternions are xyzw.
 
     times: (k,) without the blocked ones. samples: (k, j, c). default: (j, c) or None.
-    kind: the Vt array class.
+    kind: the Vt array class. type_name: of the attribute.
     """
 
     times: Floats
@@ -54,6 +54,7 @@ class Property:
     blocked: tuple[float, ...]
     default: np.ndarray | None
     kind: Any
+    type_name: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,8 +168,9 @@ def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
     if not given:
         return None
     kind = type(default) if single is not None else type(attribute.Get(keys[0][0]))
+    type_name = attribute.GetTypeName()
     if all(len(array) != count for array in given):
-        return Property(np.zeros(0), np.zeros((0, count, width)), blocked, None, kind)
+        return Property(np.zeros(0), np.zeros((0, count, width)), blocked, None, kind, type_name)
     for time, array in [*keys, *([] if single is None else [("default", single)])]:
         if len(array) != count:
             raise FileError(
@@ -177,7 +179,7 @@ def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
             )
         _check_values(attribute, time, array, tokens)
     samples = np.stack([array for _, array in keys]) if keys else np.zeros((0, count, width))
-    return Property(np.array([time for time, _ in keys]), samples, blocked, single, kind)
+    return Property(np.array([time for time, _ in keys]), samples, blocked, single, kind, type_name)
 
 
 def _check_values(attribute: Any, time: Any, array: np.ndarray, tokens: Sequence[str]) -> None:

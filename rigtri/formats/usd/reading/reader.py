@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from rigtri.formats.usd.reading import (
 )
 from rigtri.formats.usd.reading.animation_reader import Animation, clips, read_animation
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
+from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.reading.xform_hierarchy import read_stand, rooted
 from rigtri.maths.matrices import compose, decompose, identity, inverse
 from rigtri.maths.quaternions import from_axes, to_axes
@@ -38,23 +39,6 @@ from rigtri.report import Notice
 GROUP = "rigtri"
 # Prims of ours stand by translate, orient and scale; a place those cannot say is somebody else's.
 OWN_PLACE = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Source:
-    """A stage as it was read: what the writer compares with and takes values from."""
-
-    path: Path
-    stage: Any
-    rig: Rig
-    skeletons: Mapping[str, Skeleton]
-    animations: Mapping[str, Animation]
-    warnings: list[Notice]
-    bindings: mesh_reader.Bindings
-
-    @property
-    def layer(self) -> Any:
-        return self.stage.GetRootLayer()
 
 
 def read_source(path: Path, options: ReadOptions, stage: Any, warnings: Sequence[Notice] = ()) -> Source:

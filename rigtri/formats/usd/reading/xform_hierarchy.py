@@ -15,9 +15,8 @@ from pxr import Usd, UsdGeom
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.formats.usd.composition.stage import why_locked
-from rigtri.formats.usd.opinions.edits import kind
-from rigtri.formats.usd.opinions.xform_ops import FRAME, PARENT_INVERSE
 from rigtri.formats.usd.reading.mesh_reader import at_start
+from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, multiply, rotate
 from rigtri.maths.trigonometry import Floats
@@ -26,7 +25,10 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
 
-# Op → (track, what it is without a value). The two ops of ours stand outermost and innermost.
+# The ops that reorient a prim stand innermost and outermost.
+FRAME = "xformOp:orient:rigtriFrame"
+PARENT_INVERSE = "xformOp:orient:rigtriParentInv"
+# Op → (track, what it is without a value).
 _PLAIN: dict[str, tuple[Path, Floats]] = {
     "xformOp:translate": ("translation", np.zeros(3)),
     "xformOp:orient": ("rotation", IDENTITY),

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from rigtri.formats.usd.composition.overrides import open_file
 from rigtri.formats.usd.composition.stage import quiet
-from rigtri.formats.usd.document import opened
 from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
 from rigtri.verification.checks import metadata_check
@@ -26,7 +26,7 @@ def check_usd(
     """
     if path.suffix.lower() == ".usdz":
         usdz.check(path, findings)
-    stage, _, notices = opened(path, allow_external=allow_external)
+    stage, _, notices = open_file(path, allow_external=allow_external)
     for notice in notices:
         findings.add("usd.layer.missing", "stage", "", notice.text)
     scene = Scene(stage, findings)

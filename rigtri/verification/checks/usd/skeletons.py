@@ -15,7 +15,6 @@ from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.variants import Trial, split_by, unselected
 from rigtri.formats.usd.reading.skeleton_reader import (
     PERSPECTIVE,
-    Skeleton,
     nearest_listed,
     singular,
     unbounded,
@@ -59,7 +58,7 @@ def check(scene: Scene, prim: Any) -> None:
     if rest is not None:
         _check_rest(scene, prim, tokens, rest)
     _check_missing(scene, prim, tokens, animation)
-    _check_variants(scene, prim, tokens, animation)
+    _check_variants(scene, prim, animation)
 
 
 def _animation(prim: Any) -> Any:
@@ -161,12 +160,9 @@ def _has(prim: Any, name: str) -> bool:
     return timed or (value is not None and (not hasattr(value, "__len__") or len(value) > 0))
 
 
-def _check_variants(scene: Scene, prim: Any, tokens: tuple[str, ...], animation: Any) -> None:
+def _check_variants(scene: Scene, prim: Any, animation: Any) -> None:
     """Whether variants show the skeleton in several ways."""
-    none = identity(0)
-    path = "" if animation is None else str(animation.GetPath())
-    watched = Skeleton(str(prim.GetPath()), tokens, np.zeros(0, np.int64), none, none, False, "", path)
-    trial = Trial(scene.stage, watched)
+    trial = Trial(scene.stage, str(prim.GetPath()), "" if animation is None else str(animation.GetPath()))
     if why := unselected(trial):
         scene.add("usd.skel.variants-unselected", prim, "", why)
     elif why := split_by(trial):

@@ -1,0 +1,53 @@
+"""Edits of Skeleton prims: all lists with an item for each joint, at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from pxr import Sdf
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.variants import Trial
+from rigtri.formats.usd.opinions.edits import Edit, set_matrices, set_tokens
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.maths.trigonometry import Floats
+
+_LISTS = ("joints", "bindTransforms", "restTransforms", "jointNames")
+# In customData of restTransforms: rigtri added them, together with a joint.
+REST_ADDED = "rigtri:added"
+
+
+def set_joints(
+    path: Any, tokens: Sequence[str], bind: Floats, rest: Floats | None, names: Sequence[str] | None = None
+) -> Iterator[Edit]:
+    """Set the joints of a skeleton. bind, rest: (n, 4, 4); without ``rest`` or ``names`` these stay."""
+    yield set_tokens(path, "joints", tokens)
+    yield set_matrices(path, "bindTransforms", bind)
+    if rest is not None:
+        yield set_matrices(path, "restTransforms", rest)
+    if names is not None:
+        yield set_tokens(path, "jointNames", names)
+
+
+def joint_names(stage: Any, skeleton: Skeleton) -> list[str] | None:
+    """The ``jointNames`` of a skeleton; None where it has not one for each joint."""
+    prim = stage.GetPrimAtPath(skeleton.path)
+    names = prim.GetAttribute("jointNames").Get() if prim.HasAttribute("jointNames") else None
+    return [str(name) for name in names] if names and len(names) == len(skeleton.tokens) else None
+
+
+def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
+    """FileError where the joints of a skeleton cannot be edited; change: ``added`` or ``removed``."""
+    why = why_instanced(stage.GetPrimAtPath(skeleton.path))
+    if why:
+        raise FileError(f"A joint cannot be {change}: {why}.")
+    own = {Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS}
+    depends = Trial(stage, skeleton.path, skeleton.animation).depends
+    for path in sorted(own.intersection(depends)):
+        prim, name = min(depends[path])
+        raise FileError(
+            f"A joint cannot be {change}: <{path}> is another one in each variant of '{name}' on <{prim}>. "
+            "Give each variant a file of its own."
+        )

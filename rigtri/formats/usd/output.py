@@ -1,0 +1,190 @@
+"""Where an edit of a stage is written: a copy of its layer, the root layer of a package, or an override."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Usd
+
+from rigtri.errors import FileError, UsageError
+from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd import usdz
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.overrides import MARK, is_override, open_over, overridden_file
+from rigtri.formats.usd.opinions.drop_redundant_opinions import drop_redundant_opinions
+from rigtri.formats.usd.opinions.edits import Edit
+from rigtri.formats.usd.opinions.instance_edits import apply_edits
+from rigtri.formats.usd.reading.source import Source
+from rigtri.formats.usd.text import splice
+from rigtri.formats.usd.text.statements import UnknownTextError
+from rigtri.report import Notice
+
+
+@dataclass(frozen=True, eq=False)
+class Output:
+    """What becomes of a source. layer: the one to edit, the stage's root layer or the opinions above it."""
+
+    source: Source
+    layer: Any
+    options: ReadOptions
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether the output has the opinions alone, as a new layer."""
+        return self.options.override == "layer" and not is_override(self.layer)
+
+    @property
+    def is_streamed(self) -> bool:
+        return self.options.from_stream or self.options.to_stream
+
+    @property
+    def is_new_layer(self) -> bool:
+        """Whether the output is an override of its source, and not the source edited."""
+        return bool(self.options.override) and not is_override(self.layer)
+
+    def check_target(self, target: Path) -> None:
+        """UsageError for a target of another format."""
+        own, wanted = self.source.path.suffix.lower(), target.suffix.lower()
+        if self.options.override not in ("", "layer", "stage"):
+            raise ValueError(f"override is '', 'layer' or 'stage', not {self.options.override!r}")
+        if self.is_new_layer:
+            if wanted in (".usda", ".usd", ".usdc"):
+                return
+            raise UsageError(f"{target.name}: an override is a .usda, .usd or .usdc file")
+        encoding = "usdz" if own == ".usdz" else layers.encoding_of(self.layer)
+        fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
+        if wanted != own and wanted not in fits:
+            raise UsageError(f"{target.name}: the output's format is the input's, {own}")
+
+    def write(
+        self, edits: Sequence[Edit], part: Path, target: Path, notices: list[Notice], *, strips: bool
+    ) -> None:
+        """Write ``part`` with edits, as the file that ``target`` will be.
+
+        strips: something was removed, so what was put back as it lies in a weaker layer needs no opinion.
+        """
+        stage = self.source.stage
+        if self.is_new_layer:
+            layer = self._over_source(target) if self.options.override == "stage" else self._bare(target)
+            apply_edits(stage, edits, layer, notices)
+            encoding = "usda" if target.suffix.lower() == ".usda" else "usdc"
+            part.write_bytes(layers.to_bytes(layer, encoding))
+            return
+        packed = self.source.path.suffix.lower() == ".usdz"
+        rename = None if packed else self._rename(target)
+        if not edits and rename is None:
+            shutil.copyfile(self.source.path, part)
+            return
+        layer = layers.copy_of(self.layer)
+        # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
+        apply_edits(stage, edits, layer, notices)
+        if strips and not packed and not is_override(self.layer):
+            drop_redundant_opinions(stage, layer, edits, self._composed_in_place)
+        renamed = rename is not None and layers.rename_assets(layer, rename)
+        if not edits and not renamed:
+            shutil.copyfile(self.source.path, part)
+        elif packed:
+            package = usdz.read(self.source.path)
+            _check_sums(package, self.source.path, notices)
+            root = package.bytes_of(package.root)
+            encoding = "usdc" if root.startswith(b"PXR-USDC") else "usda"
+            usdz.write(package, self._encoded(layer, encoding, root, notices), part)
+        else:
+            encoding = layers.encoding_of(self.layer)
+            content = self.source.path.read_bytes() if encoding == "usda" else b""
+            part.write_bytes(self._encoded(layer, encoding, content, notices))
+
+    def composed(self, part: Path) -> tuple[Any, Any]:
+        """The stage of what was written, and the layer in it that an edit would edit."""
+        layer = layers.fresh(part)
+        if self.is_streamed and part.suffix.lower() != ".usdz":
+            # What a stream got stands where the source stood; a copy with absolute paths does, too.
+            layer = self._anchored(layers.copy_of(layer))
+        if self.is_bare:
+            return layers.over(layer, self.source.layer), layer
+        if (below := overridden_file(layer, part)) is not None:
+            return open_over(layer, below, part, allow_external=True)[0], layer
+        return Usd.Stage.Open(layer), layer
+
+    def _composed_in_place(self, layer: Any) -> Any:
+        """The stage of an anonymous layer that stands where the source stands."""
+        return Usd.Stage.Open(self._anchored(layer))
+
+    def _anchored(self, layer: Any) -> Any:
+        """An anonymous layer with the asset paths of the source's folder, made absolute in place."""
+        layers.rename_assets(layer, layers.anchored(self.source.path.parent, self.source.layer))
+        return layer
+
+    def _rename(self, target: Path) -> layers.Rename | None:
+        """How relative asset paths of the source read in the output; None where they stay."""
+        if self.is_streamed:
+            return None
+        return layers.from_folder(self.source.path.parent, target.parent, self.source.layer)
+
+    def _source_from(self, target: Path) -> str:
+        """The source as a relative asset path of the output."""
+        if self.options.to_stream:
+            return f"./{self.source.path.name}"
+        path = os.path.relpath(self.source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
+        return path if path.startswith("../") else f"./{path}"
+
+    def _encoded(self, layer: Any, encoding: str, content: bytes, notices: list[Notice]) -> bytes:
+        """An edited copy of the layer as a file; a text stays as it is in all that was not edited."""
+        if encoding == "usda":
+            lost: list[str] = []
+            try:
+                text = splice.spliced(content, self.layer, layer, lost)
+            except UnknownTextError as why:
+                reason = f"the text was written anew by USD, which sorts properties and drops comments: {why}"
+                notices.append(Notice("text-respelled", reason))
+            else:
+                if lost:
+                    what = ", ".join(dict.fromkeys(lost))
+                    reason = f"comments inside these values went, for the values got another size: {what}"
+                    notices.append(Notice("comments-dropped", reason))
+                return text
+        return layers.to_bytes(layer, encoding)
+
+    def _bare(self, target: Path) -> Any:
+        """A layer for bare opinions on the source, to be inserted into any layer stack above it."""
+        layer = layers.empty()
+        layers.copy_clock(self.source.layer, layer)
+        mark: dict[str, Any] = {"override": "layer"}
+        if not self.options.from_stream:
+            mark["source"] = Sdf.AssetPath(self._source_from(target))
+        layer.customLayerData = {MARK: mark}
+        return layer
+
+    def _over_source(self, target: Path) -> Any:
+        """A layer over the source: its stage metadata, and the source as its only sublayer."""
+        if self.options.from_stream:
+            raise UsageError(
+                "--override-stage names its source, and standard input has no name; "
+                "give the file, or use --override."
+            )
+        layer = layers.empty()
+        layers.copy_metadata(self.source.layer, layer)
+        rename = self._rename(target)
+        if rename is not None:
+            layers.rename_assets(layer, rename)
+        layer.subLayerPaths = [self._source_from(target)]
+        layer.customLayerData = {**layer.customLayerData, MARK: {"override": "stage"}}
+        return layer
+
+
+def _check_sums(package: usdz.Package, path: Path, notices: list[Notice]) -> None:
+    """FileError for a damaged layer that would get a valid checksum; other entries are kept and noticed."""
+    damaged = [entry for entry in package.entries if not package.is_whole(entry)]
+    if package.root in damaged:
+        raise FileError(
+            f"{path}: entry '{package.root.name}' does not have its checksum, so it is damaged. "
+            "Copy or export the package again"
+        )
+    for entry in damaged:
+        text = f"entry '{entry.name}' does not have its checksum, so it is damaged; it was kept as it is"
+        notices.append(Notice("package-damaged", text))

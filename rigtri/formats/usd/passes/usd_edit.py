@@ -1,0 +1,95 @@
+"""One edit of a stage on its way through the passes of the writer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+
+from pxr import Sdf
+
+from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.opinions.composition_check import Expected
+from rigtri.formats.usd.opinions.edits import Edit
+from rigtri.formats.usd.reading.reader import read_source
+from rigtri.formats.usd.reading.source import Source
+from rigtri.maths.arrays import Booleans
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.report import Notice
+
+
+@dataclass(frozen=True, eq=False)
+class Changes:
+    """What differs between the rig of the source and the one to write.
+
+    moved: (n,) nodes of the source with another local matrix, without prims whose new keys place them.
+    clips: with the new keys of joints; those of other nodes are as they were. prim_tracks: new keys of
+    prims that are not rigtri's. rigtri_prims: rigtri's own prims with other keys. weights: tracks of
+    morph weights before and after, None for none.
+    """
+
+    moved: Booleans
+    clips: tuple[Clip, ...]
+    prim_tracks: Sequence[Track]
+    rigtri_prims: Collection[int]
+    weights: Sequence[tuple[Track | None, Track | None]]
+
+
+@dataclass(eq=False)
+class UsdEdit:
+    """What passes share.
+
+    source: the stage as the passes so far have prepared it. rig: what the output is to say, with
+    source's nodes first. prepared: the opinions that source was read again with. values: opinions that
+    turn source into rig, by the paths of the stage. opinions: the same by the paths of the layer, within
+    variants where they need it. removals: what goes last. expected: what the composed output must show.
+    """
+
+    source: Source
+    rig: Rig
+    options: ReadOptions
+    notices: list[Notice]
+    value_passes: Sequence[Pass]
+    prepared: list[Edit] = field(default_factory=list)
+    values: list[Edit] = field(default_factory=list)
+    opinions: list[Edit] = field(default_factory=list)
+    removals: list[Edit] = field(default_factory=list)
+    expected: Expected = field(default_factory=Expected)
+    _changes: Changes | None = None
+
+    @property
+    def changes(self) -> Changes:
+        """What `find_changes` has found."""
+        if self._changes is None:
+            raise ValueError("find_changes comes before the passes that write values")
+        return self._changes
+
+    @changes.setter
+    def changes(self, changes: Changes) -> None:
+        self._changes = changes
+
+    @property
+    def edits(self) -> list[Edit]:
+        """All edits, in the order in which they are made."""
+        return [*self.prepared, *self.opinions, *self.removals]
+
+    def prepare(self, edits: Sequence[Edit]) -> None:
+        """Read the source again with edits over it; FileError where that breaks UsdSkel's rules."""
+        preview = layers.empty()
+        layers.copy_clock(self.source.layer, preview)
+        with Sdf.ChangeBlock():
+            for edit in edits:
+                edit(preview)
+        self.source = read_source(self.source.path, self.options, layers.over(preview, self.source.layer))
+        self.prepared += edits
+
+    def values_in(self, source: Source, rig: Rig) -> UsdEdit:
+        """An edit of another state of the stage, with its values alone."""
+        other = UsdEdit(source, rig, ReadOptions(), [], self.value_passes)
+        for value_pass in self.value_passes:
+            value_pass(other)
+        return other
+
+
+Pass = Callable[[UsdEdit], None]

@@ -1,0 +1,161 @@
+"""Write the columns of animations that changed; skeletons with other values get an animation of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from pxr import Sdf
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.opinions.animation_edits import set_array
+from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_value
+from rigtri.formats.usd.opinions.half_rounding import put
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.animation_reader import HELD, Animation
+from rigtri.formats.usd.reading.node_keys import parts
+from rigtri.formats.usd.reading.source import Source
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip
+from rigtri.report import Notice
+
+# (samples or default, property, column) → new samples (k, c), or the new default (1, c).
+Columns = dict[tuple[str, str, int], Floats]
+
+
+def write_animations(edit: UsdEdit) -> None:
+    """Write the arrays of animations with the changed columns in them, complete.
+
+    FileError where clips or key times changed that no pass before could prepare.
+    """
+    source, clips = edit.source, edit.changes.clips
+    changes: dict[str, dict[str, Columns]] = {}
+    if len(clips) != len(source.rig.clips):
+        raise FileError(f"{source.path}: clips cannot be added to USD files or taken out of them.")
+    for old, new in zip(source.rig.clips, clips, strict=True):
+        # Xform prims are turned by ops of their own; the keys of the others stay as they are.
+        if new is not old and parts(old.key)[0] != "xforms":
+            _collect(source, old, new, changes)
+    for path, wanted in changes.items():
+        edit.values += _write_animation(source, source.animations[path], wanted, edit.notices)
+
+
+def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Columns]]) -> None:
+    """Add the changed columns of a clip's tracks, by animation and by skeleton."""
+    moment, path = parts(old.key)
+    if len(old.tracks) != len(new.tracks):
+        raise FileError(f"Clip '{old.name}': tracks cannot be added to USD files or taken out of them.")
+    for was, now in zip(old.tracks, new.tracks, strict=True):
+        if now is was or was.key in (None, HELD) or np.array_equal(was.values, now.values):
+            continue
+        if not np.array_equal(was.times, now.times):
+            raise FileError(f"Clip '{old.name}': key times of USD animations cannot be changed.")
+        name, column = parts(was.key)
+        skeleton = parts(source.rig.keys[was.node])[1]
+        into.setdefault(path, {}).setdefault(skeleton, {})[moment, name, column] = now.values
+
+
+def _write_animation(
+    source: Source, animation: Animation, wanted: Mapping[str, Columns], warnings: list[Notice]
+) -> list[Edit]:
+    """Write one animation; where its skeletons need different values, each of them its own."""
+    found: list[Edit] = []
+    for number, (skeletons, columns) in enumerate(_groups(source, animation, wanted)):
+        for skeleton in skeletons:
+            if columns and source.skeletons[skeleton].locked:
+                raise FileError(f"{source.skeletons[skeleton].locked}.")
+        if number == 0:
+            found += _array_edits(animation, animation.path, columns)
+            continue
+        copy, made = _copy_of(source, animation, number + 1)
+        found += [*made, *_array_edits(animation, copy, columns)]
+        for skeleton in skeletons:
+            found += bind_animation(skeleton, copy)
+        warnings.append(
+            Notice(
+                "animation-split",
+                f"Animation <{animation.path}> drives skeletons that were turned differently; "
+                f"{', '.join(f'<{s}>' for s in skeletons)} got a copy of it, <{copy}>.",
+            )
+        )
+    return found
+
+
+def _groups(
+    source: Source, animation: Animation, wanted: Mapping[str, Columns]
+) -> list[tuple[list[str], Columns]]:
+    """Skeletons that can share one set of values, with that set; those that cannot be edited first."""
+    users = [s for s in source.skeletons.values() if s.animation == animation.path]
+    groups: list[tuple[list[str], Columns, Columns]] = []
+    for skeleton in sorted(users, key=lambda s: not s.locked):
+        own = wanted.get(skeleton.path, {})
+        known = set(skeleton.tokens)
+        mine: Columns = {}
+        for moment, name, column in _slots(animation):
+            if animation.tokens[column] in known:
+                # What this skeleton sees in the column, changed or not, is what it needs there.
+                mine[moment, name, column] = own.get((moment, name, column), _NOTHING)
+        for paths, seen, columns in groups:
+            if all(np.array_equal(seen[slot], value) for slot, value in mine.items() if slot in seen):
+                paths.append(skeleton.path)
+                seen.update(mine)
+                columns.update(own)
+                break
+        else:
+            groups.append(([skeleton.path], mine, dict(own)))
+    return [(paths, columns) for paths, _, columns in groups]
+
+
+_NOTHING: Floats = np.zeros((0, 0))
+
+
+def _slots(animation: Animation) -> list[tuple[str, str, int]]:
+    return [
+        (moment, name, column)
+        for name, item in animation.properties.items()
+        for moment in ("samples", "default")
+        if (len(item.times) if moment == "samples" else item.default is not None)
+        for column in range(len(animation.tokens))
+    ]
+
+
+def _array_edits(animation: Animation, path: str, columns: Columns) -> list[Edit]:
+    """The arrays of an animation that changed, written to the animation at ``path``."""
+    found: list[Edit] = []
+    for name, item in animation.properties.items():
+        mine = {slot: values for slot, values in columns.items() if slot[1] == name}
+        if not mine:
+            continue
+        samples, default = item.samples.copy(), item.default
+        default = None if default is None else default.copy()
+        for (moment, _, column), values in mine.items():
+            if moment == "samples":
+                put(samples, column, item.samples[:, column], values)
+            elif default is not None and item.default is not None:
+                put(default[np.newaxis], column, item.default[np.newaxis, column], values)
+        found.append(set_array(path, name, replace(item, samples=samples, default=default)))
+    return found
+
+
+def _copy_of(source: Source, animation: Animation, number: int) -> tuple[str, list[Edit]]:
+    """A copy of an animation prim beside it, with all that is composed on it."""
+    stage, prim = source.stage, source.stage.GetPrimAtPath(animation.path)
+    parent, name = prim.GetPath().GetParentPath(), f"{prim.GetName()}_{number}"
+    while stage.GetPrimAtPath(parent.AppendChild(name)):
+        name += "_"
+    path = parent.AppendChild(name)
+    copies = [
+        set_value(
+            path,
+            attribute.GetName(),
+            attribute.GetTypeName(),
+            attribute.Get(),
+            samples=dict(time_samples(attribute)),
+            uniform=attribute.GetVariability() == Sdf.VariabilityUniform,
+            custom=attribute.IsCustom(),
+        )
+        for attribute in prim.GetAuthoredAttributes()
+    ]
+    return str(path), [define(path, prim.GetTypeName()), *copies]

@@ -1,0 +1,38 @@
+"""Write the bind and rest poses of skeletons."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.opinions.edits import set_matrices
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.node_keys import kind, parts
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.maths.matrices import inverse
+
+
+def write_skeletons(edit: UsdEdit) -> None:
+    """Write the matrices of joints that differ. FileError where a skeleton cannot be edited."""
+    source, rig, moved = edit.source, edit.rig, edit.changes.moved
+    for old, new in zip(source.rig.skins, rig.skins, strict=False):  # new ones come last
+        if kind(old.key) != "skeleton":
+            continue
+        path = parts(old.key)[1]
+        skeleton = source.skeletons[path]
+        rebound = (old.inverse_bind != new.inverse_bind).any(axis=(1, 2))
+        if rebound.any():
+            _check_editable(skeleton)
+            bind = skeleton.bind.copy()
+            bind[rebound] = inverse(new.inverse_bind[rebound])
+            edit.values.append(set_matrices(path, "bindTransforms", bind))
+        posed = moved[old.joints]
+        if posed.any() and skeleton.has_rest:
+            _check_editable(skeleton)
+            rest = np.where(posed[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
+            edit.values.append(set_matrices(path, "restTransforms", rest))
+
+
+def _check_editable(skeleton: Skeleton) -> None:
+    if skeleton.locked:
+        raise FileError(f"{skeleton.locked}.")

@@ -1,0 +1,69 @@
+"""A stage as it was read: its rig, and what of the stage its nodes, skins and clips stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.reading import mesh_reader
+from rigtri.formats.usd.reading.animation_reader import Animation
+from rigtri.formats.usd.reading.node_keys import kind, parts
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
+from rigtri.report import Notice
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """What a writer compares with and takes values from. skeletons, animations: by path."""
+
+    path: Path
+    stage: Any
+    rig: Rig
+    skeletons: Mapping[str, Skeleton]
+    animations: Mapping[str, Animation]
+    warnings: list[Notice]
+    bindings: mesh_reader.Bindings
+
+    @property
+    def layer(self) -> Any:
+        return self.stage.GetRootLayer()
+
+    @cached_property
+    def joints(self) -> Mapping[int, tuple[str, str]]:
+        """The skeleton's path and the token of each joint that an animation can move, by node."""
+        skins = [skin for skin in self.rig.skins if kind(skin.key) in ("skeleton", "library")]
+        return {
+            node: (path, token)
+            for path, skin in ((parts(skin.key)[1], skin) for skin in skins)
+            for node, token in zip(skin.joints.tolist(), self.skeletons[path].tokens, strict=True)
+        }
+
+
+def read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
+    """The meshes of a source; those that cannot be measured are noticed."""
+    rig = source.rig
+    nodes = {label: node for node, label in enumerate(rig.labels) if kind(rig.keys[node]) == "prim"}
+    skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
+    tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
+    with quiet(f"{source.path}: USD cannot read its meshes"):
+        found = mesh_reader.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
+        playing = {
+            path: source.stage.GetPrimAtPath(skeleton.animation)
+            for path, skeleton in source.skeletons.items()
+            if skeleton.animation
+        }
+        found = mesh_reader.resting_weights(found, source.bindings.every, playing)
+    for mesh in found:
+        if mesh.skin is not None and not np.isfinite(mesh.weights).all():
+            text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
+            if (notice := Notice("mesh-unread", text)) not in notices:
+                notices.append(notice)
+    return found
