@@ -5,13 +5,13 @@ from __future__ import annotations
 import difflib
 import re
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from pathlib import Path
 
 import click
 import pytest
 from hypothesis import settings
 from places import ASSETS, GOLDENS, LARGE, NO_ASSETS, SAMPLES
+from program import program
 
 from rigtri import register_usd_schemas
 
@@ -67,11 +67,8 @@ def assets() -> Path:
 
 @pytest.fixture(scope="session")
 def app() -> click.Group:
-    """The installed program, found the way the shell finds it."""
-    (script,) = entry_points(group="console_scripts", name="rigtri")
-    program = script.load()
-    assert isinstance(program, click.Group)
-    return program
+    """The installed program as click has it; `program.cli` runs it."""
+    return program()
 
 
 @dataclass(frozen=True)

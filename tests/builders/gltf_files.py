@@ -266,3 +266,19 @@ def small(joints: int = 3) -> Builder:
     sampler = _sampler(b.accessor([0, 1]), b.accessor(turns))
     b.gltf["animations"] = [{"samplers": [sampler], "channels": [_channel(0, 1, "rotation")]}]
     return b
+
+
+EVIL = '</script><img src="x" onerror="window.hacked=1"><!--'
+
+
+def evil() -> Builder:
+    """A file whose names are markup, wherever it has names."""
+    b = small()
+    b.gltf["nodes"][1]["name"] = EVIL
+    b.gltf["animations"][0]["name"] = EVIL
+    b.gltf["meshes"][0]["name"] = EVIL
+    b.gltf["materials"] = [{"name": EVIL, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+    b.gltf["meshes"][0]["primitives"][0]["material"] = 0
+    b.gltf["textures"] = [{"source": 0}]
+    b.gltf["images"] = [{"uri": "gone%3Cimg%20src=x%3E.png", "name": EVIL}]
+    return b

@@ -92,6 +92,9 @@ KINDS = {
     "usdwg_CesiumMan.usdz",
 }
 
+# The samples that stand for the others.
+FEW = {"arm.gltf", "biped.glb", "biped.usda", "mirrored_pair.glb"}
+
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 USD = (".usd", ".usda", ".usdc", ".usdz")
 
@@ -125,10 +128,15 @@ def slow(*values: Any) -> Any:
     return pytest.param(*values, marks=pytest.mark.slow)
 
 
+def samples_of_all_kinds(*suffixes: str) -> list[Any]:
+    """A small sample, and the character in either format; with --slow all samples."""
+    return [path if path.name in FEW else slow(path) for path in sample_files(*suffixes)]
+
+
 def files_of_all_kinds() -> list[Any]:
-    """The samples and one real file of each kind; with --slow all real files."""
+    """A sample and a real file of each kind; with --slow all samples and all real files."""
     real = [path if path.name in KINDS else slow(path) for path in asset_files()]
-    return [*sample_files(), *real]
+    return [*samples_of_all_kinds(), *real]
 
 
 def real_files() -> list[Any]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.maths.trigonometry import Floats
@@ -116,3 +117,12 @@ def _tracks(random: np.random.Generator, nodes: list[int]) -> list[Track]:
             Track(node, "translation", mode, times, random.normal(size=(*shape, 3))),
         ]
     return tracks
+
+
+TIMES = [-1.0, 0.0, 0.1, 0.4, 0.55, 0.7, 1.0, 2.0]
+
+
+def poses(rig: Rig) -> Floats:
+    """World matrices at rest and during the clips, between keys and beyond them, (f, n, 4, 4)."""
+    moving = [worlds(rig, locals_at(rig, clip, TIMES)) for clip in rig.clips]
+    return np.concatenate([worlds(rig, rig.normalised_local)[np.newaxis], *moving])

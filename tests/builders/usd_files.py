@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdSkel
+from pxr import Sdf, Usd, UsdGeom, UsdSkel, UsdUtils
 
 from rigtri.errors import RigtriError
 from rigtri.formats import ReadOptions
@@ -172,3 +172,21 @@ def deviation(before: Path, after: Path) -> float:
             size = max(size, float(np.linalg.norm(points.max(0) - points.min(0))))
             worst = max(worst, float(np.abs(points - second[path]).max()))
     return worst / (size or 1.0)
+
+
+def without_notes(path: Path, out: Path) -> Path:
+    """What an exporter leaves: the prims and their keys, and nothing that rigtri has stored."""
+
+    stage = Usd.Stage.Open(str(path))
+    for prim in stage.TraverseAll():
+        for item in prim.GetProperties():
+            if "rigtri" in item.GetName():
+                prim.RemoveProperty(item.GetName())
+        if prim.HasMetadata("apiSchemas"):
+            names = prim.GetMetadata("apiSchemas").GetAddedOrExplicitItems()
+            kept = [name for name in names if not name.startswith("Rigtri")]
+            prim.SetMetadata("apiSchemas", Sdf.TokenListOp.CreateExplicit(kept))
+    plain = out.with_suffix(".usdc") if out.suffix == ".usdz" else out
+    stage.Export(str(plain))
+    assert plain == out or UsdUtils.CreateNewUsdzPackage(str(plain), str(out))
+    return out

@@ -6,14 +6,15 @@ import json
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 import pytest
-from click.testing import CliRunner, Result
 from conftest import Golden
 from gltf_files import small
+from program import cli
 from second_opinions import schema, validator
 
 from rigtri.cli import main
@@ -21,24 +22,16 @@ from rigtri.errors import RigtriError, kind_of
 from rigtri.files.worker_process import CrashError
 from rigtri.formats import read
 
-
-@pytest.fixture
-def run(app: click.Group) -> Any:
-    def call(*args: object, code: int = 0, stdin: bytes | None = None) -> Result:
-        result = CliRunner().invoke(app, [str(arg) for arg in args], input=stdin)
-        assert result.exit_code == code, result.output
-        return result
-
-    return call
+run = partial(cli, code=0)
 
 
-def test_help_is_there_for_every_command(run: Any) -> None:
+def test_help_is_there_for_every_command() -> None:
     assert "orient-joints" in run("--help").output
     for command in ("inspect", "orient-joints", "add-polevector", "verify"):
         assert "Example" in run(command, "--help").output
 
 
-def test_orient_joints_says_what_it_did_and_where_it_is(run: Any, samples: Path, tmp_path: Path) -> None:
+def test_orient_joints_says_what_it_did_and_where_it_is(samples: Path, tmp_path: Path) -> None:
     result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb")
     assert result.stdout == ""
     assert "22 joints turned" in result.stderr
@@ -46,7 +39,7 @@ def test_orient_joints_says_what_it_did_and_where_it_is(run: Any, samples: Path,
     assert str(tmp_path / "out.glb") in result.stderr
 
 
-def test_reports_keep_to_their_schema(run: Any, samples: Path, tmp_path: Path) -> None:
+def test_reports_keep_to_their_schema(samples: Path, tmp_path: Path) -> None:
     report, schema = tmp_path / "report.json", validator("report")
     out = tmp_path / "out.glb"
     printed = run("orient-joints", samples / "biped.glb", "-o", out, "--report", report, "--json", "-q")
@@ -61,15 +54,14 @@ def test_reports_keep_to_their_schema(run: Any, samples: Path, tmp_path: Path) -
 
 @pytest.mark.parametrize("command", ["orient-joints", "mirror", "build", "add-controls"])
 def test_a_dry_run_needs_no_name_for_what_it_does_not_write(
-    command: str, run: Any, samples: Path, tmp_path: Path
+    command: str, samples: Path, tmp_path: Path
 ) -> None:
     source, spec = tmp_path / "hero.glb", tmp_path / "rig.yaml"
     shutil.copy(samples / "tpose.glb", source)
     spec.write_text("sidecar: true\nsteps: [{do: orient-joints}]\n")
     more = {"build": ("--spec", spec), "add-controls": ("--joints", "*")}.get(command, ())
     before = sorted(tmp_path.iterdir())
-    done = run(command, source, *more, "--dry-run", "--json")
-    assert done.exit_code == 0, done.output
+    done = run(command, source, *more, "--dry-run", "--json", code=0)
     assert "No OUT was written (--dry-run)." in done.stderr
     assert json.loads(done.stdout)["target"] is None
     assert sorted(tmp_path.iterdir()) == before
@@ -80,7 +72,7 @@ def test_a_dry_run_needs_no_name_for_what_it_does_not_write(
     assert (without.exit_code, "-o" in without.stderr) == (2, True)
 
 
-def test_notes_in_written_files_keep_to_their_schema(run: Any, samples: Path, tmp_path: Path) -> None:
+def test_notes_in_written_files_keep_to_their_schema(samples: Path, tmp_path: Path) -> None:
     schema, found = validator("node"), 0
     for number, options in enumerate((["--limbs", "auto"], ["--limb", "thigh_L", "shin_L", "foot_L"])):
         for name in ("biped.glb", "biped.usda"):
@@ -93,7 +85,7 @@ def test_notes_in_written_files_keep_to_their_schema(run: Any, samples: Path, tm
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "tpose.glb", "arm.gltf", "biped.usda"])
-def test_streams_work_both_ways(name: str, app: click.Group, samples: Path, tmp_path: Path) -> None:
+def test_streams_work_both_ways(name: str, samples: Path, tmp_path: Path) -> None:
     arguments = ["orient-joints", "-", "-o", "-", *(["--root", "shoulder"] if name == "arm.gltf" else [])]
     script = "from importlib.metadata import entry_points as e; " + (
         "e(group='console_scripts', name='rigtri')['rigtri'].load()()"
@@ -107,11 +99,11 @@ def test_streams_work_both_ways(name: str, app: click.Group, samples: Path, tmp_
     assert streamed.returncode == 0, streamed.stderr
     out = tmp_path / name
     arguments[1:4] = [str(samples / name), "-o", str(out)]
-    assert CliRunner().invoke(app, arguments).exit_code == 0
+    cli(*arguments, code=0)
     assert streamed.stdout == out.read_bytes()
 
 
-def test_a_gltf_with_files_beside_it_cannot_go_to_a_stream(run: Any, samples: Path) -> None:
+def test_a_gltf_with_files_beside_it_cannot_go_to_a_stream(samples: Path) -> None:
     assert "stream cannot hold" in run("orient-joints", samples / "biped.gltf", "-o", "-", code=2).stderr
 
 
@@ -138,7 +130,7 @@ CODES = {
 
 @pytest.mark.parametrize("case", CODES)
 def test_a_users_mistake_gets_one_line_and_its_exit_code(
-    case: str, run: Any, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    case: str, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     arguments, code = CODES[case]
@@ -172,7 +164,6 @@ def test_an_output_of_another_format_is_told_before_anything_is_read(
     source: str,
     target: str,
     fits: str,
-    run: Any,
     samples: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -187,27 +178,25 @@ def test_an_output_of_another_format_is_told_before_anything_is_read(
 
 
 @pytest.mark.parametrize(("suffix", "lacks"), [(".vrm", "VRM or VRMC_vrm"), (".vrma", "VRMC_vrm_animation")])
-def test_a_suffix_makes_no_avatar(suffix: str, lacks: str, run: Any, samples: Path, tmp_path: Path) -> None:
+def test_a_suffix_makes_no_avatar(suffix: str, lacks: str, samples: Path, tmp_path: Path) -> None:
     result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / f"out{suffix}", code=2)
     assert f"out{suffix}: biped.glb has no extension {lacks}" in result.stderr
     assert not list(tmp_path.iterdir())
 
 
-def test_an_override_is_a_layer_whatever_it_is_for(run: Any, samples: Path, tmp_path: Path) -> None:
+def test_an_override_is_a_layer_whatever_it_is_for(samples: Path, tmp_path: Path) -> None:
     arguments = ["orient-joints", samples / "biped.usdz", "--override", "-o"]
     assert "an override is a layer" in run(*arguments, tmp_path / "out.usdz", code=2).stderr
     run(*arguments, tmp_path / "out.usdc")
 
 
-def test_a_misspelt_joint_gets_a_suggestion(run: Any, samples: Path, tmp_path: Path) -> None:
+def test_a_misspelt_joint_gets_a_suggestion(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     result = run("orient-joints", samples / "biped.glb", "-o", out, "--joints", "forarm_L", code=4)
     assert "'forearm_L'" in result.stderr
 
 
-def test_verify_passes_what_looks_the_same_and_says_the_number(
-    run: Any, samples: Path, tmp_path: Path
-) -> None:
+def test_verify_passes_what_looks_the_same_and_says_the_number(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     run("orient-joints", samples / "biped.glb", "-o", out, "-q")
     assert run("verify", samples / "biped.glb", out).stdout.startswith("deviation")
@@ -216,11 +205,11 @@ def test_verify_passes_what_looks_the_same_and_says_the_number(
     assert told["deviation"] < 2e-7
 
 
-def test_verify_fails_with_6_what_looks_different(run: Any, samples: Path) -> None:
+def test_verify_fails_with_6_what_looks_different(samples: Path) -> None:
     run("verify", samples / "biped.glb", samples / "tail.glb", code=6)
 
 
-def test_frames_are_saved_applied_and_undone(run: Any, samples: Path, tmp_path: Path) -> None:
+def test_frames_are_saved_applied_and_undone(samples: Path, tmp_path: Path) -> None:
     source, out, back = samples / "biped.glb", tmp_path / "out.glb", tmp_path / "back.glb"
     frames, other = tmp_path / "frames.json", tmp_path / "other.glb"
     run("orient-joints", source, "-o", out, "--preset", "blender", "--save-frames", frames)
@@ -233,7 +222,7 @@ def test_frames_are_saved_applied_and_undone(run: Any, samples: Path, tmp_path: 
     assert abs(before.rotation - after.rotation).max() < 1e-6
 
 
-def test_styles_behind_a_chain_are_for_that_chain(run: Any, samples: Path, tmp_path: Path) -> None:
+def test_styles_behind_a_chain_are_for_that_chain(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     arguments = ["--aim", "y", "--up", "x", "--chain", "upper_arm_L", "forearm_L", "--aim", "z"]
     run("orient-joints", samples / "biped.glb", "-o", out, *arguments, "--joints", "thigh_L")
@@ -250,12 +239,12 @@ def test_styles_behind_a_chain_are_for_that_chain(run: Any, samples: Path, tmp_p
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "hand.glb", "flat_ik.glb", "tpose.glb"])
-def test_inspect_prints_what_a_reviewer_has_read(name: str, run: Any, samples: Path, golden: Golden) -> None:
+def test_inspect_prints_what_a_reviewer_has_read(name: str, samples: Path, golden: Golden) -> None:
     golden.check(f"inspect_{name}.txt", run("inspect", samples / name).stdout)
 
 
 def test_inspect_colours_arrows_where_asked_to_and_says_the_same_words(
-    run: Any, samples: Path, monkeypatch: pytest.MonkeyPatch
+    samples: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = samples / "biped.glb"
     monkeypatch.delenv("FORCE_COLOR", raising=False)
@@ -269,7 +258,7 @@ def test_inspect_colours_arrows_where_asked_to_and_says_the_same_words(
     assert run("inspect", source).stdout == words
 
 
-def test_inspect_speaks_json(run: Any, samples: Path) -> None:
+def test_inspect_speaks_json(samples: Path) -> None:
     told = json.loads(run("inspect", samples / "biped.glb", "--json").stdout)
     assert told["file"].endswith("biped.glb")
 
@@ -287,7 +276,7 @@ def test_inspect_speaks_json(run: Any, samples: Path) -> None:
     ],
 )
 def test_oriented_joints_are_what_a_reviewer_has_read(
-    name: str, options: list[str], run: Any, samples: Path, tmp_path: Path, golden: Golden
+    name: str, options: list[str], samples: Path, tmp_path: Path, golden: Golden
 ) -> None:
     out = tmp_path / name
     run("orient-joints", samples / name, "-o", out, *options)
@@ -296,7 +285,7 @@ def test_oriented_joints_are_what_a_reviewer_has_read(
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "tpose.glb", "flat_ik.glb"])
 def test_pole_vectors_stand_where_a_reviewer_has_read(
-    name: str, run: Any, samples: Path, tmp_path: Path, golden: Golden
+    name: str, samples: Path, tmp_path: Path, golden: Golden
 ) -> None:
     out = tmp_path / name
     told = run("add-polevector", samples / name, "-o", out, "--limbs", "auto").stderr
@@ -305,7 +294,7 @@ def test_pole_vectors_stand_where_a_reviewer_has_read(
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_new_limb_reads_as_a_reviewer_has_read(
-    name: str, run: Any, samples: Path, tmp_path: Path, golden: Golden
+    name: str, samples: Path, tmp_path: Path, golden: Golden
 ) -> None:
     out = tmp_path / name
     points = ["0,.95,-.1", "0,.85,-.3", "0,.7,-.5", ".02,.55,-.65"]
@@ -326,7 +315,7 @@ def test_a_new_limb_reads_as_a_reviewer_has_read(
 
 
 @pytest.mark.parametrize("name", ["arm.gltf", "arm.usda"])
-def test_a_new_file_is_what_a_reviewer_has_read(name: str, run: Any, tmp_path: Path, golden: Golden) -> None:
+def test_a_new_file_is_what_a_reviewer_has_read(name: str, tmp_path: Path, golden: Golden) -> None:
     out = tmp_path / name
     points = ["0,140,0", "25,140,-5", "50,140,0"]
     run(
@@ -372,29 +361,25 @@ IGNORED = {
         ("--dance", "No such option '--dance'. Help: rigtri --help"),
     ],
 )
-def test_a_line_that_is_not_understood_gets_one_line(app: click.Group, line: str, told: str) -> None:
-    result = CliRunner().invoke(app, line.split(), prog_name="rigtri")
-    assert result.exit_code == 2
+def test_a_line_that_is_not_understood_gets_one_line(line: str, told: str) -> None:
+    result = cli(*line.split(), code=2)
     assert result.stderr.startswith(f"rigtri: {told}")
     assert result.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("case", IGNORED)
 def test_an_option_that_would_mean_nothing_is_refused(
-    case: str, app: click.Group, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    case: str, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     arguments, word = IGNORED[case]
-    result = CliRunner().invoke(
-        app,
-        ["orient-joints", str(samples / "biped.glb"), "-o", "out.glb", *arguments],
-    )
+    result = cli("orient-joints", samples / "biped.glb", "-o", "out.glb", *arguments)
     assert result.exit_code in (2, 3, 5)
     assert word in result.stderr
     assert list(tmp_path.iterdir()) == []
 
 
-def test_names_with_an_equals_sign_can_be_aimed(run: Any, tmp_path: Path, samples: Path) -> None:
+def test_names_with_an_equals_sign_can_be_aimed(tmp_path: Path, samples: Path) -> None:
     source = tmp_path / "odd.gltf"
     text = (samples / "biped.gltf").read_text().replace('"forearm_L"', '"a=b"').replace('"hand_L"', '"c=d"')
     source.write_text(text)
@@ -426,9 +411,7 @@ def _line(name: str, file: Path, target: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("name", list(main.COMMANDS))
-def test_with_json_every_failure_is_one_object_on_standard_output(
-    app: click.Group, name: str, tmp_path: Path
-) -> None:
+def test_with_json_every_failure_is_one_object_on_standard_output(name: str, tmp_path: Path) -> None:
     """A file that is none, an option that is none, and JSON asked for by the environment."""
     broken, target = tmp_path / "broken.glb", tmp_path / "out.glb"
     broken.write_bytes(b"no glTF at all")
@@ -436,7 +419,7 @@ def test_with_json_every_failure_is_one_object_on_standard_output(
     asked: dict[str, str | None] = {f"RIGTRI_{name.replace('-', '_').upper()}_AS_JSON": "1"}
     cases = [([*line, "--json"], None, 0), ([*line, "--json", "--no-such"], None, 2), (line, asked, 0)]
     for words, environment, wanted in cases:
-        result = CliRunner(env=environment).invoke(app, words)
+        result = cli(*words, env=environment)
         document = json.loads(result.stdout)
         assert not target.exists()
         if name == "check" and not wanted:
@@ -446,7 +429,7 @@ def test_with_json_every_failure_is_one_object_on_standard_output(
         assert document["error"]["exit_code"] == result.exit_code != 0
         assert document["error"]["message"] in " ".join(result.stderr.split())
         assert not wanted or (result.exit_code, document["error"]["kind"]) == (wanted, "usage")
-    assert CliRunner().invoke(app, line).stdout.count('"error": {') == 0
+    assert cli(*line).stdout.count('"error": {') == 0
 
 
 def test_the_kinds_of_errors_are_those_of_the_schema() -> None:
@@ -455,25 +438,22 @@ def test_the_kinds_of_errors_are_those_of_the_schema() -> None:
     assert kind_of(CrashError) == "file"
 
 
-def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(
-    app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(samples: Path, tmp_path: Path) -> None:
     source, other = samples / "biped.glb", tmp_path / "out.glb"
     command = ["orient-joints", source, "-o", other, "--json"]
-    result = CliRunner().invoke(app, [*map(str, command), "--joints", "nobody"])
+    result = cli(*command, "--joints", "nobody")
     assert json.loads(result.stdout)["error"] | {"message": ""} == {
         "kind": "name not found",
         "message": "",
         "exit_code": 4,
     }
-    result = CliRunner().invoke(app, ["verify", str(source), str(samples / "tail.glb"), "--json"])
-    assert result.exit_code == 6
+    result = cli("verify", source, samples / "tail.glb", "--json", code=6)
     assert json.loads(result.stdout)["passes"] is False
-    result = CliRunner().invoke(app, ["--no-such", "inspect", "--json"])
+    result = cli("--no-such", "inspect", "--json")
     assert json.loads(result.stdout)["error"]["kind"] == "usage"
 
 
-def test_a_root_that_shows_something_itself_is_not_told_to_give_a_root(run: Any, tmp_path: Path) -> None:
+def test_a_root_that_shows_something_itself_is_not_told_to_give_a_root(tmp_path: Path) -> None:
     builder = small()
     builder.gltf["nodes"][-1]["name"] = "body"
     source = builder.glb(tmp_path / "in.glb")
@@ -504,11 +484,10 @@ UNWORKABLE = [
 
 @pytest.mark.parametrize(("words", "told"), UNWORKABLE)
 def test_numbers_that_no_file_can_work_with_are_refused(
-    words: list[str], told: str, app: click.Group, samples: Path, tmp_path: Path
+    words: list[str], told: str, samples: Path, tmp_path: Path
 ) -> None:
     command, *options = words
     arguments = [command, str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb"), *options]
-    result = CliRunner().invoke(app, arguments)
-    assert result.exit_code == 2, result.output
+    result = cli(*arguments, code=2)
     assert told in result.output
     assert not (tmp_path / "out.glb").exists()

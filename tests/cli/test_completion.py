@@ -8,15 +8,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-import click
 import pytest
-from click.testing import CliRunner
+from program import cli
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_the_lines_for_a_shell_ask_rigtri(app: click.Group, shell: str) -> None:
-    told = CliRunner().invoke(app, ["completion", shell])
-    assert told.exit_code == 0
+def test_the_lines_for_a_shell_ask_rigtri(shell: str) -> None:
+    told = cli("completion", shell, code=0)
     assert f"_RIGTRI_COMPLETE={shell}_complete" in told.stdout
 
 
@@ -30,19 +28,18 @@ def test_the_lines_for_a_shell_ask_rigtri(app: click.Group, shell: str) -> None:
         ("rigtri schema batch-", "plain,batch-report"),
     ],
 )
-def test_bash_gets_what_may_come_next(app: click.Group, words: str, wanted: str) -> None:
+def test_bash_gets_what_may_come_next(words: str, wanted: str) -> None:
     asked: dict[str, str | None] = {
         "_RIGTRI_COMPLETE": "bash_complete",
         "COMP_WORDS": words,
         "COMP_CWORD": str(words.count(" ")),
     }
-    told = CliRunner(env=asked).invoke(app, [], prog_name="rigtri")
+    told = cli(env=asked)
     assert wanted in told.stdout.splitlines()
 
 
-def test_a_shell_that_nobody_knows_is_a_usage_error(app: click.Group) -> None:
-    told = CliRunner().invoke(app, ["completion", "csh"])
-    assert told.exit_code == 2
+def test_a_shell_that_nobody_knows_is_a_usage_error() -> None:
+    told = cli("completion", "csh", code=2)
     assert "'bash', 'zsh', 'fish'" in told.stderr
 
 
@@ -54,11 +51,11 @@ def shell(name: str) -> str:
 
 
 @pytest.fixture
-def here(tmp_path: Path, app: click.Group, monkeypatch: pytest.MonkeyPatch) -> Path:
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a file, and the lines for each shell; the shells find this rigtri."""
     (tmp_path / "hero.glb").touch()
     for name, file in (("bash", "rigtri.bash"), ("zsh", "_rigtri"), ("fish", "rigtri.fish")):
-        lines = CliRunner().invoke(app, ["completion", name]).stdout
+        lines = cli("completion", name).stdout
         (tmp_path / file).write_text(lines, "utf-8")
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.chdir(tmp_path)

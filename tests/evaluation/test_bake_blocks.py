@@ -6,8 +6,8 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from baked_rigs import rigged
 from places import slow
-from test_bake import rigged
 
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.inverse_solver import solve_controls

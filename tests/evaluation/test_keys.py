@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_bake import control, rigged
+from baked_rigs import control, rigged
 
 from rigtri.evaluation.key_reduction import WIDEST_TURN, _off_their_neighbours, reduce_keys
 from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotation_angle, slerp, unit

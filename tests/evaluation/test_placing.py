@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from test_bake import BOUND, apart, rigged
+from baked_rigs import BOUND, apart, rigged
 
 from rigtri.evaluation import sampling
 from rigtri.model.constraints import rules_of

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from engines import Shown, blender_scenes, blender_setup, blender_trip
 from gltf_files import glb_bytes, glb_parts
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files
+from program import cli
 
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
@@ -105,13 +105,13 @@ def checked(found: Shown) -> None:
 
 
 @pytest.fixture(scope="module")
-def rigged(app: Any, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def rigged(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("rigged")
     made = {}
     for name in ("biped.glb", "biped.usda"):
         made[name] = folder / name
         line = ["add-controls", SAMPLES / name, "-o", made[name], "--whole-character", "-q"]
-        assert CliRunner().invoke(app, list(map(str, line))).exit_code == 0
+        cli(*line, code=0)
     return made
 
 
@@ -197,13 +197,13 @@ RULED = {
 
 
 @pytest.fixture(scope="module")
-def ruled(rigged: dict[str, Path], app: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def ruled(rigged: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A file with rules of every kind, and twist joints."""
     folder, source = tmp_path_factory.mktemp("ruled"), rigged["biped.glb"]
     for number, line in enumerate(RULES.strip().splitlines()):
         name, *options = line.split()
         target = folder / f"{number}.glb"
-        result = CliRunner().invoke(app, [name, str(source), "-o", str(target), *options, "-q"])
+        result = cli(name, source, "-o", target, *options, "-q")
         assert result.exit_code == 0, result.stderr
         source = target
     return source
@@ -221,18 +221,18 @@ def test_constraints_and_twist_move_in_blender_as_in_rigtri(ruled: Path, tmp_pat
 
 @pytest.mark.slow
 def test_controls_animated_in_blender_come_back_as_joint_keys(
-    app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The commands of docs/blender.md."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(SAMPLES / "biped.glb", "hero.glb")
     for line in block("to blender"):
-        assert CliRunner().invoke(app, line).exit_code == 0
+        cli(*line, code=0)
     by = [0.05, -0.12, 0.1]
     names = {"script": str(tmp_path / "setup.py"), "target": str(tmp_path / "edited.glb")}
     blender_trip(names | {"keys": {"hand_L_ik_ctl": {"by": by}}}, folder=tmp_path)
     for line in block("and back"):
-        result = CliRunner().invoke(app, line)
+        result = cli(*line)
         assert result.exit_code == 0, result.stderr
     rig, final = read(tmp_path / "rigged.glb").rig, read(tmp_path / "final.glb").rig
     assert not [name for name in final.names if name.startswith("rigtri ")]
@@ -260,7 +260,7 @@ TAKES: dict[str, dict[str, Any]] = {
 
 @pytest.mark.slow
 def test_what_is_seen_in_blender_comes_home_whatever_has_keys(
-    rigged: dict[str, Path], app: Any, tmp_path: Path
+    rigged: dict[str, Path], tmp_path: Path
 ) -> None:
     """Feet that nothing has keys of stay planted, in the file as in Blender; IK that is off stays off."""
     source = rigged["biped.glb"]
@@ -283,7 +283,7 @@ def test_what_is_seen_in_blender_comes_home_whatever_has_keys(
             ("new", ["bake", home, "--to", "joints"]),
         ):
             line += [] if line is take else ["-o", out, "--overwrite"]
-            result = CliRunner().invoke(app, [*line, "--json"])
+            result = cli(*line, "--json")
             assert result.exit_code == 0, result.stderr
             codes = {warning["code"] for warning in json.loads(result.stdout)["warnings"]}
             reads = line is take or "--rig" in line
@@ -322,7 +322,7 @@ def told_by_switch(rigged: Path, scale: float, target: Path) -> Path:
 @pytest.mark.parametrize("command", ["bake", "take-clips"])
 @pytest.mark.parametrize(("scale", "holds"), [(1.5, True), (1.0, False), (0.5, False)])
 def test_a_switch_below_an_ik_end_tells_of_ik_without_keys(
-    scale: float, holds: bool, command: str, rigged: dict[str, Path], app: Any, tmp_path: Path
+    scale: float, holds: bool, command: str, rigged: dict[str, Path], tmp_path: Path
 ) -> None:
     rig = read(rigged["biped.glb"]).rig
     source = told_by_switch(rigged["biped.glb"], scale, tmp_path / "in.glb")
@@ -333,7 +333,7 @@ def test_a_switch_below_an_ik_end_tells_of_ik_without_keys(
         if command == "bake"
         else [first, ["bake", home, "-o", out, "--to", "joints"]]
     ):
-        result = CliRunner().invoke(app, [*line, "-q"])
+        result = cli(*line, "-q")
         assert result.exit_code == 0, result.stderr
     final = read(Path(out)).rig
     clip = final.clip("walk" if command == "bake" else "new")
@@ -342,14 +342,14 @@ def test_a_switch_below_an_ik_end_tells_of_ik_without_keys(
     moved = float(np.linalg.norm(posed.world(final.find("foot_L"))[0, 3, :3] - foot))
     assert (moved < 1e-3) == holds  # the leg is too straight by half a millimetre
     assert float(np.linalg.norm(posed.world(final.find("thigh_L"))[0, 3, :3] - thigh)) > 0.01
-    result = CliRunner().invoke(app, ["strip", out, "-o", str(bare), "-q"])
+    result = cli("strip", out, "-o", bare, "-q")
     assert result.exit_code == 0, result.stderr
     assert "rigtri_ik.001" not in read(Path(bare)).rig.names
 
 
 @pytest.mark.parametrize("along", [False, True])
 def test_an_armature_that_was_moved_alone_is_put_back_where_controls_had_its_bones(
-    along: bool, rigged: dict[str, Path], app: Any, tmp_path: Path
+    along: bool, rigged: dict[str, Path], tmp_path: Path
 ) -> None:
     """An exporter takes bind poses along with it. Where the controls have gone along, nothing is wrong."""
     place = compose(np.array([1.0, 0.0, -0.5]), np.array(turn("y", 30)), np.ones(3))
@@ -361,7 +361,7 @@ def test_an_armature_that_was_moved_alone_is_put_back_where_controls_had_its_bon
     for source in (still, moved):
         out = tmp_path / f"{source.stem}-out.glb"
         line = ["bake", str(source), "--rig", str(rigged["biped.glb"]), "-o", str(out)]
-        result = CliRunner().invoke(app, line)
+        result = cli(*line)
         assert result.exit_code == 0, result.stderr
         assert ("'biped' was moved in Blender" in result.stderr) == (source is moved and not along)
         outs.append(read(out).rig)
@@ -390,7 +390,7 @@ def moved_by(source: Path, place: Floats, names: list[str], target: Path) -> Pat
 
 
 def test_a_switch_that_is_off_takes_the_keys_of_ik_out_of_the_clip_that_has_them(
-    rigged: dict[str, Path], app: Any, tmp_path: Path
+    rigged: dict[str, Path], tmp_path: Path
 ) -> None:
     """Nothing else is edited: the clip of the rig held the foot before."""
     on, off = (told_by_switch(rigged["biped.glb"], scale, tmp_path / f"{scale}.glb") for scale in (1.5, 0.5))
@@ -398,7 +398,7 @@ def test_a_switch_that_is_off_takes_the_keys_of_ik_out_of_the_clip_that_has_them
     keyed = []
     for rig, source, out in ((rigged["biped.glb"], on, held), (held, off, free)):
         line = ["take-clips", str(rig), "--from", str(source), "-o", out, "--as", "walk=new"]
-        result = CliRunner().invoke(app, line)
+        result = cli(*line)
         assert result.exit_code == 0, result.stderr
         assert ("IK was switched off in Blender" in result.stderr) == (source is off)
         found = read(Path(out)).rig
@@ -475,11 +475,11 @@ def test_a_scene_that_lacks_something_is_left_alone(rigged: dict[str, Path], tmp
 
 
 @pytest.mark.slow
-def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], app: Any, tmp_path: Path) -> None:
+def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], tmp_path: Path) -> None:
     """Two characters, two of one file, and what the user has changed before."""
     first, second = rigged["biped.glb"], tmp_path / "tpose.glb"
     line = ["add-controls", str(SAMPLES / "tpose.glb"), "-o", str(second), "--whole-character", "-q"]
-    assert CliRunner().invoke(app, line).exit_code == 0
+    cli(*line, code=0)
     scripts = [script_for(path, tmp_path) for path in (first, second)]
     found = blender_scenes(str(first), str(scripts[0]), str(second), str(scripts[1]), folder=tmp_path)
     both, again, one = (found["several"][word] for word in ("both", "again", "one"))
@@ -507,30 +507,28 @@ def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], app: Any,
     assert "'shin_L' (if that is 'knee' now, rename it back)" in told
 
 
-def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(app: Any, tmp_path: Path) -> None:
+def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(tmp_path: Path) -> None:
     plain, script = str(SAMPLES / "biped.glb"), str(tmp_path / "setup.py")
-    result = CliRunner().invoke(app, ["export-blender", plain, "-o", script])
-    assert result.exit_code == 5
+    result = cli("export-blender", plain, "-o", script, code=5)
     assert "add-controls" in result.stderr
     soft = str(tmp_path / "soft.glb")
     line = ["add-controls", plain, "-o", soft, "--limbs", "auto", "--soft", "0.1", "--stretch"]
-    assert CliRunner().invoke(app, line).exit_code == 0
-    result = CliRunner().invoke(app, ["export-blender", soft, "-o", script, "--json"])
+    cli(*line, code=0)
+    result = cli("export-blender", soft, "-o", script, "--json")
     told = json.loads(result.stdout)
     assert (told["limbs"], told["script"]) == (4, script)
     assert {warning["code"] for warning in told["warnings"]} == {"blender-left-out"}
     assert any("softness of 'hand_L_ik_ctl'" in warning["text"] for warning in told["warnings"])
-    again = CliRunner().invoke(app, ["export-blender", soft, "-o", script])
-    assert again.exit_code == 2
+    again = cli("export-blender", soft, "-o", script, code=2)
     assert "--overwrite" in again.stderr
-    streamed = CliRunner().invoke(app, ["export-blender", soft, "-o", "-", "-q"])
+    streamed = cli("export-blender", soft, "-o", "-", "-q")
     assert streamed.stdout == Path(script).read_text("utf-8")
 
 
-def test_left_out_rules_are_named(rigged: dict[str, Path], app: Any, tmp_path: Path) -> None:
+def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> None:
     out = str(tmp_path / "out.glb")
     line = ["constrain", str(rigged["biped.glb"]), "-o", out, "--type", "point", "--child", "head"]
-    assert CliRunner().invoke(app, [*line, "--driver", "hips", "--skip", "ty"]).exit_code == 0
+    cli(*line, "--driver", "hips", "--skip", "ty", code=0)
     report = Report()
     exported(read(Path(out)).rig, gltf=True, report=report)
     assert [notice.code for notice in report.warnings] == ["blender-left-out"]
@@ -541,14 +539,14 @@ def test_left_out_rules_are_named(rigged: dict[str, Path], app: Any, tmp_path: P
 @pytest.mark.parametrize(
     "name", ["kaykit_Barbarian.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda"]
 )
-def test_bones_of_real_characters_follow_controls(name: str, app: Any, tmp_path: Path) -> None:
+def test_bones_of_real_characters_follow_controls(name: str, tmp_path: Path) -> None:
     """Straight limbs, bones scaled by their armature, centimetres and z up."""
     path = next((path for path in asset_files() if path.name == name), None)
     if path is None:
         pytest.skip(NO_ASSETS)
     rigged = tmp_path / name
     line = ["add-controls", str(path), "-o", str(rigged), "--whole-character", "-q"]
-    assert CliRunner().invoke(app, line).exit_code == 0
+    cli(*line, code=0)
     document = read(rigged)
     rig, meters = document.rig, document.scenery().whole.get("metersPerUnit", 1.0)
     ends, fk = (

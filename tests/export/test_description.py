@@ -6,10 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from program import cli
 from second_opinions import validator
 
-from rigtri.cli.main import program
 from rigtri.export.rig_json import description
 from rigtri.formats import read
 
@@ -18,8 +17,7 @@ from rigtri.formats import read
 def test_the_sidecar_describes_what_the_file_holds(samples: Path, tmp_path: Path, name: str) -> None:
     out, beside = tmp_path / name, tmp_path / "biped.rig.json"
     command = ["add-controls", str(samples / name), "-o", str(out), "--whole-character", "--sidecar"]
-    done = CliRunner().invoke(program, command)
-    assert done.exit_code == 0, done.output
+    cli(*command, code=0)
     said = json.loads(beside.read_text())
     validator("rig").validate(said)
     rig = read(out).rig
@@ -35,8 +33,7 @@ def test_the_sidecar_describes_what_the_file_holds(samples: Path, tmp_path: Path
 def test_a_sidecar_replaces_nothing_unasked(samples: Path, tmp_path: Path) -> None:
     (tmp_path / "out.rig.json").write_text("mine")
     command = ["add-controls", str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb")]
-    done = CliRunner().invoke(program, [*command, "--whole-character", "--sidecar"])
-    assert done.exit_code == 2
+    done = cli(*command, "--whole-character", "--sidecar", code=2)
     assert "out.rig.json exists" in done.output
     assert (tmp_path / "out.rig.json").read_text() == "mine"
     assert not (tmp_path / "out.glb").exists()
@@ -44,13 +41,11 @@ def test_a_sidecar_replaces_nothing_unasked(samples: Path, tmp_path: Path) -> No
 
 def test_a_stream_has_no_file_beside_it(samples: Path) -> None:
     command = ["add-controls", str(samples / "biped.glb"), "-o", "-", "--whole-character", "--sidecar"]
-    done = CliRunner().invoke(program, command)
-    assert done.exit_code == 2
+    done = cli(*command, code=2)
     assert "--sidecar needs a file" in done.output
 
 
 def test_with_dry_run_there_is_no_sidecar(samples: Path, tmp_path: Path) -> None:
     command = ["add-controls", str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb"), "-n"]
-    done = CliRunner().invoke(program, [*command, "--whole-character", "--sidecar"])
-    assert done.exit_code == 0
+    cli(*command, "--whole-character", "--sidecar", code=0)
     assert not list(tmp_path.iterdir())

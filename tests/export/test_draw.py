@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import click
 import numpy as np
 import pytest
 from builds import _controls, _poles
-from click.testing import CliRunner, Result
 from places import SAMPLES
+from program import Ran, cli
 from rigs import chain, random_rig, rig_of
 from second_opinions import validator
 
@@ -301,15 +300,9 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
 
 
 @pytest.fixture
-def run(app: click.Group, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Ran]:
     monkeypatch.chdir(tmp_path)
-
-    def call(*words: object, code: int = 0) -> Result:
-        result = CliRunner().invoke(app, ["draw", *map(str, words)])
-        assert result.exit_code == code, result.output
-        return result
-
-    return call
+    return partial(cli, "draw", code=0)
 
 
 def test_the_command_writes_what_the_function_gives(run: Any, tmp_path: Path) -> None:

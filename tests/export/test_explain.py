@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import given
 from places import SAMPLES
+from program import Ran, cli
 from second_opinions import validator
 from strategies import vectors
 
@@ -129,15 +129,9 @@ def test_lines_fit_the_terminal_where_they_can() -> None:
 
 
 @pytest.fixture
-def run(app: click.Group, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Ran]:
     monkeypatch.chdir(tmp_path)
-
-    def call(*words: object, code: int = 0) -> Result:
-        result = CliRunner().invoke(app, ["explain", *map(str, words)])
-        assert result.exit_code == code, result.output
-        return result
-
-    return call
+    return partial(cli, "explain", code=0)
 
 
 @pytest.mark.parametrize(

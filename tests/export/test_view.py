@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import subprocess
+from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,9 @@ import numpy as np
 import pytest
 import usd_files
 from builds import _controls
-from click.testing import CliRunner, Result
-from gltf_files import Builder, small
+from gltf_files import EVIL, evil, small
 from places import ROOT, SAMPLES
+from program import cli
 
 from rigtri.export.drawing.picture import seen
 from rigtri.export.viewer.page_data import facts
@@ -29,7 +30,6 @@ from rigtri.report import Report
 
 NO_ESBUILD = "esbuild, three.js and meshoptimizer are not here: set RIGTRI_THREE"
 PNG = b"\x89PNG\r\n\x1a\n"
-EVIL = '</script><img src="x" onerror="window.hacked=1"><!--'
 
 
 class Page(HTMLParser):
@@ -67,57 +67,34 @@ class Page(HTMLParser):
         return base64.b64decode(self.text[name])
 
 
-@pytest.fixture
-def view(app: click.Group, tmp_path: Path) -> Any:
-    def call(*args: object, code: int = 0, stdin: bytes | None = None) -> Result:
-        result = CliRunner().invoke(app, ["view", *map(str, args)], input=stdin)
-        assert result.exit_code == code, result.output
-        return result
-
-    return call
+view = partial(cli, "view", code=0)
 
 
-def written(view: Any, folder: Path, *args: object) -> Page:
+def written(folder: Path, *args: object) -> Page:
     view(*args, "-o", folder / "page.html", "--overwrite")
     return Page((folder / "page.html").read_text("utf-8"))
 
 
-def evil() -> Builder:
-    """A file whose names are markup, wherever it has names."""
-    b = small()
-    b.gltf["nodes"][1]["name"] = EVIL
-    b.gltf["animations"][0]["name"] = EVIL
-    b.gltf["meshes"][0]["name"] = EVIL
-    b.gltf["materials"] = [{"name": EVIL, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
-    b.gltf["meshes"][0]["primitives"][0]["material"] = 0
-    b.gltf["textures"] = [{"source": 0}]
-    b.gltf["images"] = [{"uri": "gone%3Cimg%20src=x%3E.png", "name": EVIL}]
-    return b
-
-
 def test_the_page_carries_the_bytes_of_the_file_and_of_all_that_it_names(
-    view: Any, samples: Path, tmp_path: Path
+    samples: Path, tmp_path: Path
 ) -> None:
-    page = written(view, tmp_path, samples / "biped.gltf")
+    page = written(tmp_path, samples / "biped.gltf")
     (model,) = page.facts["models"]
     assert page.file(model["data"]) == (samples / "biped.gltf").read_bytes()
     assert [one["name"] for one in model["files"]] == ["biped.bin"]
     assert page.file(model["files"][0]["id"]) == (samples / "biped.bin").read_bytes()
 
 
-def test_before_and_after_are_both_in_the_page_after_first(view: Any, samples: Path, tmp_path: Path) -> None:
-    page = written(view, tmp_path, samples / "tpose.glb", "--against", samples / "biped.glb")
+def test_before_and_after_are_both_in_the_page_after_first(samples: Path, tmp_path: Path) -> None:
+    page = written(tmp_path, samples / "tpose.glb", "--against", samples / "biped.glb")
     assert [model["name"] for model in page.facts["models"]] == ["tpose.glb", "biped.glb"]
     assert page.text["title"] == "tpose.glb ← biped.glb – rigtri view"
 
 
-def test_limbs_and_pole_vectors_are_told_by_their_nodes(
-    app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_limbs_and_pole_vectors_are_told_by_their_nodes(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     limb = ("--limb", "upper_arm_L", "forearm_L", "hand_L")
-    done = CliRunner().invoke(app, ["add-polevector", str(samples / "biped.glb"), "-o", str(out), *limb])
-    assert done.exit_code == 0, done.output
+    cli("add-polevector", samples / "biped.glb", "-o", out, *limb, code=0)
     told = facts(read(out).rig)
     names = [node["name"] for node in told["nodes"]]
     arm = next(one for one in told["limbs"] if names[one["joints"][0]] == "upper_arm_L")
@@ -187,28 +164,26 @@ def test_a_skeleton_that_a_mesh_inherits_is_written_at_the_mesh(tmp_path: Path) 
     assert list(shown.GetJointIndicesPrimvar().Get()) == [0, 0]
 
 
-def test_a_usd_mesh_that_is_bound_to_nothing_is_shown(view: Any, tmp_path: Path) -> None:
+def test_a_usd_mesh_that_is_bound_to_nothing_is_shown(tmp_path: Path) -> None:
     path = tmp_path / "in.usda"
     mesh = "int[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n"
     points = "point3f[] points = [(0,0,0), (1,0,0), (0,0,1)]\n"
     path.write_text(f'#usda 1.0\ndef Mesh "M"\n{{\n{mesh}{points}}}\n')
-    assert written(view, tmp_path, path).facts["models"][0]["nodes"][0]["name"] == "M"
+    assert written(tmp_path, path).facts["models"][0]["nodes"][0]["name"] == "M"
 
 
-def test_no_name_of_a_file_becomes_an_element(view: Any, samples: Path, tmp_path: Path) -> None:
-    plain = written(view, tmp_path, samples / "arm.gltf")
+def test_no_name_of_a_file_becomes_an_element(samples: Path, tmp_path: Path) -> None:
+    plain = written(tmp_path, samples / "arm.gltf")
     named = evil().glb(tmp_path / "<img src=x onerror=alert(1)>.glb")
-    page = written(view, tmp_path, named)
+    page = written(tmp_path, named)
     assert [tag for tag, _ in page.elements] == [tag for tag, _ in plain.elements]
     assert page.text["title"] == "<img src=x onerror=alert(1)>.glb – rigtri view"
     assert page.facts["models"][0]["nodes"][1]["name"] == EVIL
     assert not set("<>&") & set(page.text["facts"])
 
 
-def test_the_policy_lets_the_page_run_itself_and_nothing_else(
-    view: Any, samples: Path, tmp_path: Path
-) -> None:
-    page = written(view, tmp_path, samples / "arm.gltf")
+def test_the_policy_lets_the_page_run_itself_and_nothing_else(samples: Path, tmp_path: Path) -> None:
+    page = written(tmp_path, samples / "arm.gltf")
 
     def digest(text: str) -> str:
         return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
@@ -220,9 +195,7 @@ def test_the_policy_lets_the_page_run_itself_and_nothing_else(
     assert said["connect-src"] == said["img-src"] == "data: blob:"
 
 
-def test_the_licence_of_three_is_in_the_page_and_beside_the_script(
-    view: Any, samples: Path, tmp_path: Path
-) -> None:
+def test_the_licence_of_three_is_in_the_page_and_beside_the_script(samples: Path, tmp_path: Path) -> None:
     view(samples / "arm.gltf", "-o", tmp_path / "a.html")
     text = (tmp_path / "a.html").read_text("utf-8")
     assert "Copyright © 2010-" in text
@@ -239,9 +212,9 @@ def test_the_licence_of_three_is_in_the_page_and_beside_the_script(
     ],
 )
 def test_a_page_begins_as_it_is_asked_to(
-    options: tuple[str, ...], start: dict[str, Any], view: Any, samples: Path, tmp_path: Path
+    options: tuple[str, ...], start: dict[str, Any], samples: Path, tmp_path: Path
 ) -> None:
-    assert written(view, tmp_path, samples / "biped.glb", *options).facts["start"] == start
+    assert written(tmp_path, samples / "biped.glb", *options).facts["start"] == start
 
 
 def test_a_time_outside_the_clip_is_told_and_the_nearest_pose_shown() -> None:
@@ -255,10 +228,8 @@ def test_a_time_outside_the_clip_is_told_and_the_nearest_pose_shown() -> None:
     assert page.facts["start"]["time"] == 0.0
 
 
-def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(
-    view: Any, samples: Path, tmp_path: Path
-) -> None:
-    page = written(view, tmp_path, samples / "biped.usda", "--pose", "walk@12")
+def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(samples: Path, tmp_path: Path) -> None:
+    page = written(tmp_path, samples / "biped.usda", "--pose", "walk@12")
     assert page.facts["start"] == {"clip": 0, "time": 0.5}
 
 
@@ -274,7 +245,7 @@ def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(
     ],
 )
 def test_a_mistake_gets_one_line(
-    options: tuple[str, ...], code: int, words: str, view: Any, samples: Path, tmp_path: Path
+    options: tuple[str, ...], code: int, words: str, samples: Path, tmp_path: Path
 ) -> None:
     target = () if "-o" in options else ("-o", tmp_path / "a.html")
     result = view(samples / "biped.glb", *target, *options, code=code)
@@ -283,7 +254,7 @@ def test_a_mistake_gets_one_line(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_page_that_is_there_is_kept_unless_it_may_go(view: Any, samples: Path, tmp_path: Path) -> None:
+def test_a_page_that_is_there_is_kept_unless_it_may_go(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "a.html"
     target.write_text("mine")
     assert "--overwrite" in view(samples / "arm.gltf", "-o", target, code=2).stderr
@@ -292,7 +263,7 @@ def test_a_page_that_is_there_is_kept_unless_it_may_go(view: Any, samples: Path,
     assert target.read_text("utf-8").startswith("<!DOCTYPE html>")
 
 
-def test_a_page_never_replaces_what_it_shows(view: Any, samples: Path, tmp_path: Path) -> None:
+def test_a_page_never_replaces_what_it_shows(samples: Path, tmp_path: Path) -> None:
     source, target = tmp_path / "a.glb", tmp_path / "a.html"
     shutil.copy(samples / "biped.glb", source)
     target.symlink_to(source)
@@ -300,7 +271,7 @@ def test_a_page_never_replaces_what_it_shows(view: Any, samples: Path, tmp_path:
     assert source.read_bytes() == (samples / "biped.glb").read_bytes()
 
 
-def test_what_was_written_is_told_to_machines(view: Any, samples: Path, tmp_path: Path) -> None:
+def test_what_was_written_is_told_to_machines(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "a.html"
     told = json.loads(view(samples / "arm.gltf", "-o", target, "--json").stdout)
     assert told["page"] == str(target)
@@ -313,7 +284,7 @@ def test_what_was_written_is_told_to_machines(view: Any, samples: Path, tmp_path
 
 
 def test_a_page_is_opened_where_that_is_asked_and_a_missing_browser_is_told(
-    view: Any, samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []
     monkeypatch.setattr(click, "launch", lambda uri: asked.append(uri) or len(asked) - 1)
@@ -326,36 +297,36 @@ def test_a_page_is_opened_where_that_is_asked_and_a_missing_browser_is_told(
     assert asked == [target.resolve().as_uri()] * 2
 
 
-def test_streams_work_both_ways(view: Any, samples: Path) -> None:
+def test_streams_work_both_ways(samples: Path) -> None:
     result = view("-", "-o", "-", stdin=(samples / "biped.glb").read_bytes())
     page = Page(result.stdout)
     assert page.facts["title"] == "standard input"
     assert page.file("file0") == (samples / "biped.glb").read_bytes()
 
 
-def test_a_file_without_joints_is_shown_and_says_so(view: Any, samples: Path, tmp_path: Path) -> None:
+def test_a_file_without_joints_is_shown_and_says_so(samples: Path, tmp_path: Path) -> None:
     result = view(samples / "arm.gltf", "-o", tmp_path / "a.html")
     assert "arm.gltf has no joints; its nodes are shown" in result.stderr
     assert len(Page((tmp_path / "a.html").read_text("utf-8")).facts["models"][0]["nodes"]) > 2
 
 
-def test_names_that_turn_lines_round_or_are_endless_are_cut_and_marked(view: Any, tmp_path: Path) -> None:
+def test_names_that_turn_lines_round_or_are_endless_are_cut_and_marked(tmp_path: Path) -> None:
     b = small()
     b.gltf["nodes"][1]["name"] = "\u202eabc" + "x" * 500
-    page = written(view, tmp_path, b.glb(tmp_path / "\u202eb.glb"))
+    page = written(tmp_path, b.glb(tmp_path / "\u202eb.glb"))
     name = page.facts["models"][0]["nodes"][1]["name"]
     assert name.startswith("\\u202eabc")
     assert len(name) == 60
     assert "\u202e" not in page.text["title"]
 
 
-def test_a_file_without_nodes_says_so(view: Any, tmp_path: Path) -> None:
+def test_a_file_without_nodes_says_so(tmp_path: Path) -> None:
     path = tmp_path / "none.gltf"
     path.write_text('{"asset": {"version": "2.0"}}')
     assert "none.gltf has no joints; nor any node" in view(path, "-o", tmp_path / "a.html").stderr
 
 
-def test_what_is_missing_or_cannot_be_shown_is_told(view: Any, tmp_path: Path) -> None:
+def test_what_is_missing_or_cannot_be_shown_is_told(tmp_path: Path) -> None:
     b = evil()
     b.gltf["images"].append({"uri": "../secret.png"})
     b.gltf["images"].append({"uri": "https://example.org/a.png"})
@@ -367,12 +338,12 @@ def test_what_is_missing_or_cannot_be_shown_is_told(view: Any, tmp_path: Path) -
     assert len(notices) == 3
 
 
-def test_chains_too_deep_for_three_js_are_told(view: Any, tmp_path: Path) -> None:
+def test_chains_too_deep_for_three_js_are_told(tmp_path: Path) -> None:
     told = view(small(joints=2100).glb(tmp_path / "in.glb"), "-o", tmp_path / "a.html").stderr
     assert "warning: in.glb: 2100 nodes hang one below the other; the page cannot show more than some" in told
 
 
-def test_textures_that_no_page_can_show_are_told_once_with_the_reason(view: Any, tmp_path: Path) -> None:
+def test_textures_that_no_page_can_show_are_told_once_with_the_reason(tmp_path: Path) -> None:
     b = small()
     b.gltf["images"] = [
         {"uri": f"{k}.dds"} if k < 5 else {"name": "packed", "uri": "data:image/ktx2;base64,q0tUWA=="}
@@ -396,12 +367,12 @@ def test_textures_that_no_page_can_show_are_told_once_with_the_reason(view: Any,
     ]
 
 
-def test_only_pages_with_meshes_in_draco_carry_its_decoder(view: Any, samples: Path, tmp_path: Path) -> None:
+def test_only_pages_with_meshes_in_draco_carry_its_decoder(samples: Path, tmp_path: Path) -> None:
     b = small()
     b.gltf["extensionsUsed"] = ["KHR_draco_mesh_compression"]
     with_it, without = (
-        written(view, tmp_path, b.glb(tmp_path / "in.glb")),
-        written(view, tmp_path, samples / "biped.glb"),
+        written(tmp_path, b.glb(tmp_path / "in.glb")),
+        written(tmp_path, samples / "biped.glb"),
     )
     for page, needed in ((with_it, True), (without, False)):
         scripts = [tag for tag, about in page.elements if tag == "script" and not about]
@@ -410,17 +381,17 @@ def test_only_pages_with_meshes_in_draco_carry_its_decoder(view: Any, samples: P
         assert ("rigtriDraco=" in page.text["script"]) == needed
 
 
-def test_an_image_outside_the_folder_is_taken_along_where_it_is_allowed(view: Any, tmp_path: Path) -> None:
+def test_an_image_outside_the_folder_is_taken_along_where_it_is_allowed(tmp_path: Path) -> None:
     b = evil()
     b.gltf["images"] = [{"uri": "../in.png"}]
     (tmp_path / "below").mkdir()
     (tmp_path / "in.png").write_bytes(b"picture")
-    page = written(view, tmp_path, b.glb(tmp_path / "below" / "in.glb"), "--allow-external-paths")
+    page = written(tmp_path, b.glb(tmp_path / "below" / "in.glb"), "--allow-external-paths")
     (one,) = page.facts["models"][0]["files"]
     assert page.file(one["id"]) == b"picture"
 
 
-def test_textures_of_usd_are_taken_along_and_others_are_told(view: Any, tmp_path: Path) -> None:
+def test_textures_of_usd_are_taken_along_and_others_are_told(tmp_path: Path) -> None:
     shaders = "".join(
         f'def Shader "S{k}"\n{{\nuniform token info:id = "UsdUVTexture"\nasset inputs:file = @{name}@\n}}\n'
         for k, name in enumerate(["a.png", "b.exr", "gone.png", "../out.png"])

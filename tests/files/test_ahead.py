@@ -7,15 +7,15 @@ import os
 import subprocess
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from gltf_files import small
+from program import cli
 
-from rigtri.cli.main import program
 from rigtri.evaluation.sampling import sorted_unique
 from rigtri.files import copy_ahead
 from rigtri.files.atomic_write import beside
@@ -33,8 +33,7 @@ def source(tmp_path: Path) -> Path:
     return small().gltf_file(tmp_path / "a.gltf")
 
 
-def run(*arguments: object) -> Any:
-    return CliRunner().invoke(program, ["orient-joints", *map(str, arguments), "-q"])
+run = partial(cli, "orient-joints", "-q")
 
 
 def names(folder: Path) -> list[str]:

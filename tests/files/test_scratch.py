@@ -12,7 +12,10 @@ import pytest
 
 from rigtri.files import temp_dirs
 
-HOLD = "import sys; from rigtri.files.temp_dirs import folder; print(folder().name, flush=True); sys.stdin.read()"
+HOLD = (
+    "import sys; from rigtri.files.temp_dirs import folder; "
+    "print(folder().name, flush=True); sys.stdin.read()"
+)
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 
 

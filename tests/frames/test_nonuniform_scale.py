@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from places import NO_ASSETS, USD, asset_files
+from program import cli
 from scaled_limbs import NAMES, STRETCH, Limb, gltf, usd
 from second_opinions import validator
 from usd_files import deviation
@@ -157,14 +157,11 @@ def test_a_joint_with_a_mesh_a_child_and_two_skins_is_split(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_the_report_says_which_scale_at_which_key_was_decided_how(
-    suffix: str, tmp_path: Path, app: Any
-) -> None:
+def test_the_report_says_which_scale_at_which_key_was_decided_how(suffix: str, tmp_path: Path) -> None:
     source, report = made(tmp_path, CASES["animated"], suffix), tmp_path / "report.json"
     arguments = ["orient-joints", str(source), "-o", str(tmp_path / f"out{suffix}"), "--report", str(report)]
     arguments += ["--on-nonuniform-scale", "split", *(["--allow-rename"] if suffix == ".usda" else [])]
-    result = CliRunner().invoke(app, arguments)
-    assert result.exit_code == 0, result.output
+    result = cli(*arguments, code=0)
     document = json.loads(report.read_text())
     validator("report").validate(document)
     (elbow,) = (entry for entry in document["joints"] if "scale" in entry)
@@ -191,7 +188,7 @@ def test_vrm_1_takes_no_split_and_says_why(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_frames_of_a_split_make_the_same_file_of_its_source(suffix: str, tmp_path: Path, app: Any) -> None:
+def test_frames_of_a_split_make_the_same_file_of_its_source(suffix: str, tmp_path: Path) -> None:
     limb = Limb(rest={"wrist": (1, -1.2, 1)}, keys={"elbow": STRETCH})
     source, out, same = made(tmp_path, limb, suffix), tmp_path / f"out{suffix}", tmp_path / f"same{suffix}"
     stored = tmp_path / "frames.json"
@@ -207,13 +204,12 @@ def test_frames_of_a_split_make_the_same_file_of_its_source(suffix: str, tmp_pat
         str(stored),
     ]
     other = ["orient-joints", str(source), "-o", str(same), "--frames", str(stored)]
-    assert CliRunner().invoke(app, [*one, *allowed]).exit_code == 0
+    cli(*one, *allowed, code=0)
     validator("frames").validate(json.loads(stored.read_text()))
-    result = CliRunner().invoke(app, [*other, *allowed])
-    assert result.exit_code == 0, result.output
+    cli(*other, *allowed, code=0)
     assert same.read_bytes() == out.read_bytes()
     if allowed:
-        refused = CliRunner().invoke(app, [*other, "--overwrite"])
+        refused = cli(*other, "--overwrite")
         assert refused.exit_code == UsageError("").exit_code
         assert "--allow-rename" in refused.output
 

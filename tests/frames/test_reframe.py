@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from rigs import chain, random_rig, random_turns
+from rigs import chain, poses, random_rig, random_turns
 
-from rigtri.evaluation.sampling import locals_at, skin_matrices, worlds
+from rigtri.evaluation.sampling import skin_matrices
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
 from rigtri.maths.matrices import from_frame, multiply
@@ -20,17 +20,9 @@ from rigtri.maths.quaternions import multiply as then
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.bindings import Bound
-from rigtri.model.rig import Rig
 
 seeds = st.integers(0, 2**32 - 1)
-TIMES = [-1.0, 0.0, 0.1, 0.4, 0.55, 0.7, 1.0, 2.0]
 QUARTER = from_axis_angle([0, 0, 1], np.pi / 2)
-
-
-def poses(rig: Rig) -> Floats:
-    """World matrices at rest and during the clips, between keys and beyond them, (f, n, 4, 4)."""
-    moving = [worlds(rig, locals_at(rig, clip, TIMES)) for clip in rig.clips]
-    return np.concatenate([worlds(rig, rig.normalised_local)[np.newaxis], *moving])
 
 
 def turned_by(turn: Floats, world: Floats) -> Floats:

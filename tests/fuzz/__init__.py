@@ -7,5 +7,4 @@ import sys
 from pathlib import Path
 
 # As pytest has it: what files are built with lies beside.
-_TESTS = Path(__file__).resolve().parents[1]
-sys.path += [str(_TESTS / "builders"), str(_TESTS / "formats" / "vrm"), str(_TESTS / "formats" / "gltf")]
+sys.path.append(str(Path(__file__).resolve().parents[1] / "builders"))

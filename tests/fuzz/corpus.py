@@ -9,8 +9,8 @@ from pathlib import Path
 
 from gltf_files import character, small
 from places import GLTF, USD, asset_files, sample_files
-from test_vrm import vrm_1
 from usd_files import MESH, animation, scene, skeleton
+from vrm_files import vrm_1
 
 # Larger files say little more and take much longer.
 LARGEST = 48_000

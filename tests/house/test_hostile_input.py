@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from gltf_files import glb_bytes, small
+from program import cli
 from pxr import Sdf, Tf
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
@@ -418,16 +418,15 @@ def test_a_misaligned_package_with_a_comment_is_read_and_comes_out_aligned(tmp_p
 # --- what a terminal gets
 
 
-def test_names_cannot_steer_the_terminal(app: Any, tmp_path: Path) -> None:
+def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:
     builder = small()
     builder.gltf["nodes"][1]["name"] = "a\x1b[2J\nrigtri: all is well\u202eb\ud800"
     path = builder.glb(tmp_path / "a.glb")
-    shown = CliRunner().invoke(app, ["inspect", str(path)])
-    assert shown.exit_code == 0
+    shown = cli("inspect", path, code=0)
     assert "\x1b" not in shown.output
     assert "\u202e" not in shown.output
     limb = ["--limb", "#0", "#1", "#2", "--bend", "#1=0,1,0"]
-    refused = CliRunner().invoke(app, ["add-polevector", str(path), "-o", str(tmp_path / "o.glb"), *limb])
+    refused = cli("add-polevector", path, "-o", tmp_path / "o.glb", *limb)
     assert [line[:7] for line in refused.stderr.splitlines()] == ["rigtri:"]
     assert "\\nrigtri: all is well" in refused.stderr
 
@@ -438,13 +437,13 @@ def test_plain_text_keeps_scripts_and_escapes_what_controls() -> None:
     assert plain("\x1b[31m\u2066x\x07") == "\\x1b[31m\\u2066x\\x07"
 
 
-def test_a_report_holds_names_that_are_no_text(app: Any, tmp_path: Path) -> None:
+def test_a_report_holds_names_that_are_no_text(tmp_path: Path) -> None:
     builder = small()
     builder.gltf["nodes"][1]["name"] = "half \ud800"
     path = builder.glb(tmp_path / "a.glb")
     report = tmp_path / "r.json"
     command = ["orient-joints", str(path), "-o", str(tmp_path / "o.glb"), "--report", str(report)]
-    assert CliRunner().invoke(app, command).exit_code == 0
+    cli(*command, code=0)
     assert "half \ud800" in {entry["joint"] for entry in json.loads(report.read_text("utf-8"))["joints"]}
 
 

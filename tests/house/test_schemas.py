@@ -11,12 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 from places import ROOT, SAMPLES
+from program import cli
 from second_opinions import SCHEMAS, schema, validator
-
-from rigtri.cli.main import program
 
 POLE: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": ["shoulder", "elbow", "wrist"]}
 
@@ -103,20 +101,20 @@ def test_a_report_has_exactly_its_keys() -> None:
 
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_a_schema_that_is_printed_refers_to_none_but_itself(name: str) -> None:
-    text = CliRunner().invoke(program, ["schema", name]).stdout
+    text = cli("schema", name).stdout
     named = {address.partition("#")[0] for address in re.findall(r'"\$ref": *"(urn:[^"]*)"', text)}
     assert named <= set(re.findall(r'"\$id": *"([^"]*)"', text))
 
 
 def test_a_schema_that_is_printed_needs_no_other() -> None:
-    told = CliRunner().invoke(program, ["schema", "report"])
+    told = cli("schema", "report")
     alone = Draft202012Validator(json.loads(told.stdout))
     limb = {"limb": ["a", "b", "c"], "polevector": "p", "position": [0, 0, 0], "bend_degrees": 3}
     errors = [error.message for error in alone.iter_errors({"limbs": [limb | {"source": "guessed"}]})]
     assert any("'guessed'" in error for error in errors)
-    told = CliRunner().invoke(program, ["schema", "rig"])
+    told = cli("schema", "rig")
     assert list(Draft202012Validator(json.loads(told.stdout)).iter_errors({"nodes": []}))
-    assert json.loads(CliRunner().invoke(program, ["schema", "node"]).stdout) == schema("node")
+    assert cli("schema", "node").json == schema("node")
 
 
 def test_the_usd_schema_is_what_the_node_schema_says() -> None:

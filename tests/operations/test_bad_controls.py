@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from places import SAMPLES
-from test_bake import control, rigged
+from baked_rigs import control, rigged, with_keyed_controls
+from places import SAMPLES, slow
+from program import cli
 
-from rigtri.cli.main import program
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import inverse, multiply, transform_points
 from rigtri.maths.trigonometry import Floats
@@ -29,7 +28,7 @@ from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 ARM = ("upper_arm_L", "forearm_L", "hand_L")
-NAMES = ["biped.glb", "biped.usda"]
+NAMES = ["biped.glb", slow("biped.usda")]
 
 
 def asked(rig: Rig, *keys: tuple[int, TrackPath, Any]) -> Rig:
@@ -186,13 +185,11 @@ def test_bake_says_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: st
 
     edit(SAMPLES / name, asks, asking, verify=False)
 
-    def run(*arguments: str) -> Any:
-        return CliRunner().invoke(program, ["bake", str(asks), "-o", str(out), *arguments])
-
-    warnings = json.loads(run("--json").stdout)["warnings"]
+    run = partial(cli, "bake", asks, "-o", out)
+    warnings = run("--json").json["warnings"]
     (told,) = (warning["text"] for warning in warnings if warning["code"] == "ik-unreachable")
     assert "@2 for the limb" in told
-    assert run("--strict", "--overwrite").exit_code == 5
+    run("--strict", "--overwrite", code=5)
 
 
 @pytest.mark.parametrize("soft", [0.05, 0.3])
@@ -289,7 +286,7 @@ CIRCLES = [
 def test_a_control_below_what_it_moves_is_a_circle_that_names_all_on_the_way(
     name: str, child: str, above: str, way: list[str]
 ) -> None:
-    rig = below(bake(rigged(name), options=BakeOptions(to="controls")), child, above)
+    rig = below(with_keyed_controls(name), child, above)
     at = f"{rig.clips[0].name}@0.5"
     for run in (
         lambda: bake(rig, options=BakeOptions()),
@@ -305,7 +302,7 @@ def test_a_control_below_what_it_moves_is_a_circle_that_names_all_on_the_way(
 
 
 def test_an_ik_end_below_the_head_is_no_circle() -> None:
-    rig = below(bake(rigged(), options=BakeOptions(to="controls")), "hand_L_ik_ctl_offset", "head")
+    rig = below(with_keyed_controls(), "hand_L_ik_ctl_offset", "head")
     assert all(np.isfinite(t.values).all() for c in bake(rig, options=BakeOptions()).clips for t in c.tracks)
 
 

@@ -7,11 +7,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from places import KINDS, SAMPLES, USD, asset_files, leave_out_refused, sample_files, slow
+from baked_rigs import (
+    BOUND,
+    WHOLE,
+    animated,
+    apart,
+    control,
+    moved,
+    rigged,
+    size,
+    stored,
+    with_keyed_controls,
+)
+from places import KINDS, SAMPLES, USD, asset_files, leave_out_refused, samples_of_all_kinds, slow
+from program import cli
 from second_opinions import validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
@@ -30,59 +41,6 @@ from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-
-WHOLE = AddControlsOptions(whole_character=True)
-# The issue's bound: of the character's size, at every frame.
-BOUND = 1e-5
-
-
-def stored(rig: Rig) -> Rig:
-    """The rig as a file keeps it."""
-
-    def single(values: Floats) -> Floats:
-        return values.astype(np.float32).astype(np.float64)
-
-    return replace(
-        rig, translation=single(rig.translation), rotation=single(rig.rotation), scale=single(rig.scale)
-    )
-
-
-def rigged(name: str = "biped.glb") -> Rig:
-    return stored(add_controls(read(SAMPLES / name).rig, options=WHOLE))
-
-
-def size(rig: Rig) -> float:
-    points = rig.world[rig.is_joint, 3, :3]
-    return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) or 1.0
-
-
-def apart(a: Rig, b: Rig, clip: str, times: Floats) -> float:
-    """How far joints are apart in a clip, as a share of the size."""
-    joints = np.flatnonzero(a.is_joint)
-    worlds = [
-        sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))[:, joints, 3, :3]
-        for rig in (a, b)
-    ]
-    return float(np.linalg.norm(worlds[0] - worlds[1], axis=-1).max()) / size(a)
-
-
-def moved(rig: Rig, node: int, by: Floats) -> Rig:
-    translation = rig.translation.copy()
-    translation[node] += by
-    return replace(rig, translation=translation)
-
-
-def control(rig: Rig, joint: str, kind: str) -> int:
-    return next(
-        node
-        for node, note in rig.notes.items()
-        if note.get("type") == "control" and note["kind"] == kind and note["joint"] == joint
-    )
-
-
-def animated(rig: Rig, node: int, path: Any, values: Any, times: Any = (0.0, 1.0)) -> Rig:
-    track = Track(node, path, "LINEAR", np.array(times), np.array(values, dtype=np.float64))
-    return replace(rig, clips=(*rig.clips, Clip("new", (track,))))
 
 
 @pytest.mark.parametrize("clip", ["walk", "wave"])
@@ -117,7 +75,7 @@ def test_a_rig_that_nobody_moved_bakes_to_itself() -> None:
 
 
 def test_baking_again_changes_nothing() -> None:
-    up = bake(rigged(), options=BakeOptions(to="controls"))
+    up = with_keyed_controls()
     once = bake(up, options=BakeOptions())
     twice = bake(once, options=BakeOptions())
     for a, b in zip(once.clips, twice.clips, strict=True):
@@ -195,19 +153,19 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_a_control_that_was_moved_at_rest_is_told_of(suffix: str, tmp_path: Path) -> None:
     whole, turned, out, again = (tmp_path / f"{k}{suffix}" for k in ("whole", "turned", "out", "again"))
-    run("add-controls", SAMPLES / f"biped{suffix}", "-o", whole, "--whole-character")
+    cli("add-controls", SAMPLES / f"biped{suffix}", "-o", whole, "--whole-character")
 
     def move(rig: Rig, report: Report) -> Rig:
         return moved(rig, rig.find("chest_ctl"), np.array([0.0, 0.125, 0.0]))
 
     edit(whole, turned, move)
-    result = run("bake", turned, "-o", out, "--report", tmp_path / "report.json")
+    result = cli("bake", turned, "-o", out, "--report", tmp_path / "report.json")
     assert "1 node at rest" in result.output
     assert "nothing" not in result.output
     report = json.loads((tmp_path / "report.json").read_text())
     assert {"type": "rest", "nodes": ["chest"]} in report["added"]
     validator("report").validate(report)
-    result = run("bake", out, "-o", again)
+    result = cli("bake", out, "-o", again)
     assert "nothing was baked" in result.output
     assert "nothing that was there has changed" in result.output
     assert again.read_bytes() == out.read_bytes()
@@ -294,19 +252,13 @@ def test_a_file_without_controls_has_nothing_to_bake() -> None:
         bake(read(SAMPLES / "biped.glb").rig, options=BakeOptions())
 
 
-def run(*arguments: str | Path) -> click.testing.Result:
-    from rigtri.cli.main import program
-
-    return CliRunner().invoke(program, [str(argument) for argument in arguments])
-
-
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
 def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_path: Path) -> None:
     steps = [tmp_path / f"{k}{Path(name).suffix}" for k in range(4)]
-    run("add-controls", SAMPLES / name, "-o", steps[0], "--whole-character")
-    assert run("bake", steps[0], "-o", steps[1], "--to", "controls").exit_code == 0
-    assert run("bake", steps[1], "-o", steps[2], "--to", "joints").exit_code == 0
-    assert run("bake", steps[2], "-o", steps[3]).exit_code == 0
+    cli("add-controls", SAMPLES / name, "-o", steps[0], "--whole-character")
+    cli("bake", steps[0], "-o", steps[1], "--to", "controls", code=0)
+    cli("bake", steps[1], "-o", steps[2], "--to", "joints", code=0)
+    cli("bake", steps[2], "-o", steps[3], code=0)
     assert steps[2].read_bytes() == steps[3].read_bytes()
     before, after = read(steps[0]).rig, read(steps[2]).rig
     assert apart(before, after, "walk", sampling.key_times(before.clip("walk"))) < BOUND
@@ -314,11 +266,11 @@ def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_pa
 
 def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_path: Path) -> None:
     whole, up, bare, out = (tmp_path / f"{k}.glb" for k in ("whole", "up", "bare", "out"))
-    run("add-controls", SAMPLES / "biped.glb", "-o", whole, "--whole-character")
-    run("bake", whole, "-o", up, "--to", "controls")
+    cli("add-controls", SAMPLES / "biped.glb", "-o", whole, "--whole-character")
+    cli("bake", whole, "-o", up, "--to", "controls")
     bare.write_bytes(up.read_bytes().replace(b'"rigtri"', b'"unknwn"'))
-    assert run("bake", bare, "-o", out).exit_code == 5
-    assert run("bake", bare, "-o", out, "--rig", whole).exit_code == 0
+    cli("bake", bare, "-o", out, code=5)
+    cli("bake", bare, "-o", out, "--rig", whole, code=0)
     before, after = read(whole).rig, read(out).rig
     assert apart(before, after, "walk", sampling.key_times(before.clip("walk"))) < BOUND
 
@@ -330,7 +282,7 @@ def moving() -> list[Any]:
     real = [
         pytest.param(p, marks=() if p.name in quick else pytest.mark.slow) for p in asset_files(*suffixes)
     ]
-    return [*sample_files(*suffixes), *real]
+    return [*samples_of_all_kinds(*suffixes), *real]
 
 
 @pytest.mark.large
@@ -406,15 +358,13 @@ def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> N
         return replace(rig, clips=(found[0], *rig.clips[1:]))
 
     edit(SAMPLES / "biped.glb", tmp_path / "longer.glb", moved)
-    run("add-controls", tmp_path / "longer.glb", "-o", whole, "--whole-character")
+    cli("add-controls", tmp_path / "longer.glb", "-o", whole, "--whole-character")
     bare.write_bytes(whole.read_bytes().replace(b'"kind":"fk"', b'"kind":"no"'))
     given = ("bake", bare, "-o", up, "--to", "controls", "--overwrite")
-    loose = run(*given, "--tolerance", "1", "--strict")
-    assert loose.exit_code == 0, loose.output
-    told = run(*given)
-    assert told.exit_code == 0
+    cli(*given, "--tolerance", "1", "--strict", code=0)
+    told = cli(*given, code=0)
     assert "controls give" in told.output
-    assert run(*given, "--strict").exit_code == 5
+    cli(*given, "--strict", code=5)
 
 
 @pytest.mark.parametrize("block", [slow(1), 7, slow(64)])

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from test_bake import animated, apart, control, rigged, size
+from baked_rigs import animated, apart, control, rigged, size
 
 from rigtri.evaluation import curve_refinement, sampling
 from rigtri.evaluation.active_controls import keyed_in

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from baked_rigs import WHOLE, control
 from places import SAMPLES
-from test_bake import WHOLE, control
 
 from rigtri.errors import DeviationError
 from rigtri.evaluation import sampling

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from baked_rigs import WHOLE, apart, size, stored
 from places import SAMPLES
-from test_bake import WHOLE, apart, run, size, stored
+from program import cli
 
 from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_cache import PoseCache
@@ -131,7 +132,7 @@ def test_strip_takes_the_keys_of_offsets_out_again() -> None:
 
 def test_a_second_run_to_controls_changes_no_byte(tmp_path: Path) -> None:
     steps = [tmp_path / f"{k}.glb" for k in range(3)]
-    run("add-controls", SAMPLES / "biped.glb", "-o", steps[0], "--whole-character")
-    assert run("bake", steps[0], "-o", steps[1], "--to", "controls").exit_code == 0
-    assert run("bake", steps[1], "-o", steps[2], "--to", "controls").exit_code == 0
+    cli("add-controls", SAMPLES / "biped.glb", "-o", steps[0], "--whole-character")
+    cli("bake", steps[0], "-o", steps[1], "--to", "controls", code=0)
+    cli("bake", steps[1], "-o", steps[2], "--to", "controls", code=0)
     assert steps[1].read_bytes() == steps[2].read_bytes()

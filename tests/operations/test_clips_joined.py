@@ -6,15 +6,14 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from baked_rigs import control, rigged, size
 from engines import blender_edit
 from places import SAMPLES
+from program import cli
 from rigs import chain
-from test_bake import control, rigged, run, size
-from test_take_clips import split
+from taken_clips import split
 
 from rigtri.errors import NameNotFoundError
 from rigtri.evaluation import sampling
@@ -192,15 +191,14 @@ def test_numbers_choose_clips_of_edited() -> None:
     ],
     ids=lambda words: f"{words[0]} {words[-2]}",
 )
-def test_every_command_refuses_it(words: list[str], app: click.Group, up: Path, tmp_path: Path) -> None:
+def test_every_command_refuses_it(words: list[str], up: Path, tmp_path: Path) -> None:
     given = [str(up) if word == "IN" else word for word in words]
-    done = CliRunner().invoke(app, [*given, "-o", str(tmp_path / "out.glb")])
+    done = cli(*given, "-o", tmp_path / "out.glb")
     assert (done.exit_code, "'#9'" in done.output) == (4, True), done.output
 
 
-def test_as_without_a_rig_says_what_is_missing(app: click.Group, up: Path, tmp_path: Path) -> None:
-    done = CliRunner().invoke(app, ["bake", str(up), "-o", str(tmp_path / "o.glb"), "--as", "walk=run"])
-    assert done.exit_code == 2
+def test_as_without_a_rig_says_what_is_missing(up: Path, tmp_path: Path) -> None:
+    done = cli("bake", up, "-o", tmp_path / "o.glb", "--as", "walk=run", code=2)
     assert "--rig" in done.output
 
 
@@ -209,8 +207,8 @@ def up(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The biped with its motion on its controls."""
     folder = tmp_path_factory.mktemp("joined")
     rig, up = folder / "rig.glb", folder / "up.glb"
-    assert run("add-controls", SAMPLES / "biped.glb", "-o", rig, "--whole-character").exit_code == 0
-    assert run("bake", rig, "-o", up, "--to", "controls").exit_code == 0
+    cli("add-controls", SAMPLES / "biped.glb", "-o", rig, "--whole-character", code=0)
+    cli("bake", rig, "-o", up, "--to", "controls", code=0)
     return up
 
 
@@ -226,8 +224,7 @@ def test_modes_of_blenders_exporter_bake_to_the_same_motion(up: Path, tmp_path: 
     for mode, file in files.items():
         said = ["--as", "biped=walk"] if mode == "SCENE" else []
         out = tmp_path / f"baked-{mode}.glb"
-        done = run("bake", file, "-o", out, "--to", "joints", "--rig", up, "--clip", "walk", *said)
-        assert done.exit_code == 0, done.output
+        done = cli("bake", file, "-o", out, "--to", "joints", "--rig", up, "--clip", "walk", *said, code=0)
         assert ("known as 'walk'" in done.output) == (mode in ("split", "ACTIVE_ACTIONS", "SCENE"))
         names = TakeClipsOptions(names={"biped": "walk"} if said else {})
         if mode != "SCENE":  # it has the scene's frames, from the second on

@@ -7,14 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from engines import three_vrm
 from gltf_files import glb_bytes, glb_json, glb_parts
 from numpy.testing import assert_allclose
 from places import GOLDENS, files_of_all_kinds, leave_out_refused, slow
+from program import cli
 from rigs import chain, rig_of
 from second_opinions import khronos_errors, usd_errors, validator
 
@@ -720,13 +719,10 @@ def test_usd_drivers_that_are_prims_are_targets(samples: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
-def test_the_command_writes_what_it_says(
-    suffix: str, app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_the_command_writes_what_it_says(suffix: str, samples: Path, tmp_path: Path) -> None:
     arguments = ["constrain", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}", "--type", "orient"]
     arguments += ["--child", "hand_L", "--driver", "head=2", "--driver", "hand_R", "--skip", "rx", "--json"]
-    result = CliRunner().invoke(app, list(map(str, arguments)), catch_exceptions=False)
-    assert result.exit_code == 0, result.output
+    result = cli(*arguments, code=0)
     document = json.loads(result.stdout)
     validator("report").validate(document)
     assert document["added"][0]["drivers"] == {"head": 2.0, "hand_R": 1.0}
@@ -750,22 +746,21 @@ def test_the_command_writes_what_it_says(
     ],
 )
 def test_a_wrong_command_writes_nothing(
-    arguments: str, code: int, words: str, app: click.Group, samples: Path, tmp_path: Path
+    arguments: str, code: int, words: str, samples: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "out.glb"
     given = ["--child", "hand_L", "--type", *arguments.split()]
-    result = CliRunner().invoke(app, ["constrain", str(samples / "biped.glb"), "-o", str(out), *given])
+    result = cli("constrain", samples / "biped.glb", "-o", out, *given)
     assert result.exit_code == code, result.output
     assert words in result.output
     assert not out.exists()
 
 
-def test_usd_has_no_vrm_constraints(app: click.Group, samples: Path, tmp_path: Path) -> None:
+def test_usd_has_no_vrm_constraints(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.usda"
     arguments = ["--type", "orient", "--child", "hand_L", "--driver", "head", "--space", "local"]
     source = str(samples / "biped.usda")
-    result = CliRunner().invoke(app, ["constrain", source, "-o", str(out), *arguments, "--vrm-constraints"])
-    assert result.exit_code == 2
+    cli("constrain", source, "-o", out, *arguments, "--vrm-constraints", code=2)
     told = NodeConstraint("rotation", 2, 1, np.zeros(3))
     with pytest.raises(FileError, match="--vrm-constraints"):
         edit(source, out, lambda rig, report: replace(rig, constraints=(told,)))

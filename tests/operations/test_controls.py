@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from numpy.testing import assert_allclose
 from places import SAMPLES, files_of_all_kinds, leave_out_refused
+from program import cli
 from rigs import chain
 from second_opinions import khronos_errors, usd_errors, validator
 
-from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.formats import ReadOptions, read
 from rigtri.maths.matrices import nearest_rotation
@@ -224,13 +223,10 @@ def test_what_fits_no_control_is_told(options: AddControlsOptions, words: str) -
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
-def test_the_command_reports_every_control(
-    suffix: str, app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_the_command_reports_every_control(suffix: str, samples: Path, tmp_path: Path) -> None:
     arguments: list[Any] = ["add-controls", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}"]
     arguments += ["--whole-character", "--color", "left=0,1,0", "--shape", "fk=sphere", "--json", "-q"]
-    result = CliRunner().invoke(app, list(map(str, arguments)))
-    assert result.exit_code == 0, result.output
+    result = cli(*arguments, code=0)
     import json
 
     document = json.loads(result.stdout)
@@ -416,9 +412,7 @@ def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) 
     once, twice, across, plain = (tmp_path / f"{k}{Path(name).suffix}" for k in range(4))
     limb = ("--ik", "upper_arm_L", "forearm_L", "hand_L")
 
-    def run(*arguments: Any) -> None:
-        result = CliRunner().invoke(program, [str(argument) for argument in arguments])
-        assert result.exit_code == 0, result.output
+    run = partial(cli, code=0)
 
     def note(path: Path, joint: str) -> Any:
         notes = read(path).rig.notes.values()

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from places import SAMPLES, slow
+from program import cli
 from pxr import Usd
-from test_bake import run
-from test_usd_played import without_notes
+from usd_files import without_notes
 
 import rigtri
 from rigtri.evaluation import sampling
@@ -29,8 +29,8 @@ from rigtri.report import Report
 def rigged(folder: Path, name: str) -> tuple[Path, Path]:
     """A rigged sample, and the same with its motion on its controls."""
     rig, up = folder / f"rig-{name}", folder / f"up-{name}"
-    assert run("add-controls", SAMPLES / name, "-o", rig, "--whole-character").exit_code == 0
-    assert run("bake", rig, "-o", up, "--to", "controls").exit_code == 0
+    cli("add-controls", SAMPLES / name, "-o", rig, "--whole-character", code=0)
+    cli("bake", rig, "-o", up, "--to", "controls", code=0)
     return rig, up
 
 
@@ -81,14 +81,13 @@ def test_what_a_frame_shows_is_no_rest_where_the_rig_is_named(
     rig, up = rigged(tmp_path, name)
     edited = shown(up, tmp_path / f"edited-{name}", defaults)
     right, out, again = (tmp_path / f"{k}-{name}" for k in ("right", "out", "again"))
-    assert run("bake", up, "-o", right).exit_code == 0
-    result = run("bake", edited, "-o", out, "--rig", rig)
-    assert result.exit_code == 0, result.output
+    cli("bake", up, "-o", right, code=0)
+    result = cli("bake", edited, "-o", out, "--rig", rig, code=0)
     assert "put where the file of --rig has them" in result.output
     one, other = read(right).rig, read(out).rig
     assert np.abs(joint_rest(one) - joint_rest(other)).max() == 0.0
     assert np.abs(joint_worlds(one) - joint_worlds(other)).max() < 1e-6
-    assert run("bake", out, "-o", again).exit_code == 0
+    cli("bake", out, "-o", again, code=0)
     assert again.read_bytes() == out.read_bytes()
 
 
@@ -97,8 +96,8 @@ def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: st
     rig, up = rigged(tmp_path, name)
     out, home = tmp_path / f"out-{name}", tmp_path / f"home-{name}"
     edited = shown(up, tmp_path / f"edited-{name}")
-    assert run("bake", edited, "-o", out, "--rig", rig, "--to", "controls").exit_code == 0
-    assert run("bake", out, "-o", home).exit_code == 0
+    cli("bake", edited, "-o", out, "--rig", rig, "--to", "controls", code=0)
+    cli("bake", out, "-o", home, code=0)
     assert np.abs(joint_worlds(read(rig).rig) - joint_worlds(read(home).rig)).max() < 1e-5
 
 
@@ -106,10 +105,9 @@ def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: st
 def test_a_file_that_has_its_notes_takes_those_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
     rig, up = rigged(tmp_path, name)
     plain, out, itself = (tmp_path / f"{k}-{name}" for k in ("plain", "out", "itself"))
-    assert run("bake", up, "-o", plain).exit_code == 0
+    cli("bake", up, "-o", plain, code=0)
     for described, target in ((rig, out), (up, itself)):
-        result = run("bake", up, "-o", target, "--rig", described)
-        assert result.exit_code == 0, result.output
+        result = cli("bake", up, "-o", target, "--rig", described, code=0)
         assert "warning" not in result.output
         assert target.read_bytes() == plain.read_bytes()
 
@@ -264,9 +262,8 @@ def test_an_op_of_a_control_without_a_default_says_that_it_is_zero_at_rest(tmp_p
             op.ClearDefault()
     bare, out, right = (tmp_path / f"{k}.usda" for k in ("bare", "out", "right"))
     stage.Export(str(bare))
-    assert run("bake", up, "-o", right).exit_code == 0
-    result = run("bake", bare, "-o", out)
-    assert result.exit_code == 0, result.output
+    cli("bake", up, "-o", right, code=0)
+    result = cli("bake", bare, "-o", out, code=0)
     assert "nodes at rest" not in result.output
     one, other = read(right).rig, read(out).rig
     assert (joint_rest(one) == joint_rest(other)).all()

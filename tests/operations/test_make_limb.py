@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from numpy.testing import assert_allclose
 from places import files_of_all_kinds, leave_out_refused
+from program import cli
 from pxr import Usd, UsdGeom, UsdSkel
 from rigs import chain, rig_of
 from second_opinions import khronos_errors, usd_errors, validator
 
-from rigtri.cli.main import program
 from rigtri.cli.make_limb import spread
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
@@ -204,8 +203,7 @@ def test_a_new_file_is_whole_and_a_second_run_has_its_bytes(suffix: str, tmp_pat
     out, again = tmp_path / f"arm{suffix}", tmp_path / f"again{suffix}"
     arguments = ["--points", "0,140,0", "25,140,-5", "50,140,-1", "--name", "arm"]
     for words in (["-o", out], [out, "-o", again]):
-        result = CliRunner().invoke(program, ["make-limb", *map(str, words), *arguments])
-        assert result.exit_code == 0, result.output
+        cli("make-limb", *words, *arguments, code=0)
     assert again.read_bytes() == out.read_bytes()
     rig = read(out).rig
     assert_allclose(rig.world[rig.find("arm_3"), 3, :3], [50, 140, -1], atol=1e-4)
@@ -224,14 +222,10 @@ def test_a_new_file_is_whole_and_a_second_run_has_its_bytes(suffix: str, tmp_pat
 def test_a_new_usd_file_has_the_units_that_are_asked_for(tmp_path: Path) -> None:
     out = tmp_path / "arm.usda"
     words = ["make-limb", "-o", str(out), "--points", "0,0,1", "1,-.2,1", "2,0,1"]
-    result = CliRunner().invoke(program, [*words, "--up-axis", "z", "--meters-per-unit", "1"])
-    assert result.exit_code == 0, result.output
+    cli(*words, "--up-axis", "z", "--meters-per-unit", "1", code=0)
     stage = Usd.Stage.Open(str(out))
     assert (UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage)) == ("Z", 1.0)
-    result = CliRunner().invoke(
-        program, ["make-limb", "-o", str(tmp_path / "a.glb"), *words[3:], "--up-axis", "z"]
-    )
-    assert result.exit_code == 2
+    cli("make-limb", "-o", tmp_path / "a.glb", *words[3:], "--up-axis", "z", code=2)
 
 
 def middle_joint(rig: Rig) -> int:
@@ -317,8 +311,7 @@ def test_a_scene_of_locators_alone_gets_its_limb_in_usd_too(tmp_path: Path) -> N
     with pytest.raises(FileError, match="no skeleton"):
         read(source)
     words = ["make-limb", str(source), "-o", str(out), "--locators", "a", "b", "/c"]
-    result = CliRunner().invoke(program, words)
-    assert result.exit_code == 0, result.output
+    cli(*words, code=0)
     rig = read(out).rig
     assert_allclose(rig.world[rig.skins[0].joints, 3, :3], ARM, atol=1e-6)
 
@@ -347,7 +340,7 @@ def test_words_of_lists_are_taken_up_to_the_next_option() -> None:
 def test_a_users_mistake_is_told_and_nothing_written(
     words: list[str], code: int, told: str, tmp_path: Path
 ) -> None:
-    result = CliRunner().invoke(program, ["make-limb", "-o", str(tmp_path / "out.usda"), *words])
+    result = cli("make-limb", "-o", tmp_path / "out.usda", *words)
     assert result.exit_code == code, result.output
     assert told in result.output
     assert not list(tmp_path.iterdir())

@@ -8,11 +8,10 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from gltf_files import Builder
+from program import cli
 from rigs import chain, random_rig, rig_of
 
 from rigtri.evaluation.sampling import bind_worlds
@@ -59,7 +58,7 @@ def rope(path: Path, joints: int) -> Path:
     return b.glb(path)
 
 
-def went_through_all_commands(app: click.Group, source: Path, folder: Path) -> None:
+def went_through_all_commands(source: Path, folder: Path) -> None:
     """orient-joints, add-polevector, inspect and verify, each with its own proof."""
     turned, pole = folder / "turned.glb", folder / "pole.glb"
     report = folder / "report.json"
@@ -69,22 +68,20 @@ def went_through_all_commands(app: click.Group, source: Path, folder: Path) -> N
         ["inspect", turned],
         ["verify", source, pole],
     ):
-        result = CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=False)
+        result = cli(*arguments)
         assert result.exit_code == 0, (arguments[0], result.output[-500:])
     joints = json.loads(report.read_text("utf-8"))["joints"]
     count = len(read(source).rig) - 1
     assert sum(joint["status"] == "turned" for joint in joints) >= count - 2
 
 
-def test_a_chain_deeper_than_the_recursion_limit_goes_through_every_command(
-    app: click.Group, tmp_path: Path
-) -> None:
-    went_through_all_commands(app, rope(tmp_path / "rope.glb", DEEP), tmp_path)
+def test_a_chain_deeper_than_the_recursion_limit_goes_through_every_command(tmp_path: Path) -> None:
+    went_through_all_commands(rope(tmp_path / "rope.glb", DEEP), tmp_path)
 
 
 @pytest.mark.slow
-def test_a_chain_of_10_000_joints_goes_through_every_command(app: click.Group, tmp_path: Path) -> None:
-    went_through_all_commands(app, rope(tmp_path / "rope.glb", 10_000), tmp_path)
+def test_a_chain_of_10_000_joints_goes_through_every_command(tmp_path: Path) -> None:
+    went_through_all_commands(rope(tmp_path / "rope.glb", 10_000), tmp_path)
 
 
 def above(rig: Rig, node: int) -> set[int]:

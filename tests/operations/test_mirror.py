@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
 from places import files_of_all_kinds, leave_out_refused
+from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from rigtri.cli.main import program
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
@@ -203,22 +202,20 @@ def test_names_that_are_not_there_and_files_without_sides_are_errors(samples: Pa
 
 def test_check_reports_what_is_not_symmetric(samples: Path, tmp_path: Path) -> None:
     plain, out = str(samples / "biped.glb"), str(tmp_path / "out.glb")
-    before = CliRunner().invoke(program, ["mirror", plain, "--check", "--json"])
-    assert before.exit_code == 1
+    before = cli("mirror", plain, "--check", "--json", code=1)
     said = json.loads(before.stdout)
     assert not said["symmetric"]
     assert {pair["node"] for pair in said["asymmetric"]} >= {"thigh_L", "upper_arm_L"}
-    assert CliRunner().invoke(program, ["mirror", plain, "-o", out]).exit_code == 0
-    after = CliRunner().invoke(program, ["mirror", out, "--check", "--json"])
-    assert after.exit_code == 0
+    cli("mirror", plain, "-o", out, code=0)
+    after = cli("mirror", out, "--check", "--json", code=0)
     assert json.loads(after.stdout)["symmetric"]
 
 
 def test_a_run_says_where_to_write_or_checks(samples: Path, tmp_path: Path) -> None:
     plain = str(samples / "biped.glb")
-    assert CliRunner().invoke(program, ["mirror", plain]).exit_code == 2
+    cli("mirror", plain, code=2)
     both = ["mirror", plain, "--check", "-o", str(tmp_path / "out.glb")]
-    assert CliRunner().invoke(program, both).exit_code == 2
+    cli(*both, code=2)
 
 
 def moved(name: str, folder: Path, samples: Path) -> Path:

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from conftest import Golden
 from numpy.testing import assert_allclose
+from program import cli
 from second_opinions import khronos_errors, usd_errors, validator
 
-from rigtri.cli.main import program
 from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.pose_readers import PoseReader, weights
 from rigtri.export.text_description import describe
@@ -296,7 +295,7 @@ def test_check_names_what_only_one_side_has_and_its_json_is_as_the_schema_says(
     edit(one, two, both)
     documents = []
     for path, code in ((one, 1), (two, 0)):
-        result = CliRunner().invoke(program, ["mirror", str(path), "--check", "--json"])
+        result = cli("mirror", path, "--check", "--json")
         assert result.exit_code == code
         documents.append(json.loads(result.stdout))
         validator("mirror").validate(documents[-1])

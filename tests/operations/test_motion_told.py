@@ -7,13 +7,12 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from baked_rigs import WHOLE, control
 from morphs import arm
 from places import SAMPLES
-from test_bake import WHOLE, control
+from program import cli
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
@@ -193,24 +192,23 @@ def test_a_pose_tells_how_far_the_rest_moves(tmp_path: Path) -> None:
     assert "at rest" in told.summary()
 
 
-def test_the_report_of_a_command_has_the_motion(app: click.Group, tmp_path: Path) -> None:
+def test_the_report_of_a_command_has_the_motion(tmp_path: Path) -> None:
     source, out = whole("biped.glb", tmp_path), tmp_path / "out.glb"
     report = tmp_path / "report.json"
-    done = CliRunner().invoke(app, ["bake", str(source), "-o", str(out), "--report", str(report)])
-    assert done.exit_code == 0, done.output
+    done = cli("bake", source, "-o", out, "--report", report, code=0)
     assert "motion differs from IN by up to" in done.output
     told = json.loads(report.read_text("utf-8"))["verification"]["motion"]
     assert told["deviation"] > 0.1
     assert told["worst"]["clip"] == "walk"
     bare = ["bake", str(source), "-o", str(out), "--overwrite", "--no-verify"]
-    assert "motion differs" not in CliRunner().invoke(app, bare).output
+    assert "motion differs" not in cli(*bare).output
 
 
-def test_more_keys_than_there_were_are_told(app: click.Group, tmp_path: Path) -> None:
+def test_more_keys_than_there_were_are_told(tmp_path: Path) -> None:
     """The joints of the sample's walk have few keys; with IK at work they bend between them."""
     up, edited, out = (tmp_path / f"{name}.glb" for name in ("up", "edited", "out"))
     words = ["bake", str(whole("biped.glb", tmp_path, move=False)), "-o", str(up), "--to", "controls"]
-    assert CliRunner().invoke(app, words).exit_code == 0
+    cli(*words, code=0)
 
     def lifted(rig: Rig, report: Report) -> Rig:
         report.reposed = True
@@ -227,15 +225,14 @@ def test_more_keys_than_there_were_are_told(app: click.Group, tmp_path: Path) ->
 
     edit(up, edited, lifted)
     report = tmp_path / "report.json"
-    done = CliRunner().invoke(app, ["bake", str(edited), "-o", str(out), "--report", str(report)])
-    assert done.exit_code == 0, done.output
+    done = cli("bake", edited, "-o", out, "--report", report, code=0)
     clips = json.loads(report.read_text("utf-8"))["added"]
     before = sum(entry["keys_before"] for entry in clips)
     assert sum(entry["keys"] for entry in clips) > 2 * before > 0
     assert f"the same properties had {before} keys before" in done.output
 
 
-def test_a_file_without_clips_says_so(app: click.Group, tmp_path: Path) -> None:
+def test_a_file_without_clips_says_so(tmp_path: Path) -> None:
     source, bare, out = whole("biped.glb", tmp_path, move=False), tmp_path / "bare.glb", tmp_path / "out.glb"
 
     def still(rig: Rig, report: Report) -> Rig:
@@ -243,16 +240,15 @@ def test_a_file_without_clips_says_so(app: click.Group, tmp_path: Path) -> None:
         return replace(rig, clips=tuple(replace(clip, tracks=()) for clip in rig.clips))
 
     edit(source, bare, still)
-    done = CliRunner().invoke(app, ["bake", str(bare), "-o", str(out), "--to", "controls"])
-    assert done.exit_code == 0, done.output
+    done = cli("bake", bare, "-o", out, "--to", "controls", code=0)
     assert "The file has no clips" in done.output
     assert "the file has no clips; nothing was baked" in done.output
 
 
-def test_help_says_what_else_the_tolerance_bounds(app: click.Group) -> None:
-    words = " ".join(CliRunner().invoke(app, ["bake", "--help"]).output.split())
+def test_help_says_what_else_the_tolerance_bounds() -> None:
+    words = " ".join(cli("bake", "--help").output.split())
     assert "how far keys that are left out may be off" in words
-    assert "keys that are left out" not in CliRunner().invoke(app, ["orient-joints", "--help"]).output
+    assert "keys that are left out" not in cli("orient-joints", "--help").output
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -298,14 +294,13 @@ def test_other_morph_weights_are_told_apart(tmp_path: Path) -> None:
     assert "other morph weights move points by up to" in told.summary()
 
 
-def test_a_build_tells_the_motion_of_its_steps(app: click.Group, tmp_path: Path) -> None:
+def test_a_build_tells_the_motion_of_its_steps(tmp_path: Path) -> None:
     spec = tmp_path / "rig.yaml"
     # What turns joints rounds more than what moves them.
     text = "steps:\n- {do: pose, at: walk@0.3}\n- {do: orient-joints, preset: unreal-editor}\n"
     spec.write_text(text, "utf-8")
     source, out = str(SAMPLES / "biped.glb"), str(tmp_path / "out.glb")
-    done = CliRunner().invoke(app, ["build", source, "--spec", str(spec), "-o", out])
-    assert done.exit_code == 0, done.output
+    done = cli("build", source, "--spec", spec, "-o", out, code=0)
     assert "motion differs from IN by up to" in done.output
     assert "nothing that was there has changed" not in done.output
 

@@ -7,13 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from conftest import Golden
 from morphs import WEIGHT_TIMES, WEIGHTS, arm, arm_usd
 from numpy.testing import assert_allclose
+from program import cli
 from pxr import Usd
 from second_opinions import khronos_errors, usd_errors, validator
 
@@ -193,11 +192,11 @@ def test_the_same_reader_evaluated_from_its_note_says_the_same(kind: str, tmp_pa
 
 
 @pytest.mark.parametrize("kind", ["glb", "usda"])
-def test_verify_by_itself_sees_what_was_driven(kind: str, tmp_path: Path, app: click.Group) -> None:
+def test_verify_by_itself_sees_what_was_driven(kind: str, tmp_path: Path) -> None:
     source, target = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
     driven(source, target, for_kind(kind))
     assert not verify(read(source), read(target)).passes()
-    assert CliRunner().invoke(app, ["verify", str(source), str(target)]).exit_code == 6
+    cli("verify", source, target, code=6)
 
 
 def test_the_self_check_is_told_of_driven_targets_alone(tmp_path: Path) -> None:
@@ -355,9 +354,7 @@ def test_without_clips_nothing_is_driven_and_that_is_said(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("kind", ["glb", "usda"])
-def test_the_command_does_what_a_reviewer_has_read(
-    kind: str, app: click.Group, tmp_path: Path, golden: Golden
-) -> None:
+def test_the_command_does_what_a_reviewer_has_read(kind: str, tmp_path: Path, golden: Golden) -> None:
     source, out = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
     line = [
         "add-posereader",
@@ -370,20 +367,18 @@ def test_the_command_does_what_a_reviewer_has_read(
         "y",
     ]
     line += ["--target", "side=-1,0,0", "--target", "rest", "--morph", "side", "Skin", "bulge", "--json"]
-    result = CliRunner().invoke(app, list(map(str, line)))
-    assert result.exit_code == 0, result.output
+    result = cli(*line, code=0)
     document = json.loads(result.stdout)
     validator("report").validate(document)
     assert document["verification"]["driven"]
-    told = CliRunner().invoke(app, ["inspect", str(out)]).stdout
+    told = cli("inspect", out).stdout
     golden.check(f"add-posereader_{kind}.txt", told.replace(str(out), f"out.{kind}"))
 
 
-def test_options_of_another_kind_of_reader_are_refused(app: click.Group, tmp_path: Path) -> None:
+def test_options_of_another_kind_of_reader_are_refused(tmp_path: Path) -> None:
     source = arm().glb(tmp_path / "in.glb")
     line = ["add-posereader", source, "-o", tmp_path / "out.glb", "--driver", "lower", "--target", "rest"]
-    result = CliRunner().invoke(app, [*map(str, line), "--outer", "40"])
-    assert result.exit_code == 2
+    result = cli(*line, "--outer", "40", code=2)
     assert "--outer is for --reader cone" in result.stderr
 
 

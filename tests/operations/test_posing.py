@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from baked_rigs import control, moved, size, stored, with_keyed_controls
 from morphs import arm, arm_usd
 from places import SAMPLES, slow
+from program import cli
 from second_opinions import validator
-from test_bake import control, moved, rigged, run, size, stored
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
@@ -25,7 +26,7 @@ from rigtri.report import Report
 
 
 def test_the_pose_is_the_one_that_baking_gives() -> None:
-    up = bake(rigged(), options=BakeOptions(to="controls"))
+    up = with_keyed_controls()
     # The IK end says otherwise than the joints' own keys.
     up = moved(up, up.parents[control(up, "hand_L", "ik")], np.array([0.02, 0.05, -0.03]))
     baked = bake(up, options=BakeOptions(tolerance=0.0))
@@ -47,7 +48,7 @@ def test_without_evaluation_it_is_the_clip_as_it_plays() -> None:
 
 
 def test_a_written_pose_is_the_rest_pose_and_stays_when_evaluated_again() -> None:
-    up = bake(rigged(), options=BakeOptions(to="controls"))
+    up = with_keyed_controls()
     taken = stored(take_pose(up, options=PoseOptions("walk@0.5")))
     posed = pose_of(up, PoseOptions("walk@0.5"))
     again = pose_of(taken, PoseOptions("rest"))
@@ -63,16 +64,14 @@ def test_the_command_writes_the_pose_it_prints(name: str, tmp_path: Path) -> Non
     rig = read(SAMPLES / name).rig
     clip = rig.shown_clips[0].name
     at = f"{clip}@{0.25 * rig.rules.per_second}"
-    printed = run("pose", SAMPLES / name, "--at", at, "--json")
-    assert printed.exit_code == 0, printed.output
+    printed = cli("pose", SAMPLES / name, "--at", at, "--json", code=0)
     found = json.loads(printed.stdout)
     validator("pose").validate(found)
-    assert run("pose", SAMPLES / name, "--at", at, "-o", out).exit_code == 0
+    cli("pose", SAMPLES / name, "--at", at, "-o", out, code=0)
     after = read(out).rig
     for row in found["joints"]:
         np.testing.assert_allclose(after.world[after.find(row["joint"]), 3, :3], row["position"], atol=1e-5)
-    shown = run("pose", out)
-    assert shown.exit_code == 0
+    shown = cli("pose", out, code=0)
     assert len(shown.stdout.splitlines()) == 1 + len(found["joints"])
 
 
@@ -82,8 +81,7 @@ def test_what_is_no_pose_is_told() -> None:
         pose_of(rig, PoseOptions("walk"))
     with pytest.raises(NameNotFoundError):
         pose_of(rig, PoseOptions("wlak@0"))
-    refused = run("pose", SAMPLES / "biped.glb", "--dry-run")
-    assert refused.exit_code == 2
+    refused = cli("pose", SAMPLES / "biped.glb", "--dry-run", code=2)
     assert "-o OUT" in refused.output
 
 
@@ -123,8 +121,7 @@ def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path
     clip = rig.shown_clips[0].name
     time = float(sampling.key_times(rig.clip(clip))[3])
     for step in [*steps, ("pose", up, "-o", still, "--at", f"{clip}@{time}")]:
-        done = run(*step)
-        assert done.exit_code == 0, done.output
+        cli(*step, code=0)
     there, rest, now = skinned(baked, clip, time), skinned(up, None, 0.0), skinned(still, None, 0.0)
     assert now
     for was, before, is_now in zip(there, rest, now, strict=True):
@@ -133,7 +130,7 @@ def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path
 
 
 def test_a_moment_outside_of_the_clip_is_told_and_holds_the_nearest_pose() -> None:
-    shown = run("pose", SAMPLES / "biped.glb", "--at", "walk@99", "--json")
+    shown = cli("pose", SAMPLES / "biped.glb", "--at", "walk@99", "--json")
     last = read(SAMPLES / "biped.glb").rig.clip("walk").tracks[0].times[-1]
     assert shown.exit_code == 0
     assert "has keys from 0 to" in shown.stderr
@@ -146,12 +143,11 @@ def test_a_moment_outside_of_the_clip_is_told_and_holds_the_nearest_pose() -> No
 
 def test_a_printed_pose_is_strict_and_quiet_as_other_commands_are() -> None:
     line = ("pose", SAMPLES / "biped.glb", "--at", "walk@99")
-    refused = run(*line, "--strict")
-    assert refused.exit_code == 5
+    refused = cli(*line, "--strict", code=5)
     assert "rigtri: --strict: Clip 'walk' has keys" in refused.stderr
     assert not refused.stdout
-    assert not run(*line, "--quiet").stderr
-    assert run("pose", SAMPLES / "biped.glb", "--at", "walk@0.25", "--strict").exit_code == 0
+    assert not cli(*line, "--quiet").stderr
+    cli("pose", SAMPLES / "biped.glb", "--at", "walk@0.25", "--strict", code=0)
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from conftest import Golden
 from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
 from places import NOTHING_DRAWN, files_of_all_kinds, leave_out, leave_out_refused
+from program import cli
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
@@ -286,7 +285,7 @@ def test_the_khronos_validator_finds_no_new_errors(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_the_command_does_what_a_reviewer_has_read(
-    name: str, app: click.Group, samples: Path, tmp_path: Path, golden: Golden
+    name: str, samples: Path, tmp_path: Path, golden: Golden
 ) -> None:
     out = tmp_path / name
     mesh = largest(read(samples / name).rig)
@@ -303,7 +302,6 @@ def test_the_command_does_what_a_reviewer_has_read(
         "--at",
         "0,100,9",
     ]
-    result = CliRunner().invoke(app, list(map(str, [*line, "--name", "button"])))
-    assert result.exit_code == 0, result.output
-    told = CliRunner().invoke(app, ["inspect", str(out)]).stdout
+    cli(*[*line, "--name", "button"], code=0)
+    told = cli("inspect", out).stdout
     golden.check(f"add-rivet_{name}.txt", told.replace(str(out), name))

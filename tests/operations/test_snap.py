@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from baked_rigs import animated, control, moved, rigged, size, stored, with_keyed_controls
 from places import SAMPLES, asset_files, slow
+from program import cli
 from second_opinions import validator
-from test_bake import animated, control, moved, rigged, run, size, stored
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation import sampling
@@ -22,7 +23,6 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
-from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.operations.snap import SnapOptions, snap
@@ -42,7 +42,7 @@ def apart(a: Rig, b: Rig, at: str) -> float:
 
 def posed_by_ik() -> Rig:
     """All limbs at work by IK in a clip, the left hand elsewhere than the joints' own keys."""
-    up = bake(rigged(), options=BakeOptions(to="controls"))
+    up = with_keyed_controls()
     return moved(up, up.parents[control(up, "hand_L", "ik")], np.array([0.02, 0.05, -0.03]))
 
 
@@ -95,7 +95,7 @@ def test_several_frames_stand_each_and_there_and_back_is_the_pose() -> None:
 
 
 def test_ik_takes_up_what_fk_controls_hold_below_it() -> None:
-    rig = bake(rigged(), options=BakeOptions(to="controls"))
+    rig = with_keyed_controls()
     elbow = control(rig, "forearm_L", "fk")
     turn = from_axis_angle([0.0, 0.0, 1.0], 0.2)
     clips = []
@@ -133,7 +133,7 @@ def test_what_takes_over_shows_the_whole_clip(to: str) -> None:
 
 def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
     # The joints have keys of their own, which would show again without keys of FK controls.
-    rig = bake(rigged(), options=BakeOptions(to="controls"))
+    rig = with_keyed_controls()
     zero = {"translation": np.zeros((1, 3)), "rotation": np.array([[0.0, 0, 0, 1]]), "scale": np.ones((1, 3))}
     still = tuple(
         replace(t, interpolation="STEP", times=t.times[:1], values=zero[t.path])
@@ -292,8 +292,7 @@ def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tm
         ("add-controls", path, "-o", made, "--whole-character"),
         ("bake", made, "-o", up, "--to", "controls"),
     ):
-        done = run(*command)
-        assert done.exit_code == 0, done.output
+        cli(*command, code=0)
     rig = read(up).rig
     played = timelines(rig)[0]
     keys = sampling.key_times(played.clip)
@@ -301,8 +300,7 @@ def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tm
     for source, target, to in ((up, fk, "fk"), (fk, ik, "ik")):
         for one, other in ((source, target), (target, again)):
             moments = ("--at", at[0], "--at", at[1])
-            done = run("snap", one, "-o", other, "--overwrite", "--all-limbs", "--to", to, *moments)
-            assert done.exit_code == 0, done.output
+            cli("snap", one, "-o", other, "--overwrite", "--all-limbs", "--to", to, *moments, code=0)
         assert again.read_bytes() == target.read_bytes()
         before, after = read(source).rig, read(target).rig
         for moment in at:
@@ -313,16 +311,15 @@ def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tm
 
 def test_the_command_leaves_the_file_looking_the_same(tmp_path: Path) -> None:
     one, two, out = (tmp_path / f"{k}.glb" for k in range(3))
-    run("add-controls", SAMPLES / "biped.glb", "-o", one, "--whole-character")
-    run("bake", one, "-o", two, "--to", "controls")
+    cli("add-controls", SAMPLES / "biped.glb", "-o", one, "--whole-character")
+    cli("bake", one, "-o", two, "--to", "controls")
     snapping = ("snap", two, "-o", out, "--all-limbs", "--to", "fk", "--at", "walk@0.5")
     posing = ("pose", two, "-o", tmp_path / "posed.glb", "--at", "walk@0.5")
     baking = ("bake", two, "-o", tmp_path / "baked.glb")
     for command in (snapping, posing, baking):
         told = tmp_path / f"{command[0]}.json"
-        done = run(*command, "--report", told)
-        assert done.exit_code == 0, done.output
+        cli(*command, "--report", told, code=0)
         validator("report").validate(json.loads(told.read_text("utf-8")))
     before, after = read(two).rig, read(out).rig
     assert apart(before, after, "walk@0.5") < BOUND
-    assert run("snap", two, "-o", out, "--to", "fk", "--at", "walk@0.5").exit_code == 2
+    cli("snap", two, "-o", out, "--to", "fk", "--at", "walk@0.5", code=2)

@@ -7,12 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from gltf_files import Builder, glb_json, small
 from numpy.testing import assert_allclose
+from program import cli
 from second_opinions import khronos_errors, validator
 
 from rigtri.errors import FileError
@@ -218,13 +217,10 @@ def test_usd_influences_keep_their_form(samples: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
-def test_the_command_reports_every_twist_joint(
-    suffix: str, app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_the_command_reports_every_twist_joint(suffix: str, samples: Path, tmp_path: Path) -> None:
     arguments: list[Any] = ["add-twist", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}"]
     arguments += ["--limbs", "auto", "--count", "3", "--split-weights", "--json", "-q"]
-    run = CliRunner().invoke(app, list(map(str, arguments)))
-    assert run.exit_code == 0, run.output
+    run = cli(*arguments, code=0)
     document = json.loads(run.stdout)
     validator("report").validate(document)
     assert len(document["added"]) == 24
@@ -242,12 +238,9 @@ def test_the_command_reports_every_twist_joint(
     ],
 )
 def test_options_that_do_not_fit_are_told(
-    arguments: list[str], words: str, app: click.Group, samples: Path, tmp_path: Path
+    arguments: list[str], words: str, samples: Path, tmp_path: Path
 ) -> None:
-    run = CliRunner().invoke(
-        app, ["add-twist", str(samples / "biped.glb"), "-o", str(tmp_path / "o.glb"), *arguments]
-    )
-    assert run.exit_code == 2
+    run = cli("add-twist", samples / "biped.glb", "-o", tmp_path / "o.glb", *arguments, code=2)
     assert words in run.output
 
 

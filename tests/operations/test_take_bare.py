@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from places import SAMPLES
 from pxr import Sdf, Usd
-from test_take_clips import BIPED, notices, places, rig_of
+from taken_clips import BIPED, notices, places, rig_of
 
 from rigtri.errors import UsageError
 from rigtri.evaluation.timelines import played_at_once

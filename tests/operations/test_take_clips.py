@@ -7,14 +7,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from morphs import arm
-from places import SAMPLES, asset_files, leave_out_refused, sample_files
+from places import SAMPLES, asset_files, leave_out_refused, samples_of_all_kinds, slow
+from program import cli
 from pxr import Usd
 from rigs import chain
+from taken_clips import BIPED, apart, notices, places, rig_of, split, turned_key, with_tracks
 
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
@@ -33,57 +33,8 @@ from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
-BIPED = SAMPLES / "biped.glb"
 # Of the size of a character two metres high; float32 matrices between.
 CLOSE = 1e-6
-
-
-def rig_of(path: Path = BIPED) -> Rig:
-    return read(path).rig
-
-
-def notices(report: Report) -> list[str]:
-    return [notice.code for notice in report.warnings]
-
-
-def with_tracks(rig: Rig, clip: str, changed: Callable[[Track], Track | None]) -> Rig:
-    """The rig with the tracks of a clip changed, or left out."""
-
-    def kept(found: Clip) -> Clip:
-        tracks = tuple(now for track in found.tracks if (now := changed(track)) is not None)
-        return replace(found, tracks=tracks) if found.name == clip else found
-
-    return replace(rig, clips=tuple(map(kept, rig.clips)))
-
-
-def turned_key(rig: Rig, joint: str, clip: str = "walk", key: int = 3, angle: float = 0.4) -> Rig:
-    """The rig with one rotation key of a joint turned about an axis of its own."""
-    node, turn = rig.find(joint), from_axis_angle([1.0, 2.0, 3.0], angle)
-
-    def changed(track: Track) -> Track:
-        if (track.node, track.path) != (node, "rotation"):
-            return track
-        values = track.values.copy()
-        if track.interpolation == "CUBICSPLINE":
-            values[key, 1] = multiply(values[key, 1], turn)
-        else:
-            values[key] = multiply(values[key], turn)
-        return replace(track, values=values)
-
-    return with_tracks(rig, clip, changed)
-
-
-def places(rig: Rig, clip: str, times: Floats) -> dict[str, Floats]:
-    world = sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))
-    return {rig.names[node]: world[:, node, 3, :3] for node in np.flatnonzero(rig.is_joint)}
-
-
-def apart(a: Rig, b: Rig, clip: str, scale: float = 1.0) -> float:
-    """How far joints of one name are apart, at all keys and between."""
-    keys = sampling.key_times(a.clip(clip))
-    times = np.unique(np.concatenate([keys, (keys[1:] + keys[:-1]) / 2.0]))
-    mine, its = places(a, clip, times), places(b, clip, times)
-    return max(float(np.abs(mine[name] - its[name] * scale).max()) for name in mine if name in its)
 
 
 def in_metal(rig: Rig) -> Rig:
@@ -109,13 +60,10 @@ def in_metal(rig: Rig) -> Rig:
     return replace(above, parents=parents).reordered(order)
 
 
-FILES = [
-    *(pytest.param(path, id=path.name) for path in sample_files()),
-    *(pytest.param(path, id=path.name, marks=pytest.mark.slow) for path in asset_files()),
-]
+FILES = [*samples_of_all_kinds(), *map(slow, asset_files())]
 
 
-@pytest.mark.parametrize("path", FILES)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_a_file_takes_nothing_from_itself_nor_from_itself_with_other_axes(path: Path) -> None:
     try:
         rig = rig_of(path)
@@ -256,16 +204,6 @@ def test_splines_that_came_back_as_frames_stay_unless_their_keys_moved() -> None
     assert take_clips(rig, framed(0.0), report=report) is rig
     assert notices(report) == ["splines-kept"]
     assert apart(take_clips(rig, framed(1.5)), framed(1.5), "wave") < CLOSE
-
-
-def split(rig: Rig, clip: str, named: Callable[[str], str]) -> Rig:
-    """The rig with a clip for each node of one, named after the node."""
-    found = rig.clip(clip)
-    nodes = dict.fromkeys(track.node for track in found.tracks)
-    parts = tuple(
-        Clip(named(rig.names[node]), tuple(t for t in found.tracks if t.node == node)) for node in nodes
-    )
-    return replace(rig, clips=(*(c for c in rig.clips if c is not found), *parts))
 
 
 @pytest.mark.parametrize("pattern", ["walk_{}", "{}|walk", "walk_{}.001", "{}Action"])
@@ -511,12 +449,11 @@ def test_several_clips_for_a_usd_file_are_chosen_or_refused() -> None:
     assert take_clips(rig, replace(edited, clips=others), options=TakeClipsOptions(clips=("my walk",))) is rig
 
 
-def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(app: click.Group, tmp_path: Path) -> None:
+def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(tmp_path: Path) -> None:
     turned, out, report = tmp_path / "turned.glb", tmp_path / "out.glb", tmp_path / "report.json"
     edit(BIPED, turned, lambda rig, report: orient_joints(rig, report=report))
     words = ["take-clips", str(BIPED), "--from", str(turned), "-o", str(out), "--report", str(report)]
-    result = CliRunner().invoke(app, words)
-    assert result.exit_code == 0, result.output
+    result = cli(*words, code=0)
     assert "nothing was taken" in result.output
     assert out.read_bytes() == BIPED.read_bytes()
     added = json.loads(report.read_text("utf-8"))["added"]
@@ -526,18 +463,15 @@ def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(app: click.Grou
     ]
 
 
-def test_the_program_writes_the_motion_and_a_second_run_changes_no_byte(
-    app: click.Group, tmp_path: Path
-) -> None:
+def test_the_program_writes_the_motion_and_a_second_run_changes_no_byte(tmp_path: Path) -> None:
     edited, out, again = (tmp_path / name for name in ("edited.glb", "out.glb", "again.glb"))
     edit(BIPED, edited, _edited_step)
     for source, target in ((BIPED, out), (out, again)):
         words = ["take-clips", str(source), "--from", str(edited), "-o", str(target)]
-        result = CliRunner().invoke(app, words)
-        assert result.exit_code == 0, result.output
+        cli(*words, code=0)
     assert apart(rig_of(out), rig_of(edited), "walk") < CLOSE
     assert again.read_bytes() == out.read_bytes()
-    assert CliRunner().invoke(app, [*words, "--overwrite", "--as", "walk"]).exit_code == 2
+    cli(*words, "--overwrite", "--as", "walk", code=2)
 
 
 def _edited_step(rig: Rig, report: Report) -> Rig:

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_take_clips import SAMPLES, apart, notices, rig_of, turned_key, with_tracks
+from places import SAMPLES
+from taken_clips import apart, notices, rig_of, turned_key, with_tracks
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import sample

@@ -8,9 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import click
 import pytest
-from click.testing import CliRunner, Result
 from places import SAMPLES
 from recognition_bodies.bodies import Body
 from recognition_bodies.creatures import crane, two_characters, vehicle
@@ -25,12 +23,11 @@ from rigtri.recognition.recognise import recognise
 from rigtri.verification.compare.compare import verify
 
 from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
+from functools import partial
 
+from program import cli
 
-def run(app: click.Group, *words: str | Path, code: int = 0) -> Result:
-    result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exit_code == code, result.output
-    return result
+run = partial(cli, code=0)
 
 
 def written(body: Body, folder: Path) -> Path:
@@ -62,46 +59,46 @@ def _doubted(one: Character, which: str) -> Character:
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
-def test_the_spec_that_auto_writes_builds_the_same_bytes(app: click.Group, tmp_path: Path, name: str) -> None:
+def test_the_spec_that_auto_writes_builds_the_same_bytes(tmp_path: Path, name: str) -> None:
     out, again = tmp_path / f"out.{name}", tmp_path / f"again.{name}"
-    run(app, "auto", SAMPLES / name, "-o", out, "--preset", "blender")
+    run("auto", SAMPLES / name, "-o", out, "--preset", "blender")
     spec = out.with_suffix(".rig.yaml")
     assert "preset: blender" in spec.read_text("utf-8")
-    run(app, "build", SAMPLES / name, "--spec", spec, "-o", again)
+    run("build", SAMPLES / name, "--spec", spec, "-o", again)
     assert again.read_bytes() == out.read_bytes()
     assert verify(document(SAMPLES / name), document(out)).passes(1e-5)
     built = kinds(read(out))
     assert [built.count(kind) for kind in ("control root", "control ik", "poleVector")] == [1, 4, 4]
 
 
-def test_auto_of_what_auto_has_built_changes_no_byte(app: click.Group, tmp_path: Path) -> None:
+def test_auto_of_what_auto_has_built_changes_no_byte(tmp_path: Path) -> None:
     out, again = tmp_path / "out.glb", tmp_path / "again.glb"
-    run(app, "auto", SAMPLES / "tpose.glb", "-o", out)
-    run(app, "auto", out, "-o", again)
+    run("auto", SAMPLES / "tpose.glb", "-o", out)
+    run("auto", out, "-o", again)
     assert again.read_bytes() == out.read_bytes()
 
 
-def test_the_spec_of_the_biped_is_as_it_was(app: click.Group, tmp_path: Path, golden: object) -> None:
-    run(app, "auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb")
+def test_the_spec_of_the_biped_is_as_it_was(tmp_path: Path, golden: object) -> None:
+    run("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb")
     golden.check("auto_biped.glb.yaml", (tmp_path / "out.rig.yaml").read_text("utf-8"))  # type: ignore[attr-defined]
 
 
-def test_a_spec_that_is_there_is_replaced_only_when_asked_for(app: click.Group, tmp_path: Path) -> None:
+def test_a_spec_that_is_there_is_replaced_only_when_asked_for(tmp_path: Path) -> None:
     source, out, spec = SAMPLES / "flat_ik.glb", tmp_path / "out.glb", tmp_path / "mine.yaml"
     spec.write_text("mine")
-    result = run(app, "auto", source, "-o", out, "--spec-out", spec, code=2)
+    result = run("auto", source, "-o", out, "--spec-out", spec, code=2)
     assert "--overwrite" in result.stderr
     assert spec.read_text() == "mine"
     assert not out.exists()
-    run(app, "auto", source, "-o", out, "--no-spec")
+    run("auto", source, "-o", out, "--no-spec")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.glb"]
-    run(app, "auto", source, "-o", out, "--spec-out", spec, "--overwrite")
+    run("auto", source, "-o", out, "--spec-out", spec, "--overwrite")
     assert "thigh" in spec.read_text("utf-8")
 
 
-def test_a_dry_run_lists_and_draws_and_writes_nothing_else(app: click.Group, tmp_path: Path) -> None:
+def test_a_dry_run_lists_and_draws_and_writes_nothing_else(tmp_path: Path) -> None:
     picture = tmp_path / "hero.svg"
-    result = run(app, "auto", SAMPLES / "biped.glb", "-n", "--picture", picture)
+    result = run("auto", SAMPLES / "biped.glb", "-n", "--picture", picture)
     for words in (
         "left arm",
         "upper_arm_L → forearm_L → hand_L",
@@ -115,49 +112,47 @@ def test_a_dry_run_lists_and_draws_and_writes_nothing_else(app: click.Group, tmp
 
 
 @pytest.mark.usefixtures("unsure")
-def test_a_limb_that_is_not_sure_is_asked_for_and_its_place_in_the_spec_is_open(
-    app: click.Group, tmp_path: Path
-) -> None:
+def test_a_limb_that_is_not_sure_is_asked_for_and_its_place_in_the_spec_is_open(tmp_path: Path) -> None:
     source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
-    result = run(app, "auto", source, "-o", out, code=5)
+    result = run("auto", source, "-o", out, code=5)
     assert "the right arm is not sure (0.60): perhaps 'upper_arm_R', 'forearm_R', 'hand_R'" in result.stderr
     assert not out.exists()
     spec = out.with_suffix(".rig.yaml")
-    refused = run(app, "build", source, "--spec", spec, "-o", out, code=2)
+    refused = run("build", source, "--spec", spec, "-o", out, code=2)
     assert "this place is open" in refused.stderr
     text = spec.read_text("utf-8").replace("null, null, null", "upper_arm_R, forearm_R, hand_R")
     spec.write_text(text, "utf-8")
-    run(app, "build", source, "--spec", spec, "-o", out)
+    run("build", source, "--spec", spec, "-o", out)
     assert kinds(read(out)).count("poleVector") == 4
 
 
 @pytest.mark.usefixtures("unsure")
 @pytest.mark.parametrize("unsure", [""], indirect=True, ids=["everything"])
-def test_where_nothing_is_sure_there_is_a_spec_with_open_places_too(app: click.Group, tmp_path: Path) -> None:
+def test_where_nothing_is_sure_there_is_a_spec_with_open_places_too(tmp_path: Path) -> None:
     source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
-    result = run(app, "auto", source, "-o", out, code=5)
+    result = run("auto", source, "-o", out, code=5)
     assert f"nothing of {source} is sure to be a character's: the left arm is not sure" in result.stderr
     assert out.with_suffix(".rig.yaml").read_text("utf-8").count("[null, null, null]") == 4
 
 
 @pytest.mark.usefixtures("unsure")
-def test_spec_init_comments_out_what_is_not_sure(app: click.Group, tmp_path: Path) -> None:
-    text = run(app, "spec-init", SAMPLES / "biped.glb").stdout
+def test_spec_init_comments_out_what_is_not_sure(tmp_path: Path) -> None:
+    text = run("spec-init", SAMPLES / "biped.glb").stdout
     assert "null" not in text
     assert "# Not recognised, so not here: right arm." in text
 
 
 @pytest.mark.parametrize("make", [crane, vehicle])
-def test_what_is_no_character_is_left_alone(app: click.Group, tmp_path: Path, make: object) -> None:
+def test_what_is_no_character_is_left_alone(tmp_path: Path, make: object) -> None:
     source = written(make(), tmp_path)  # type: ignore[operator]
-    result = run(app, "auto", source, "-o", tmp_path / "out.glb", code=5)
+    result = run("auto", source, "-o", tmp_path / "out.glb", code=5)
     assert "no character was recognised" in result.stderr
     assert [path.name for path in tmp_path.iterdir()] == [source.name]
 
 
-def test_two_characters_of_a_file_get_a_rig_each(app: click.Group, tmp_path: Path) -> None:
+def test_two_characters_of_a_file_get_a_rig_each(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
-    result = run(app, "auto", written(two_characters(), tmp_path), "-o", out)
+    result = run("auto", written(two_characters(), tmp_path), "-o", out)
     built = kinds(read(out))
     assert [built.count(kind) for kind in ("control ik", "poleVector", "control root")] == [8, 8, 1]
     remark = "left out: a root control for each of the 2 characters; add-controls puts one over all of them"
@@ -165,8 +160,8 @@ def test_two_characters_of_a_file_get_a_rig_each(app: click.Group, tmp_path: Pat
     assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
-def test_the_report_tells_what_was_recognised_and_done(app: click.Group, tmp_path: Path) -> None:
-    result = run(app, "auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--json")
+def test_the_report_tells_what_was_recognised_and_done(tmp_path: Path) -> None:
+    result = run("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--json")
     report = json.loads(result.stdout)
     validator("report").validate(report)
     assert [step["do"] for step in report["steps"]] == ["orient-joints", "add-twist", "add-controls"]
@@ -181,28 +176,24 @@ def test_the_report_tells_what_was_recognised_and_done(app: click.Group, tmp_pat
 
 
 @pytest.mark.parametrize(("name", "root"), [("arm.usda", "/arm"), ("arm.gltf", "shoulder")])
-def test_reading_options_stand_in_the_spec(app: click.Group, tmp_path: Path, name: str, root: str) -> None:
+def test_reading_options_stand_in_the_spec(tmp_path: Path, name: str, root: str) -> None:
     source, out, again = SAMPLES / name, tmp_path / f"out.{name}", tmp_path / f"again.{name}"
-    run(app, "auto", source, "-o", out, "--root", root)
-    run(app, "build", source, "--spec", out.with_suffix(".rig.yaml"), "-o", again)
+    run("auto", source, "-o", out, "--root", root)
+    run("build", source, "--spec", out.with_suffix(".rig.yaml"), "-o", again)
     assert again.read_bytes() == out.read_bytes()
 
 
 @pytest.mark.parametrize("name", ["gltf/khronos_CesiumMan_Binary.glb", "usd/usdwg_RiggedFigure.usdz"])
-def test_real_characters_get_controls_for_all_four_limbs(
-    app: click.Group, assets: Path, tmp_path: Path, name: str
-) -> None:
+def test_real_characters_get_controls_for_all_four_limbs(assets: Path, tmp_path: Path, name: str) -> None:
     out = tmp_path / Path(name).name
-    run(app, "auto", assets / name, "-o", out)
+    run("auto", assets / name, "-o", out)
     built = kinds(read(out))
     assert [built.count(kind) for kind in ("control ik", "poleVector")] == [4, 4]
 
 
-def test_a_step_that_fails_is_told_with_its_place_in_the_spec_that_is_left(
-    app: click.Group, tmp_path: Path
-) -> None:
+def test_a_step_that_fails_is_told_with_its_place_in_the_spec_that_is_left(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
-    result = run(app, "auto", SAMPLES / "biped.glb", "-o", out, "--strict", code=5)
+    result = run("auto", SAMPLES / "biped.glb", "-o", out, "--strict", code=5)
     spec = out.with_suffix(".rig.yaml")
     assert re.search(rf"{re.escape(str(spec))}:\d+:\d+ step 1 \(orient-joints\): --strict", result.stderr)
     assert [path.name for path in tmp_path.iterdir()] == [spec.name]
@@ -216,26 +207,26 @@ def test_auto_is_a_function_too(tmp_path: Path) -> None:
     assert out.exists()
 
 
-def test_words_that_contradict_each_other_are_refused(app: click.Group, tmp_path: Path) -> None:
+def test_words_that_contradict_each_other_are_refused(tmp_path: Path) -> None:
     source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
-    run(app, "auto", source, "-o", out, "--spec-out", tmp_path / "a.yaml", "--no-spec", code=2)
-    run(app, "auto", source, "-o", out, "--spec-out", tmp_path / "a.toml", code=2)
+    run("auto", source, "-o", out, "--spec-out", tmp_path / "a.yaml", "--no-spec", code=2)
+    run("auto", source, "-o", out, "--spec-out", tmp_path / "a.toml", code=2)
 
 
-def test_a_character_on_standard_input_gets_the_same_rig(app: click.Group, tmp_path: Path) -> None:
+def test_a_character_on_standard_input_gets_the_same_rig(tmp_path: Path) -> None:
     source, named, piped = SAMPLES / "tpose.glb", tmp_path / "named.glb", tmp_path / "piped.glb"
-    run(app, "auto", source, "-o", named)
+    run("auto", source, "-o", named)
     words = ["auto", "-", "-o", str(piped)]
-    assert CliRunner().invoke(app, words, input=source.read_bytes()).exit_code == 0
+    cli(*words, stdin=source.read_bytes(), code=0)
     assert piped.read_bytes() == named.read_bytes()
     assert 'for "standard input"' in piped.with_suffix(".rig.yaml").read_text("utf-8")
 
 
-def test_a_scheme_of_ones_own_names_limbs_for_auto(app: click.Group, tmp_path: Path) -> None:
+def test_a_scheme_of_ones_own_names_limbs_for_auto(tmp_path: Path) -> None:
     scheme = tmp_path / "studio.toml"
     scheme.write_text('title = "Our studio"\nlike = "bones"\nmarks = "shin"\n')
     words = ["auto", SAMPLES / "biped.glb", "-n", "-v"]
-    assert "Our studio" not in run(app, *words).output
-    assert "Our studio" in run(app, *words, "--scheme", scheme).output
-    refused = run(app, *words, "--scheme", tmp_path / "no.toml", code=3)
+    assert "Our studio" not in run(*words).output
+    assert "Our studio" in run(*words, "--scheme", scheme).output
+    refused = run(*words, "--scheme", tmp_path / "no.toml", code=3)
     assert "no.toml" in refused.stderr

@@ -10,13 +10,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import click
 import pytest
 from builds import everything
-from click.testing import CliRunner
 from engines import NO_BLENDER
 from morphs import arm
 from places import ASSETS, NO_ASSETS, SAMPLES
+from program import cli
 
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
@@ -70,12 +69,11 @@ ASKED: list[Asked] = [
 ]
 
 
-def commanded(app: click.Group, command: str, source: Path, target: Path) -> None:
+def commanded(command: str, source: Path, target: Path) -> None:
     """What the command writes, with its errors."""
     name, *words = command.split()
     line = [name, str(source), *words, "-o", str(target), "-q"]
-    result = CliRunner().invoke(app, line)
-    assert result.exit_code == 0, result.output
+    cli(*line, code=0)
 
 
 def same_files(one: Path, other: Path) -> None:
@@ -94,46 +92,42 @@ def two(tmp_path: Path) -> tuple[Path, Path]:
 
 
 @pytest.mark.parametrize("source", FILES, ids=lambda path: path.name)
-def test_every_format_gets_the_bytes_of_the_command(
-    source: Path, app: click.Group, two: tuple[Path, Path]
-) -> None:
+def test_every_format_gets_the_bytes_of_the_command(source: Path, two: tuple[Path, Path]) -> None:
     if not source.exists():
         pytest.skip(NO_ASSETS)
     rig = rigtri.orient_joints(rigtri.read(source), aim="z", up="-x")
     outcome = rigtri.write(rig, two[0] / source.name)
     assert outcome.changed
     assert outcome.verification is not None
-    commanded(app, ASKED[0][0], source, two[1] / source.name)
+    commanded(ASKED[0][0], source, two[1] / source.name)
     same_files(*two)
 
 
 @pytest.mark.parametrize("asked", ASKED, ids=lambda asked: asked[0].split(" -")[0])
-def test_every_operation_gives_the_bytes_of_its_command(
-    asked: Asked, app: click.Group, two: tuple[Path, Path]
-) -> None:
+def test_every_operation_gives_the_bytes_of_its_command(asked: Asked, two: tuple[Path, Path]) -> None:
     command, operation, keywords = asked
     rig = getattr(rigtri, operation)(rigtri.read(BIPED), **keywords)
     rigtri.write(rig, two[0] / "out.glb", verify=False)
-    commanded(app, f"{command} --no-verify", BIPED, two[1] / "out.glb")
+    commanded(f"{command} --no-verify", BIPED, two[1] / "out.glb")
     same_files(*two)
 
 
 def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
-    app: click.Group, tmp_path: Path, two: tuple[Path, Path]
+    tmp_path: Path, two: tuple[Path, Path]
 ) -> None:
     built, moved = tmp_path / "built.glb", tmp_path / "moved.glb"
-    commanded(app, "add-controls --whole-character", BIPED, built)
+    commanded("add-controls --whole-character", BIPED, built)
     rig = rigtri.bake(rigtri.read(built), to="controls", clips="walk")
     rigtri.write(rig, moved)
-    commanded(app, "bake --to controls --clip walk", built, two[1] / "baked.glb")
+    commanded("bake --to controls --clip walk", built, two[1] / "baked.glb")
     assert moved.read_bytes() == (two[1] / "baked.glb").read_bytes()
     rig = rigtri.snap(rigtri.read(moved), to="ik", at=["walk@0.5"], limbs=[ARM])
     rigtri.write(rig, two[0] / "out.glb")
-    commanded(app, f"snap --to ik --at walk@0.5 --limb {' '.join(ARM)}", moved, tmp_path / "snapped.glb")
+    commanded(f"snap --to ik --at walk@0.5 --limb {' '.join(ARM)}", moved, tmp_path / "snapped.glb")
     assert (two[0] / "out.glb").read_bytes() == (tmp_path / "snapped.glb").read_bytes()
     home = rigtri.take_clips(rigtri.read(built), rigtri.read(moved), clips=["walk"])
     rigtri.write(home, two[0] / "home.glb")
-    commanded(app, f"take-clips --from {moved} --clip walk", built, tmp_path / "home.glb")
+    commanded(f"take-clips --from {moved} --clip walk", built, tmp_path / "home.glb")
     assert (two[0] / "home.glb").read_bytes() == (tmp_path / "home.glb").read_bytes()
 
 
@@ -152,13 +146,12 @@ def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
     ],
 )
 def test_what_is_made_of_a_file_is_the_text_that_the_command_writes(
-    command: str, function: str, keywords: dict[str, Any], name: str, app: click.Group, tmp_path: Path
+    command: str, function: str, keywords: dict[str, Any], name: str, tmp_path: Path
 ) -> None:
     source, target = tmp_path / "built.glb", tmp_path / name
     rigtri.write(rigtri.add_controls(rigtri.read(BIPED), whole_character=True), source, verify=False)
     line = [command.split()[0], str(source), *command.split()[1:], "-o", str(target)]
-    result = CliRunner().invoke(app, line)
-    assert result.exit_code == 0, result.output
+    cli(*line, code=0)
     assert getattr(rigtri, function)(source, **keywords) == target.read_text("utf-8")
 
 
@@ -174,9 +167,7 @@ def test_what_a_page_or_a_script_lacks_is_told_in_its_report(tmp_path: Path) -> 
         rigtri.spec_init(tmp_path / "none.glb")
 
 
-def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(
-    app: click.Group, tmp_path: Path
-) -> None:
+def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(tmp_path: Path) -> None:
     source = tmp_path / "arm.glb"
     arm().glb(source)
     target = {"name": "side", "direction": (-1, 0, 0)}
@@ -186,7 +177,7 @@ def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(
     outcome = rigtri.write(rig, tmp_path / "out.glb")
     assert outcome.report.driven
     words = "add-posereader --driver lower --axis y --target side=-1,0,0 --morph side Skin bulge"
-    commanded(app, words, source, tmp_path / "command.glb")
+    commanded(words, source, tmp_path / "command.glb")
     assert (tmp_path / "out.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
     # Of another rig of the same file that nothing drives, the weights count.
     plain = rigtri.orient_joints(rigtri.read(source))

@@ -12,13 +12,12 @@ from typing import Any
 import click
 import jsonschema
 import pytest
-from click.testing import CliRunner
 from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files, slow
+from program import cli
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 from second_opinions import validator
 
-from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
@@ -371,9 +370,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_a_spec_that_is_none_is_one_clear_error(text: str, said: str, tmp_path: Path) -> None:
-    result = CliRunner().invoke(
-        program, ["build", "--explain", "--spec", str(write(tmp_path, text)), "--json"]
-    )
+    result = cli("build", "--explain", "--spec", write(tmp_path, text), "--json")
     assert result.exit_code in (2, 3), result.output
     assert said in result.stderr
     assert result.stderr.startswith("rigtri: ")
@@ -431,8 +428,7 @@ def test_a_file_that_the_source_refers_to_is_not_written_over(tmp_path: Path) ->
 def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path) -> None:
     spec, source = write(tmp_path, WHOLE), SAMPLES / "biped.glb"
     before = sorted(tmp_path.iterdir())
-    result = CliRunner().invoke(program, ["build", str(source), "--spec", str(spec), "--explain"])
-    assert result.exit_code == 0, result.output
+    result = cli("build", source, "--spec", spec, "--explain", code=0)
     assert f"2. add-twist (L): limb upper_arm_L forearm_L hand_L ({spec}:6:5)" in result.stdout
     assert "4 twist joints along 2 bones" in result.stderr
     assert "Nothing was written (--explain)." in result.stderr
@@ -442,22 +438,22 @@ def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path)
 def test_explain_writes_the_report_that_it_is_asked_for(tmp_path: Path) -> None:
     spec, report = write(tmp_path, WHOLE), tmp_path / "report.json"
     line = ["build", "--spec", str(spec), "--explain", "--report", str(report)]
-    result = CliRunner().invoke(program, line)
+    result = cli(*line)
     assert (result.exit_code, report.exists()) == (2, False), result.output
     line.insert(1, str(SAMPLES / "biped.glb"))
-    assert CliRunner().invoke(program, line).exit_code == 0
+    cli(*line, code=0)
     assert len(json.loads(report.read_text())["steps"]) == 6
-    result = CliRunner().invoke(program, line)
+    result = cli(*line)
     assert (result.exit_code, "only with --overwrite" in result.stderr) == (2, True)
 
 
 def test_explain_tells_machines_what_would_be_done_and_where_it_stands(tmp_path: Path) -> None:
     spec = write(tmp_path, WHOLE)
     line = ["build", "--spec", str(spec), "--explain", "--json"]
-    alone = json.loads(CliRunner().invoke(program, line).stdout)
+    alone = cli(*line).json
     validator("steps").validate(alone)
     line.insert(1, str(SAMPLES / "biped.glb"))
-    whole = json.loads(CliRunner().invoke(program, line).stdout)
+    whole = cli(*line).json
     validator("report").validate(whole)
     assert [step["place"] for step in alone["steps"]] == [step["place"] for step in whole["steps"]]
     assert alone["steps"][1]["place"] == f"{spec}:6:5"
@@ -475,16 +471,16 @@ def test_explain_refuses_an_output_as_the_build_would(tmp_path: Path) -> None:
         "-o",
         str(out),
     ]
-    refused = CliRunner().invoke(program, line)
+    refused = cli(*line)
     assert (refused.exit_code, "only with --overwrite" in refused.stderr) == (2, True)
-    assert CliRunner().invoke(program, [*line, "--overwrite"]).exit_code == 0
+    cli(*line, "--overwrite", code=0)
     assert out.read_bytes() == b"mine"
 
 
 def test_explain_tells_limbs_apart(tmp_path: Path) -> None:
     limbs = "[[upper_arm_L, forearm_L, hand_L], [thigh_L, shin_L, foot_L]]"
     spec = write(tmp_path, f"steps:\n- {{do: add-twist, limb: {limbs}}}\n")
-    result = CliRunner().invoke(program, ["build", "--spec", str(spec), "--explain"])
+    result = cli("build", "--spec", spec, "--explain")
     assert "limb upper_arm_L forearm_L hand_L, thigh_L shin_L foot_L" in result.stdout
 
 
@@ -504,8 +500,7 @@ def test_steps_of_braces_are_told_with_their_words(tmp_path: Path) -> None:
         str(tmp_path / "out.glb"),
         "--json",
     ]
-    result = CliRunner().invoke(program, line)
-    assert result.exit_code == 0, result.output
+    result = cli(*line, code=0)
     told = json.loads(result.stdout)
     validator("report").validate(told)
     assert [(one["step"], one.get("word")) for one in told["steps"][:3]] == [(1, None), (2, "L"), (2, "R")]
@@ -514,7 +509,7 @@ def test_steps_of_braces_are_told_with_their_words(tmp_path: Path) -> None:
     assert {word for _, word in made} == {"L", "R"}
     left = [notice["text"] for notice in told["warnings"] if notice["code"] == "step-left-out"]
     assert [text.split(" is left")[0] for text in left] == ["step 3 (constrain, L)", "step 3 (constrain, R)"]
-    explained = CliRunner().invoke(program, ["build", "--spec", str(spec), "--explain"]).stdout
+    explained = cli("build", "--spec", spec, "--explain").stdout
     assert "2. add-twist (L): limb thigh_L shin_L foot_L" in explained
 
 
@@ -528,8 +523,7 @@ def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:
         tmp_path / "out.glb",
         "--json",
     ]
-    result = CliRunner().invoke(program, list(map(str, line)))
-    assert result.exit_code == 0, result.output
+    result = cli(*line, code=0)
     told = json.loads(result.stdout)
     assert [one["do"] for one in told["steps"]] == [
         "orient-joints",
@@ -544,8 +538,7 @@ def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:
 
 
 def schema() -> Any:
-    result = CliRunner().invoke(program, ["schema"])
-    assert result.exit_code == 0
+    result = cli("schema", code=0)
     return json.loads(result.stdout)
 
 
@@ -645,24 +638,21 @@ def test_a_starter_lists_each_joint_right_below_the_one_that_it_hangs_on() -> No
 
 def test_spec_init_writes_json_that_build_reads(tmp_path: Path) -> None:
     source, spec = SAMPLES / "biped.glb", tmp_path / "rig.json"
-    result = CliRunner().invoke(program, ["spec-init", str(source), "-o", str(spec), "--json"])
-    assert result.exit_code == 0, result.output
+    result = cli("spec-init", source, "-o", spec, "--json", code=0)
     assert json.loads(spec.read_text()) == json.loads(result.stdout)
     assert load(spec).steps[0].do == "orient-joints"
 
 
 def test_the_help_of_schema_names_all_schemas() -> None:
-    words = re.findall(r"[a-z-]+", CliRunner().invoke(program, ["schema", "--help"]).stdout)
+    words = re.findall(r"[a-z-]+", cli("schema", "--help").stdout)
     assert {path.name.split(".")[0] for path in (ROOT / "schemas").glob("*.json")} <= set(words)
 
 
 def test_spec_init_and_build_are_two_commands_from_a_character_to_its_rig(tmp_path: Path) -> None:
     source, spec, out = SAMPLES / "biped.usda", tmp_path / "rig.yaml", tmp_path / "out.usda"
     for line in (["spec-init", source, "-o", spec], ["build", source, "--spec", spec, "-o", out]):
-        result = CliRunner().invoke(program, list(map(str, line)))
-        assert result.exit_code == 0, result.output
-    again = CliRunner().invoke(program, ["spec-init", str(source), "-o", str(spec)])
-    assert again.exit_code == 2
+        cli(*line, code=0)
+    again = cli("spec-init", source, "-o", spec, code=2)
     assert "--overwrite" in again.stderr
     assert any(note["type"] == "control" for note in read(out).rig.notes.values())
 
@@ -688,5 +678,5 @@ def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None
 def test_a_build_tells_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
     spec = write(tmp_path, "steps:\n- {do: orient-joints, joints: nobody}\n")
     line = ["build", str(SAMPLES / "biped.glb"), "--spec", str(spec), "-o", str(tmp_path / "o.glb"), "--json"]
-    told = json.loads(CliRunner().invoke(program, line).stdout)["error"]
+    told = cli(*line).json["error"]
     assert (told["kind"], told["exit_code"]) == ("name not found", 4)

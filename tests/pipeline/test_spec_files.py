@@ -6,10 +6,9 @@ import os
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 from places import SAMPLES
+from program import cli
 
-from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
 from rigtri.files.text_files import text_of
 from rigtri.pipeline.rigspec.build import build
@@ -23,10 +22,6 @@ def write(folder: Path, text: str, name: str = "rig.yaml") -> Path:
     return path
 
 
-def run(*words: object, stream: bytes | None = None) -> Result:
-    return CliRunner().invoke(program, list(map(str, words)), input=stream)
-
-
 @pytest.mark.parametrize("name", ["rig.yaml", "studio.yaml", "frames.json"])
 def test_what_a_spec_is_made_of_is_never_written_over(name: str, tmp_path: Path) -> None:
     write(tmp_path, "steps: [{do: strip}]\n", "studio.yaml")
@@ -37,7 +32,7 @@ def test_what_a_spec_is_made_of_is_never_written_over(name: str, tmp_path: Path)
     with pytest.raises(UsageError, match=f"{name} is .* it would be lost"):
         build(SAMPLES / "biped.glb", place, spec, overwrite=True)
     line = ("build", SAMPLES / "biped.glb", "--spec", spec, "-o", tmp_path / "out.glb", "--overwrite")
-    result = run(*line, "--report", place)
+    result = cli(*line, "--report", place)
     assert (result.exit_code, place.read_bytes()) == (2, before), result.output
     assert not (tmp_path / "out.glb").exists()
 
@@ -46,7 +41,7 @@ def test_a_sidecar_never_takes_the_place_of_a_file_of_the_spec(tmp_path: Path) -
     frames = write(tmp_path, "{}", "out.rig.json")
     text = f"sidecar: true\nsteps: [{{do: orient-joints, frames: {frames.name}}}]\n"
     line = ("build", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--overwrite")
-    result = run(*line, "--spec", write(tmp_path, text))
+    result = cli(*line, "--spec", write(tmp_path, text))
     assert (result.exit_code, frames.read_text()) == (2, "{}"), result.output
 
 
@@ -61,8 +56,7 @@ def test_a_batch_writes_over_nothing_that_it_needs(option: str, name: str, tmp_p
     words = write(tmp_path, f"{source}\n", "list.txt")
     place = tmp_path / name
     before = place.read_bytes() if place.exists() else b""
-    result = run("batch", f"@{words}", "--spec", spec, "-O", tmp_path / "out", option, place)
-    assert result.exit_code == 2, result.output
+    result = cli("batch", f"@{words}", "--spec", spec, "-O", tmp_path / "out", option, place, code=2)
     assert f"{option} {place} names a file that is needed" in result.stderr
     assert (place.read_bytes() if place.exists() else b"") == before
 
@@ -81,8 +75,7 @@ def test_a_pipe_or_a_device_is_no_file_of_a_step(step: str, tmp_path: Path) -> N
     os.mkfifo(tmp_path / "pipe.glb")
     for name in ("pipe.glb", "/dev/zero"):
         spec = write(tmp_path, f"steps: [{{do: {step.format(name)}}}, {{do: orient-joints, like: no.glb}}]\n")
-        result = run("build", "--explain", "--spec", spec)
-        assert result.exit_code == 2, result.output
+        result = cli("build", "--explain", "--spec", spec, code=2)
         assert "is a device or a pipe; give a plain file" in result.stderr
         assert "There is no file" in result.stderr
 
@@ -99,7 +92,7 @@ def test_lists_jobs_logs_and_specs_are_plain_files(tmp_path: Path) -> None:
         ("batch", source, "--spec", spec, *out, "--manifest", pipe),
         ("batch", source, "--spec", pipe, *out),
     ):
-        result = run(*line)
+        result = cli(*line)
         assert result.exit_code in (2, 3), result.output
         assert "is a device or a pipe" in result.stderr
 
@@ -117,7 +110,7 @@ def test_what_is_wrong_with_in_or_out_is_no_fault_of_the_spec(text: str, tmp_pat
         ("-", tmp_path / "out.usda", "the output has the format of the input"),
         (broken, tmp_path / "out.glb", "broken.glb"),
     ):
-        result = run("build", place, "--spec", spec, "-o", target, "--overwrite", stream=source.read_bytes())
+        result = cli("build", place, "--spec", spec, "-o", target, "--overwrite", stdin=source.read_bytes())
         assert result.exit_code in (2, 3), result.output
         assert said in result.stderr
         assert "rig.yaml" not in result.stderr
@@ -135,6 +128,6 @@ def test_a_stream_goes_through_several_steps_to_a_stream(sample: str, tmp_path: 
     spec, content = write(tmp_path, TWO), (SAMPLES / sample).read_bytes()
     build(SAMPLES / sample, tmp_path / sample, spec)
     for source, stream in (("-", content), (SAMPLES / sample, None)):
-        result = run("build", source, "--spec", spec, "-o", "-", "-q", stream=stream)
+        result = cli("build", source, "--spec", spec, "-o", "-", "-q", stdin=stream)
         assert result.exit_code == 0, result.stderr
         assert result.stdout_bytes == (tmp_path / sample).read_bytes()

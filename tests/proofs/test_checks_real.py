@@ -16,8 +16,7 @@ from broken_vrm import avatar_0, avatar_1, motion
 from gltf_files import Builder, character, glb_bytes
 from places import GLTF, SAMPLES, USD, asset_files, sample_files
 from second_opinions import khronos_errors
-from test_checks import refusal
-from test_gltf_bad_input import WRONG, places
+from wrong_values import WRONG, places, refusal
 
 from rigtri.verification.checks import check
 

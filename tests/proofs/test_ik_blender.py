@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from baked_rigs import WHOLE, stored
 from engines import blender_limbs
 from places import SAMPLES, asset_files
-from test_bake import WHOLE, stored
 
 from rigtri.evaluation import sampling
 from rigtri.evaluation.active_controls import keyed_in, size_of

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import asks_nobody, visited
-from click.testing import CliRunner
-from gltf_files import Builder, small
+from gltf_files import EVIL, Builder, evil, small
 from morphs import arm_usd
 from places import ASSETS, NO_ASSETS, SAMPLES
-from test_view import EVIL, evil
+from program import cli
 
 import rigtri
 from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
@@ -43,23 +42,19 @@ FITS = """[document.documentElement, document.getElementById('panel'), document.
 
 
 @pytest.fixture
-def page(app: Any, tmp_path: Path) -> Any:
+def page(tmp_path: Path) -> Any:
     """Write the page of a file; its path."""
 
     def write(source: Path, *options: object) -> Path:
         target = tmp_path / f"{len(list(tmp_path.glob('*.html')))}.html"
-        result = CliRunner().invoke(app, ["view", str(source), "-o", str(target), *map(str, options)])
-        assert result.exit_code == 0, result.output
+        cli("view", source, "-o", target, *options, code=0)
         return target
 
     return write
 
 
-def oriented(app: Any, source: Path, target: Path) -> Path:
-    result = CliRunner().invoke(
-        app, ["orient-joints", str(source), "-o", str(target), "--aim", "x", "--up", "y"]
-    )
-    assert result.exit_code == 0, result.output
+def oriented(source: Path, target: Path) -> Path:
+    cli("orient-joints", source, "-o", target, "--aim", "x", "--up", "y", code=0)
     return target
 
 
@@ -79,9 +74,9 @@ def healthy(told: dict[str, Any]) -> bool:
 
 
 def test_the_samples_move_as_rigtri_says_and_keys_do_what_they_say(
-    page: Any, app: Any, samples: Path, tmp_path: Path
+    page: Any, samples: Path, tmp_path: Path
 ) -> None:
-    turned = oriented(app, samples / "biped.glb", tmp_path / "out.glb")
+    turned = oriented(samples / "biped.glb", tmp_path / "out.glb")
     both = page(turned, "--against", samples / "biped.glb", "--pose", "walk@0.3")
     usd = page(samples / "biped.usdz", "--pose", "walk@9")
     steps = [

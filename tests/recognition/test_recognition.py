@@ -7,11 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from weakref import ref
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from places import SAMPLES, asset_files
+from program import cli
 from recognition_bodies.skeletons import (
     FINGERS,
     FLAT,
@@ -435,14 +434,13 @@ def test_what_is_no_scheme_is_refused(text: str, words: str, tmp_path: Path) -> 
         own_scheme(path)
 
 
-def test_all_schemes_that_are_none_are_told_at_once(tmp_path: Path, app: click.Group) -> None:
+def test_all_schemes_that_are_none_are_told_at_once(tmp_path: Path) -> None:
     words: list[str] = []
     for name, text in (("a", "title = 1"), ("b", "marks = 2"), ("c", "\ufefftitle = 'Fine'")):
         path = tmp_path / f"{name}.toml"
         path.write_text(text, "utf-8")
         words += ["--scheme", str(path)]
-    result = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb"), *words])
-    assert result.exit_code == 3
+    result = cli("recognise", SAMPLES / "biped.glb", *words, code=3)
     assert "a.toml is no naming scheme: 'title' is a number" in result.stderr
     assert "b.toml is no naming scheme: 'marks' is a number" in result.stderr
     assert "c.toml" not in result.stderr
@@ -454,11 +452,10 @@ def test_rigtris_own_schemes_have_no_faults() -> None:
 
 
 def test_a_folder_of_schemes_that_is_not_there_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, app: click.Group
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RIGTRI_SCHEMES", str(tmp_path / "gone"))
-    result = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb")])
-    assert result.exit_code == 3
+    result = cli("recognise", SAMPLES / "biped.glb", code=3)
     assert "RIGTRI_SCHEMES names" in result.stderr
     assert "gone, which is no folder" in result.stderr
 
@@ -477,28 +474,24 @@ def test_a_rig_is_looked_at_once_and_what_is_known_goes_with_it() -> None:
     assert gone() is None
 
 
-def test_the_command_tells_chains_roles_and_words(app: click.Group) -> None:
-    told = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb")]).output
+def test_the_command_tells_chains_roles_and_words() -> None:
+    told = cli("recognise", SAMPLES / "biped.glb").output
     assert "biped, 0.99 sure" in told
     assert "faces +z, up +y, left +x" in told
     assert "upper_arm_L → forearm_L → hand_L" in told
     assert "end: head_end" in told
-    told = CliRunner().invoke(app, ["recognise", str(SAMPLES / "biped.glb"), "--joints"]).output
+    told = cli("recognise", SAMPLES / "biped.glb", "--joints").output
     assert "leftUpperArm" in told
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "hand.glb", "flat_ik.glb", "biped.usda"])
-def test_json_is_as_its_schema_says(name: str, app: click.Group) -> None:
-    run = CliRunner().invoke(app, ["recognise", str(SAMPLES / name), "--json"])
-    assert run.exit_code == 0, run.output
+def test_json_is_as_its_schema_says(name: str) -> None:
+    run = cli("recognise", SAMPLES / name, "--json", code=0)
     validator("recognise").validate(json.loads(run.stdout))
 
 
-def test_a_scheme_that_cannot_be_read_is_told_in_one_line(app: click.Group, tmp_path: Path) -> None:
-    run = CliRunner().invoke(
-        app, ["recognise", str(SAMPLES / "biped.glb"), "--scheme", str(tmp_path / "no.toml")]
-    )
-    assert run.exit_code == 3
+def test_a_scheme_that_cannot_be_read_is_told_in_one_line(tmp_path: Path) -> None:
+    run = cli("recognise", SAMPLES / "biped.glb", "--scheme", tmp_path / "no.toml", code=3)
     assert "is no naming scheme" in run.output
 
 

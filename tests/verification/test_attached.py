@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import avatars
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from program import cli
 
 from rigtri.formats import read
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -109,65 +108,54 @@ def test_rotations_that_are_not_unit_move_nothing_that_an_avatar_says(tmp_path: 
     assert self_check(before, read(tmp_path / "after.vrm")).passes()
 
 
-def run(app: click.Group, *arguments: Any) -> Any:
-    return CliRunner().invoke(app, list(map(str, arguments)))
-
-
 @pytest.mark.parametrize("command", ["inspect", "verify", "diff", "orient-joints"])
-def test_a_root_that_no_node_has_is_not_found(
-    command: str, app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_a_root_that_no_node_has_is_not_found(command: str, samples: Path, tmp_path: Path) -> None:
     path = samples / "biped.glb"
     others = {"inspect": [], "orient-joints": ["-o", tmp_path / "out.glb"]}.get(command, [path])
-    done = run(app, command, path, *others, "--root", "nope")
+    done = cli(command, path, *others, "--root", "nope")
     assert done.exit_code == (2 if command == "diff" else 4)
     assert "nope" in done.stderr
 
 
 @pytest.mark.parametrize("command", ["inspect", "verify", "diff"])
-def test_a_root_that_changes_nothing_is_said(command: str, app: click.Group, samples: Path) -> None:
+def test_a_root_that_changes_nothing_is_said(command: str, samples: Path) -> None:
     path = samples / "biped.glb"
-    done = run(app, command, path, *([] if command == "inspect" else [path]), "--root", "hips")
-    assert done.exit_code == 0
+    done = cli(command, path, *([] if command == "inspect" else [path]), "--root", "hips", code=0)
     assert "--root changes nothing here" in done.stderr
 
 
 @pytest.mark.parametrize("tolerance", ["nan", "inf", "-1"])
 @pytest.mark.parametrize("command", ["verify", "diff", "orient-joints"])
-def test_a_tolerance_is_a_number(
-    command: str, tolerance: str, app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_a_tolerance_is_a_number(command: str, tolerance: str, samples: Path, tmp_path: Path) -> None:
     path = samples / "biped.glb"
     others = ["-o", tmp_path / "out.glb"] if command == "orient-joints" else [path]
-    assert run(app, command, path, *others, "--tolerance", tolerance).exit_code == 2
+    cli(command, path, *others, "--tolerance", tolerance, code=2)
 
 
 @pytest.mark.parametrize("command", ["verify", "diff"])
-def test_standard_input_is_one_file(command: str, app: click.Group) -> None:
-    done = run(app, command, "-", "-")
-    assert done.exit_code == 2
+def test_standard_input_is_one_file(command: str) -> None:
+    done = cli(command, "-", "-", code=2)
     assert "standard input is one file" in done.stderr
 
 
-def test_quiet_inspect_leaves_out_the_warnings(app: click.Group, tmp_path: Path) -> None:
+def test_quiet_inspect_leaves_out_the_warnings(tmp_path: Path) -> None:
     builder = avatars.avatar(1)
     builder.gltf["extensionsUsed"].append("ACME_unknown")
     builder.gltf["nodes"][0].setdefault("extensions", {})["ACME_unknown"] = {}
     path = builder.glb(tmp_path / "a.vrm")
     loud, quiet = (
-        run(app, "inspect", path, "--root", "hips"),
-        run(app, "inspect", path, "--root", "hips", "-q"),
+        cli("inspect", path, "--root", "hips"),
+        cli("inspect", path, "--root", "hips", "-q"),
     )
     assert "warning" in loud.stderr
     assert quiet.stderr == ""
     assert quiet.stdout == loud.stdout
 
 
-def test_a_name_cannot_steer_the_terminal_through_diff(app: click.Group, tmp_path: Path) -> None:
+def test_a_name_cannot_steer_the_terminal_through_diff(tmp_path: Path) -> None:
     builder = avatars.avatar(1)
     path = builder.glb(tmp_path / "a.vrm")
     builder.gltf["nodes"][0]["name"] = "a\x1b[2Jb"
-    done = run(app, "diff", path, builder.glb(tmp_path / "b.vrm"))
-    assert done.exit_code == 1
+    done = cli("diff", path, builder.glb(tmp_path / "b.vrm"), code=1)
     assert "\x1b" not in done.output
-    assert run(app, "diff", path, tmp_path / "no\x1bne.glb").stderr.count("\x1b") == 0
+    assert cli("diff", path, tmp_path / "no\x1bne.glb").stderr.count("\x1b") == 0

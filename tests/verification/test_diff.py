@@ -10,20 +10,20 @@ import sys
 import zipfile
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
 import gltf_files
 import numpy as np
 import pytest
 import usd_files
-from click.testing import CliRunner
 from gltf_files import small
 from places import files_of_all_kinds, leave_out_refused
+from program import cli
 from pxr import Sdf
 from second_opinions import validator
-from test_lossless_usd import planted
+from usd_of_everything import planted
 
 from rigtri import diff
 from rigtri.errors import FileError, RigtriError
@@ -510,43 +510,41 @@ def test_how_they_look_is_measured_unless_told_otherwise(samples: Path, tmp_path
 # The program
 
 
-def run(app: click.Group, *arguments: Any) -> Any:
-    return CliRunner().invoke(app, ["diff", *map(str, arguments)])
+run = partial(cli, "diff")
 
 
-def test_the_program_ends_with_0_1_and_2(app: click.Group, samples: Path, tmp_path: Path) -> None:
+def test_the_program_ends_with_0_1_and_2(samples: Path, tmp_path: Path) -> None:
     one = samples / "biped.glb"
-    same = run(app, one, one)
+    same = run(one, one)
     assert (same.exit_code, same.stdout, same.stderr) == (0, "", "")
-    differ = run(app, one, samples / "tail.glb", "-q")
+    differ = run(one, samples / "tail.glb", "-q")
     assert (differ.exit_code, differ.stdout) == (1, f"{one} and {samples / 'tail.glb'} differ\n")
     (tmp_path / "bad.glb").write_bytes(b"glTF\2\0\0\0")
     for bad in (tmp_path / "none.glb", tmp_path / "bad.glb", tmp_path):
-        result = run(app, one, bad)
-        assert result.exit_code == 2
+        result = run(one, bad, code=2)
         assert result.stderr.startswith("rigtri: ")
-    assert run(app, one).exit_code == 2
-    assert run(app, one, one, "--only", "nothing").exit_code == 2
+    run(one, code=2)
+    run(one, one, "--only", "nothing", code=2)
 
 
-def test_long_groups_are_cut_unless_all_is_asked_for(app: click.Group, samples: Path, tmp_path: Path) -> None:
+def test_long_groups_are_cut_unless_all_is_asked_for(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     edit(samples / "biped.glb", out, lambda rig, report: orient_joints(rig, report=report))
-    short, full = (run(app, samples / "biped.glb", out, *flags).stdout for flags in ([], ["--all"]))
+    short, full = (run(samples / "biped.glb", out, *flags).stdout for flags in ([], ["--all"]))
     assert "rig: axes, 22 differences" in short
     assert "… and 14 more (--all)" in short
     assert "more (--all)" not in full
     assert len(full.splitlines()) > len(short.splitlines())
-    rig = run(app, samples / "biped.glb", out, "--only", "rig").stdout
+    rig = run(samples / "biped.glb", out, "--only", "rig").stdout
     assert "file: " not in rig
-    assert "rig: " not in run(app, samples / "biped.glb", out, "--only", "file").stdout
+    assert "rig: " not in run(samples / "biped.glb", out, "--only", "file").stdout
 
 
-def test_the_program_speaks_json(app: click.Group, samples: Path, tmp_path: Path) -> None:
+def test_the_program_speaks_json(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     edit(samples / "biped.glb", out, lambda rig, report: orient_joints(rig, report=report))
     for other in (out, samples / "biped.glb", samples / "biped.usda"):
-        told = json.loads(run(app, samples / "biped.glb", other, "--json").stdout)
+        told = json.loads(run(samples / "biped.glb", other, "--json").stdout)
         validator("diff").validate(told)
         assert told["same"] == (other == samples / "biped.glb")
 
@@ -623,22 +621,19 @@ def _calls(before: Rig, after: Rig) -> int:
 
 @pytest.mark.parametrize("nodes", [0, 1])
 def test_files_without_nodes_or_anything_else_differ_from_nothing_in_themselves(
-    nodes: int, tmp_path: Path, app: click.Group
+    nodes: int, tmp_path: Path
 ) -> None:
     path = tmp_path / "empty.gltf"
     path.write_text(json.dumps({"asset": {"version": "2.0"}, **({"nodes": [{}] * nodes} if nodes else {})}))
     assert diff(path, path).same
-    result = CliRunner().invoke(app, ["diff", str(path), str(path)])
+    result = cli("diff", path, path)
     assert (result.exit_code, result.output) == (0, "")
 
 
-def test_a_mistake_of_ours_in_diff_is_no_answer(
-    monkeypatch: pytest.MonkeyPatch, samples: Path, app: click.Group
-) -> None:
+def test_a_mistake_of_ours_in_diff_is_no_answer(monkeypatch: pytest.MonkeyPatch, samples: Path) -> None:
     def broken(*_: Any, **__: Any) -> None:
         raise AssertionError("a mistake of ours")
 
     monkeypatch.setattr("rigtri.verification.diff.diff.diff", broken)
-    result = CliRunner().invoke(app, ["diff", str(samples / "biped.glb"), str(samples / "biped.glb")])
-    assert result.exit_code == 2
+    result = cli("diff", samples / "biped.glb", samples / "biped.glb", code=2)
     assert "a mistake of ours" in result.stderr

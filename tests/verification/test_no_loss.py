@@ -7,9 +7,8 @@ import os
 import shutil
 from pathlib import Path
 
-import click
 import pytest
-from click.testing import CliRunner
+from program import cli
 from usd_files import MESH, animation, save, scene, skeleton
 
 from rigtri.errors import DeviationError, UsageError
@@ -118,30 +117,24 @@ def test_no_buffer_or_image_of_a_gltf_is_replaced(samples: Path, tmp_path: Path)
     assert contents(tmp_path) == before
 
 
-def test_a_report_replaces_no_file_that_the_output_needs(
-    app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_a_report_replaces_no_file_that_the_output_needs(samples: Path, tmp_path: Path) -> None:
     for name in ("biped.gltf", "biped.bin"):
         shutil.copyfile(samples / name, tmp_path / name)
     before = contents(tmp_path)
     arguments = ["orient-joints", str(tmp_path / "biped.gltf"), "-o", str(tmp_path / "out.gltf")]
-    run = CliRunner().invoke(app, [*arguments, "--overwrite", "--report", str(tmp_path / "biped.bin")])
-    assert run.exit_code == 2
+    run = cli(*arguments, "--overwrite", "--report", tmp_path / "biped.bin", code=2)
     assert "biped.bin" in run.output
     assert contents(tmp_path) == before
 
 
 @pytest.mark.parametrize("flag", ["--like", "--frames"])
-def test_the_output_replaces_no_file_that_the_run_reads(
-    flag: str, app: click.Group, samples: Path, tmp_path: Path
-) -> None:
+def test_the_output_replaces_no_file_that_the_run_reads(flag: str, samples: Path, tmp_path: Path) -> None:
     other = tmp_path / "other.glb"
     content = (samples / "biped.glb").read_bytes() if flag == "--like" else b"{}"
     other.write_bytes(content)
     before = contents(tmp_path)
     arguments = ["orient-joints", str(samples / "biped.glb"), "-o", str(other), "--overwrite"]
-    run = CliRunner().invoke(app, [*arguments, flag, str(other)])
-    assert run.exit_code == 2
+    run = cli(*arguments, flag, other, code=2)
     assert flag in run.output
     assert contents(tmp_path) == before
 
@@ -157,15 +150,14 @@ def test_a_buffer_that_is_no_longer_referred_to_is_named_and_kept(samples: Path,
     assert (tmp_path / "biped.bin").read_bytes() == content
 
 
-def test_a_mesh_that_was_not_measured_is_counted(app: click.Group, samples: Path, tmp_path: Path) -> None:
+def test_a_mesh_that_was_not_measured_is_counted(samples: Path, tmp_path: Path) -> None:
     document = json.loads((samples / "biped.gltf").read_text("utf-8"))
     position = document["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
     document["accessors"][position]["count"] = 2**31
     shutil.copyfile(samples / "biped.bin", tmp_path / "biped.bin")
     source = save(tmp_path, json.dumps(document), "in.gltf")
     arguments = ["orient-joints", str(source), "-o", str(tmp_path / "out.gltf")]
-    run = CliRunner().invoke(app, [*arguments, "--report", str(tmp_path / "report.json")])
-    assert run.exit_code == 0
+    run = cli(*arguments, "--report", tmp_path / "report.json", code=0)
     assert "could not be read and were not measured" in run.output
     written = json.loads((tmp_path / "report.json").read_text("utf-8"))
     assert written["verification"]["unread"]

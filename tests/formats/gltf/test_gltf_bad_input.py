@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from gltf_files import Builder, character, glb_bytes, small
 from rigs import lawful
-from test_vrm import vrm_0, vrm_1
+from vrm_files import vrm_0, vrm_1
+from wrong_values import WRONG, places
 
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions
@@ -241,19 +242,6 @@ def test_a_glb_with_any_byte_changed_never_ends_in_a_traceback(tmp_path: Path) -
         content[place] = old
     assert path.write_bytes(content)
     assert survives(path)
-
-
-WRONG: list[Any] = [None, True, -1, 1.5, 1e30, "x", [], {}, [None], [-1], {"a": None}, 99, [[]]]
-
-
-def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """The path of every value in a JSON."""
-    if path:
-        yield path
-    for key, below in value.items() if isinstance(value, dict) else ():
-        yield from places(below, (*path, key))
-    for key, below in enumerate(value) if isinstance(value, list) else ():
-        yield from places(below, (*path, key))
 
 
 def fuzz(builder: Builder, folder: Path, every: int) -> None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
 from broken_usd import clean
-from click.testing import CliRunner
+from program import cli
 from pxr import Usd, UsdSkel
 from usd_files import MESH, animation, deviation, read, save, scene, skeleton, turned, write
 
@@ -128,23 +126,21 @@ def test_an_animation_of_value_clips_that_is_not_active_fits_when_it_is(tmp_path
     assert 0 < deviation(activated(source), activated(out)) < 1e-6
 
 
-def test_an_idle_clip_with_blend_shapes_is_no_motion_of_a_limb(tmp_path: Path, app: click.Group) -> None:
+def test_an_idle_clip_with_blend_shapes_is_no_motion_of_a_limb(tmp_path: Path) -> None:
     text = clean().replace("blendShapeWeights = [0.5]", "blendShapeWeights.timeSamples = {1: [0], 5: [1]}")
     path = save(tmp_path, text.replace("half3[] scales", "half3[] other"))
     rig = read(path).rig
     assert [clip.name for clip in rig.shown_clips] == ["Anim"]
     assert all(track.path == "weights" for clip in rig.shown_clips for track in clip.tracks)
     arguments = ["add-polevector", str(path), "-o", str(tmp_path / "out.usda"), "--limb", "a", "b", "c"]
-    result = CliRunner().invoke(app, arguments)
-    assert result.exit_code == 0, result.output
-    posed = CliRunner().invoke(app, ["orient-joints", *arguments[1:4], "--pose", "Anim@3", "--overwrite"])
-    assert posed.exit_code == 4, posed.output
+    cli(*arguments, code=0)
+    cli("orient-joints", *arguments[1:4], "--pose", "Anim@3", "--overwrite", code=4)
 
 
-def test_inspect_does_not_list_what_nothing_plays(tmp_path: Path, app: click.Group) -> None:
+def test_inspect_does_not_list_what_nothing_plays(tmp_path: Path) -> None:
     path = save(tmp_path, CASES["not active"])
-    assert json.loads(CliRunner().invoke(app, ["inspect", str(path), "--json"]).stdout)["clips"] == []
-    assert "0 clips" in CliRunner().invoke(app, ["inspect", str(path)]).stdout
+    assert cli("inspect", path, "--json").json["clips"] == []
+    assert "0 clips" in cli("inspect", path).stdout
 
 
 @pytest.mark.parametrize("name", sorted(CASES.keys() - PLAYED))

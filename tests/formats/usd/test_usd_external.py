@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
 import pytest
-from click.testing import CliRunner
 from crowds import contents
+from program import cli
 from pxr import Sdf, UsdUtils
 from usd_files import MESH, animation, deviation, error_of, read, save, scene, skeleton, turned, write
 
@@ -151,18 +150,15 @@ def test_textures_outside_the_folder_stay_as_they_are(folders: tuple[Path, Path]
     assert picture in out.read_text()
 
 
-def test_the_program_takes_the_option_for_usd(app: click.Group, folders: tuple[Path, Path]) -> None:
+def test_the_program_takes_the_option_for_usd(folders: tuple[Path, Path]) -> None:
     folder, _ = folders
     source = save(folder, ARCS["sublayer"].format(asked="../assets/hero.usda"), "shot.usda")
-    runner = CliRunner()
-    refused = runner.invoke(app, ["inspect", str(source)])
-    assert refused.exit_code == 3
+    refused = cli("inspect", source, code=3)
     assert "--allow-external-paths" in refused.output
     out = folder / "out.usda"
     allowed = ["--allow-external-paths"]
-    result = runner.invoke(app, ["orient-joints", str(source), "-o", str(out), *allowed])
-    assert result.exit_code == 0, result.output
-    assert runner.invoke(app, ["verify", str(source), str(out), *allowed]).exit_code == 0
+    cli("orient-joints", source, "-o", out, *allowed, code=0)
+    cli("verify", source, out, *allowed, code=0)
 
 
 def test_an_output_in_another_folder_asks_for_its_source_there(folders: tuple[Path, Path]) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
-import click
 import numpy as np
-from click.testing import CliRunner
 from numpy.testing import assert_allclose
+from program import cli
 from pxr import Usd
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
 
@@ -29,9 +29,7 @@ def values(path: Path, prim: str) -> dict[str, np.ndarray]:
     }
 
 
-def run(app: click.Group, *words: object) -> None:
-    result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exit_code == 0, result.output
+run = partial(cli, code=0)
 
 
 def test_joints_stand_as_the_animation_poses_them_first(tmp_path: Path) -> None:
@@ -48,14 +46,14 @@ def test_joints_stand_as_the_animation_poses_them_first(tmp_path: Path) -> None:
     assert "</World/Anim>" in notice.text
 
 
-def test_frames_of_a_skeleton_turn_the_library_as_its_own_animation(app: click.Group, tmp_path: Path) -> None:
+def test_frames_of_a_skeleton_turn_the_library_as_its_own_animation(tmp_path: Path) -> None:
     hero = save(tmp_path, scene(skeleton(), animation(), MESH))
     clips = save(tmp_path, library(animation()), "clips.usda")
     frames = tmp_path / "frames.json"
-    run(app, "orient-joints", hero, "-o", tmp_path / "out.usda", "--save-frames", frames)
+    run("orient-joints", hero, "-o", tmp_path / "out.usda", "--save-frames", frames)
     assert json.loads(frames.read_text())
-    run(app, "orient-joints", clips, "-o", tmp_path / "turned.usda", "--frames", frames)
-    run(app, "verify", clips, tmp_path / "turned.usda")
+    run("orient-joints", clips, "-o", tmp_path / "turned.usda", "--frames", frames)
+    run("verify", clips, tmp_path / "turned.usda")
     expected = values(tmp_path / "out.usda", "/Root/Anim")
     for name, found in values(tmp_path / "turned.usda", "/World/Anim").items():
         assert_allclose(found, expected[name], atol=1e-6, err_msg=name)

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from places import SAMPLES, slow
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, UsdUtils
+from program import cli
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from rigs import chain
-from test_bake import run
+from usd_files import without_notes
 
 from rigtri.errors import DeviationError
 from rigtri.evaluation.sampling import sample
@@ -35,8 +36,7 @@ TIMES = np.array([0.0, 6.0])
 
 def rigged(tmp_path: Path, source: Path = SAMPLES / "biped.usda") -> Path:
     out = tmp_path / f"rigged{source.suffix}"
-    result = run("add-controls", source, "-o", out, "--whole-character")
-    assert result.exit_code == 0, result.output
+    cli("add-controls", source, "-o", out, "--whole-character", code=0)
     return out
 
 
@@ -60,8 +60,7 @@ def tracks(rig: Rig, name: str, path: str) -> list[Track]:
 def test_keys_that_are_new_to_a_control_come_into_a_usd_file(tmp_path: Path) -> None:
     home = rigged(tmp_path)
     edited = keyed(home, tmp_path / "edited.usda", "chest_ctl")
-    result = run("take-clips", home, "--from", edited, "-o", tmp_path / "out.usda")
-    assert result.exit_code == 0, result.output
+    cli("take-clips", home, "--from", edited, "-o", tmp_path / "out.usda", code=0)
     (track,) = tracks(read(tmp_path / "out.usda").rig, "chest_ctl", "rotation")
     np.testing.assert_allclose(sample(track, TIMES), [[0, 0, 0, 1], TURN], atol=1e-7)
 
@@ -69,9 +68,8 @@ def test_keys_that_are_new_to_a_control_come_into_a_usd_file(tmp_path: Path) -> 
 def test_a_gltf_motion_comes_into_a_usd_file_whose_controls_have_no_keys(tmp_path: Path) -> None:
     home, other = rigged(tmp_path), rigged(tmp_path, SAMPLES / "biped.glb")
     up = tmp_path / "up.glb"
-    assert run("bake", other, "-o", up, "--to", "controls", "--clip", "walk").exit_code == 0
-    result = run("take-clips", home, "--from", up, "-o", tmp_path / "out.usda", "--clip", "walk")
-    assert result.exit_code == 0, result.output
+    cli("bake", other, "-o", up, "--to", "controls", "--clip", "walk", code=0)
+    cli("take-clips", home, "--from", up, "-o", tmp_path / "out.usda", "--clip", "walk", code=0)
     assert tracks(read(tmp_path / "out.usda").rig, "chest_ctl", "rotation")
 
 
@@ -101,8 +99,7 @@ def test_controls_move_joints_that_have_no_samples(still: Callable[[Any], None],
     home = rigged(tmp_path, tmp_path / "still.usda")
     edited = keyed(home, tmp_path / "edited.usda", "chest_ctl")
     before, out = read(home).rig, tmp_path / "out.usda"
-    result = run("bake", edited, "-o", out, "--to", "joints")
-    assert result.exit_code == 0, result.output
+    cli("bake", edited, "-o", out, "--to", "joints", code=0)
     after = read(out).rig
     rest = before.rotation[before.find("chest")]
     wanted = product(np.array([rest, rest]), np.array([[0.0, 0.0, 0.0, 1.0], TURN]))
@@ -110,26 +107,8 @@ def test_controls_move_joints_that_have_no_samples(still: Callable[[Any], None],
     signs = np.sign((found * wanted).sum(axis=1, keepdims=True))
     np.testing.assert_allclose(found * signs, wanted, atol=1e-6)
     again = tmp_path / "again.usda"
-    assert run("bake", out, "-o", again, "--to", "joints").exit_code == 0
+    cli("bake", out, "-o", again, "--to", "joints", code=0)
     assert again.read_bytes() == out.read_bytes()
-
-
-def without_notes(path: Path, out: Path) -> Path:
-    """What an exporter leaves: the prims and their keys, and nothing that rigtri has stored."""
-
-    stage = Usd.Stage.Open(str(path))
-    for prim in stage.TraverseAll():
-        for item in prim.GetProperties():
-            if "rigtri" in item.GetName():
-                prim.RemoveProperty(item.GetName())
-        if prim.HasMetadata("apiSchemas"):
-            names = prim.GetMetadata("apiSchemas").GetAddedOrExplicitItems()
-            kept = [name for name in names if not name.startswith("Rigtri")]
-            prim.SetMetadata("apiSchemas", Sdf.TokenListOp.CreateExplicit(kept))
-    plain = out.with_suffix(".usdc") if out.suffix == ".usdz" else out
-    stage.Export(str(plain))
-    assert plain == out or UsdUtils.CreateNewUsdzPackage(str(plain), str(out))
-    return out
 
 
 def joint_poses(path: Path) -> np.ndarray:
@@ -157,15 +136,14 @@ def test_a_usd_file_that_has_lost_its_notes_is_baked_with_those_of_another(
     suffix: str, described: str, to: str, tmp_path: Path
 ) -> None:
     home, up = rigged(tmp_path), tmp_path / "up.usda"
-    assert run("bake", home, "-o", up, "--to", "controls").exit_code == 0
+    cli("bake", home, "-o", up, "--to", "controls", code=0)
     bare = without_notes(up, tmp_path / f"bare.{suffix}")
-    assert run("bake", bare, "-o", tmp_path / f"none.{suffix}").exit_code == 5
+    cli("bake", bare, "-o", tmp_path / f"none.{suffix}", code=5)
     rig = home if described == "rigged" else rigged(tmp_path, SAMPLES / described)
     out, again = tmp_path / f"out.{suffix}", tmp_path / f"again.{suffix}"
-    result = run("bake", bare, "-o", out, "--rig", rig, "--to", to)
-    assert result.exit_code == 0, result.output
+    result = cli("bake", bare, "-o", out, "--rig", rig, "--to", to, code=0)
     assert "warning" not in result.output
-    assert run("bake", out, "-o", again, "--to", to).exit_code == 0
+    cli("bake", out, "-o", again, "--to", to, code=0)
     assert again.read_bytes() == out.read_bytes()
     assert np.abs(joint_poses(home) - joint_poses(out)).max() < 1e-5
 
@@ -187,7 +165,7 @@ def test_the_self_check_sees_keys_of_a_control_that_were_to_go(
     name: str, kind: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = tmp_path / f"up{Path(name).suffix}"
-    run("bake", rigged(tmp_path, SAMPLES / name), "-o", source, "--to", "controls")
+    cli("bake", rigged(tmp_path, SAMPLES / name), "-o", source, "--to", "controls")
     out = tmp_path / f"out{source.suffix}"
     edit(source, out, without_keys("hand_L_ik_ctl"))
     assert not tracks(read(out).rig, "hand_L_ik_ctl", "translation")

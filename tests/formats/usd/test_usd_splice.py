@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import usd_files
 from pxr import Gf, Sdf, Vt
-from test_lossless_usd import EDITS, HEAD, MAY_CHANGE, PRIMS, SUB, packed
+from usd_of_everything import EDITS, HEAD, MAY_CHANGE, PRIMS, SUB, packed
 
 from rigtri.formats import ReadOptions
 from rigtri.formats.usd.text import splice

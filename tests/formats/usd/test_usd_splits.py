@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from program import cli
 from pxr import Sdf, Usd
 from scaled_limbs import STRETCH, TOKENS, Limb, usd, usda
 from second_opinions import usd_errors
@@ -287,25 +287,16 @@ def test_attributes_that_name_renamed_joints_are_told(tmp_path: Path) -> None:
     assert "word" not in notice.text
 
 
-def test_a_clip_library_is_split_by_the_frames_of_its_skeleton(tmp_path: Path, app: Any) -> None:
+def test_a_clip_library_is_split_by_the_frames_of_its_skeleton(tmp_path: Path) -> None:
     source, out, stored = usd(tmp_path / "in.usda", LIMB), tmp_path / "out.usda", tmp_path / "f.json"
     start = usda(LIMB).index("def SkelAnimation")
     animation = usda(LIMB)[start : usda(LIMB).index("def Mesh")].replace("1.59961", "1")
     library = save(tmp_path, f'#usda 1.0\ndef Scope "Clips" {{\n{animation}}}\n', "library.usda")
     clips = tmp_path / "clips.usda"
     allowed = ["--allow-rename", "--on-nonuniform-scale", "split"]
-    run = CliRunner().invoke
-    assert (
-        run(
-            app, ["orient-joints", str(source), "-o", str(out), "--save-frames", str(stored), *allowed]
-        ).exit_code
-        == 0
-    )
+    assert cli("orient-joints", source, "-o", out, "--save-frames", stored, *allowed).exit_code == 0
     assert json.loads(stored.read_text())["split"] == ["elbow"]
-    result = run(
-        app, ["orient-joints", str(library), "-o", str(clips), "--frames", str(stored), "--allow-rename"]
-    )
-    assert result.exit_code == 0, result.output
+    cli("orient-joints", library, "-o", clips, "--frames", stored, "--allow-rename", code=0)
     assert tokens(clips, "/Clips/Bend", "joints") == AFTER
     stages = [Usd.Stage.Open(str(path)) for path in (out, clips)]
     for name in ("translations", "rotations", "scales"):
@@ -324,21 +315,17 @@ def two_libraries(folder: Path) -> Path:
 
 
 def test_frames_for_several_libraries_of_the_same_joints_say_which_and_how_to_name_one(
-    tmp_path: Path, app: Any
+    tmp_path: Path,
 ) -> None:
-    stored, library, run = tmp_path / "f.json", two_libraries(tmp_path), CliRunner().invoke
+    stored, library = tmp_path / "f.json", two_libraries(tmp_path)
     turn = [0.6, 0.0, 0.0, 0.8]
     stored.write_text(json.dumps({"rigtri": "frames", "v": 1, "joints": {"shoulder": turn}}))
     both, one = tmp_path / "both.usda", tmp_path / "one.usda"
-    result = run(app, ["orient-joints", str(library), "-o", str(both), "--frames", str(stored)])
-    assert result.exit_code == 0, result.output
+    result = cli("orient-joints", library, "-o", both, "--frames", stored, code=0)
     assert "'shoulder' is a joint of Walk, Run" in result.output
     assert "--skin Walk" in result.output
     assert "2 joints turned" in result.output
-    alone = run(
-        app, ["orient-joints", str(library), "-o", str(one), "--frames", str(stored), "--skin", "Run"]
-    )
-    assert alone.exit_code == 0, alone.output
+    alone = cli("orient-joints", library, "-o", one, "--frames", stored, "--skin", "Run", code=0)
     assert "1 joint turned" in alone.output
     before, after = (Usd.Stage.Open(str(path)) for path in (library, one))
     for name, same in (("Walk", True), ("Run", False)):

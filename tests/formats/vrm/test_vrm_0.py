@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from avatars import JOINTS, NODES, avatar_0
-from click import Group
-from click.testing import CliRunner
 from gltf_files import glb_json
 from numpy.testing import assert_allclose
+from program import cli
 from second_opinions import khronos_errors
 
 from rigtri.errors import FileError, NameNotFoundError, UsageError
@@ -30,8 +30,7 @@ WORLD = AxisStyle(world=True)
 FLIP = np.diag([1.0, 1.0, -1.0])
 
 
-def run(app: Group, *args: object) -> Any:
-    return CliRunner().invoke(app, ["orient-joints", *map(str, args)])
+run = partial(cli, "orient-joints")
 
 
 def places(gltf: dict[str, Any], rig: Rig) -> np.ndarray:
@@ -50,9 +49,9 @@ def places(gltf: dict[str, Any], rig: Rig) -> np.ndarray:
 
 
 @pytest.mark.parametrize("option", ["--world", "--preset=vrm"])
-def test_all_bones_get_zero_rotations_and_nothing_moves(app: Group, option: str, tmp_path: Path) -> None:
+def test_all_bones_get_zero_rotations_and_nothing_moves(option: str, tmp_path: Path) -> None:
     source, out = avatar_0(3).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
-    done = run(app, source, "-o", out, option)
+    done = run(source, "-o", out, option)
     assert done.exit_code == 0, done.output
     before, after = GltfDocument.read(source), GltfDocument.read(out)
     bones = [NODES[name] for name in JOINTS if name != "hair_end"]
@@ -82,16 +81,16 @@ def test_offsets_by_hand(tmp_path: Path) -> None:
     assert_allclose([written["offset"][axis] for axis in "xyz"], [0, 0.5, 0.25], atol=1e-12)
 
 
-def test_a_second_run_changes_no_byte(app: Group, tmp_path: Path) -> None:
+def test_a_second_run_changes_no_byte(tmp_path: Path) -> None:
     source, once, twice = avatar_0(4).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm", tmp_path / "c.vrm"
-    assert run(app, source, "-o", once, "--world").exit_code == 0
-    assert run(app, once, "-o", twice, "--world").exit_code == 0
+    assert run(source, "-o", once, "--world").exit_code == 0
+    assert run(once, "-o", twice, "--world").exit_code == 0
     assert once.read_bytes() == twice.read_bytes() != source.read_bytes()
 
 
-def test_a_file_that_is_as_vrm_0_wants_it_stays_to_the_byte(app: Group, tmp_path: Path) -> None:
+def test_a_file_that_is_as_vrm_0_wants_it_stays_to_the_byte(tmp_path: Path) -> None:
     source, out = avatar_0(0).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
-    assert run(app, source, "-o", out, "--world").exit_code == 0
+    assert run(source, "-o", out, "--world").exit_code == 0
     assert out.read_bytes() == source.read_bytes()
 
 
@@ -176,7 +175,7 @@ def test_turned_nodes_above_the_bones_turn_back_too(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_real_character_that_another_program_turned_comes_back(
-    app: Group, assets: Path, seed: int, tmp_path: Path
+    assets: Path, seed: int, tmp_path: Path
 ) -> None:
     path, turned, out = assets / "vrm" / "Godette_v4.vrm", tmp_path / "turned.vrm", tmp_path / "out.vrm"
     document = GltfDocument.read(path)
@@ -184,7 +183,7 @@ def test_a_real_character_that_another_program_turned_comes_back(
     turns[~document.rig.is_joint] = IDENTITY
     free = replace(document.rig, constraints=())
     document.write(reframe(free, turns), turned, turned)
-    done = run(app, turned, "-o", out, "--world", "--report", tmp_path / "report.json")
+    done = run(turned, "-o", out, "--world", "--report", tmp_path / "report.json")
     assert done.exit_code == 0, done.output
     before, after = GltfDocument.read(path), GltfDocument.read(out)
     bones = sorted(before.rig.rules.world_aligned - {c.node for c in before.rig.constraints})
@@ -196,11 +195,11 @@ def test_a_real_character_that_another_program_turned_comes_back(
     assert now <= was
 
 
-def test_a_real_character_is_left_to_the_byte(app: Group, assets: Path, tmp_path: Path) -> None:
+def test_a_real_character_is_left_to_the_byte(assets: Path, tmp_path: Path) -> None:
     path, out = assets / "vrm" / "Godette_v4.vrm", tmp_path / "out.vrm"
-    assert run(app, path, "-o", out, "--world").exit_code == 0
+    assert run(path, "-o", out, "--world").exit_code == 0
     assert out.read_bytes() == path.read_bytes()
-    refused = run(app, path, "-o", tmp_path / "no.vrm")
+    refused = run(path, "-o", tmp_path / "no.vrm")
     assert refused.exit_code == 3
     assert "--world" in refused.output
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from avatars import avatar, avatar_0
 from gltf_files import Builder, glb_bytes, small
-from test_gltf_bad_input import places
+from wrong_values import places
 
 from rigtri.errors import RigtriError
 from rigtri.formats.gltf.document import GltfDocument

@@ -10,16 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import click
 import pytest
 from batch_tasks import Turn
-from click.testing import CliRunner, Result
+from program import Ran, cli
 from second_opinions import validator
 
 from rigtri import edit, orient_joints
 from rigtri.cli import batch as command
 
-Batch = Callable[..., Result]
+Batch = Callable[..., Ran]
 
 
 @pytest.fixture
@@ -39,22 +38,22 @@ def add(sample: Path, *names: str) -> None:
 
 
 @pytest.fixture
-def batch(app: click.Group, here: Path, monkeypatch: pytest.MonkeyPatch) -> Batch:
+def batch(here: Path, monkeypatch: pytest.MonkeyPatch) -> Batch:
     """Runs `rigtri batch` over in/ to out/; what is done is `Turn` with these fields."""
 
-    def run(*words: str, inputs: tuple[str, ...] = ("in/**/*.*",), **turn: Any) -> Result:
+    def run(*words: str, inputs: tuple[str, ...] = ("in/**/*.*",), **turn: Any) -> Ran:
         def tasks(values: dict[str, Any]) -> Callable[..., Turn]:
             fixed = {"verify": values["verify"], "relink": values["resources"] == "relink"}
             return lambda variables: Turn(**{"label": str(variables), **fixed, **turn})
 
         monkeypatch.setattr(command, "_tasks", tasks)
         out = () if "-O" in words else ("-O", "out")
-        return CliRunner().invoke(app, ["batch", *inputs, "--spec", "rig.yaml", "-j", "2", *out, *words])
+        return cli("batch", *inputs, "--spec", "rig.yaml", "-j", "2", *out, *words)
 
     return run
 
 
-def lines(result: Result) -> dict[str, dict[str, Any]]:
+def lines(result: Ran) -> dict[str, dict[str, Any]]:
     """The lines of JSON of a run, by the name of the file; each is as its schema says."""
     check = validator("batch")
     told = [json.loads(line) for line in result.stdout.splitlines()]
@@ -65,7 +64,7 @@ def lines(result: Result) -> dict[str, dict[str, Any]]:
     return found
 
 
-def statuses(result: Result) -> dict[str, str]:
+def statuses(result: Ran) -> dict[str, str]:
     return {name: line["status"] for name, line in lines(result).items()}
 
 
@@ -314,7 +313,7 @@ def test_two_files_that_need_different_files_of_one_name_are_told(batch: Batch, 
     assert "need different files biped.bin" in told[1]["message"]
 
 
-def lines_of(result: Result) -> list[dict[str, Any]]:
+def lines_of(result: Ran) -> list[dict[str, Any]]:
     return list(lines(result).values())
 
 

@@ -16,11 +16,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import click
 import pytest
 from batch_tasks import Turn
-from click.testing import CliRunner
-from places import BUILDERS
+from places import BUILDERS, slow
+from program import cli
 
 from rigtri import edit, orient_joints
 from rigtri.errors import FileError
@@ -151,6 +150,18 @@ def outputs(folder: Path) -> dict[str, bytes]:
     return {p.stem: p.read_bytes() for p in (folder / "out").iterdir() if not p.name.startswith("rigtri-")}
 
 
+def test_a_cluster_gives_what_each_file_alone_gives(
+    tmp_path: Path, samples: Path, machines: Machines, begin: Begin
+) -> None:
+    add(tmp_path, samples / "biped.glb", "a", "b", "refuse")
+    machines.add_worker()
+    stdout, stderr = begin("--dask", machines.address).communicate(timeout=120)
+    assert statuses(stdout) == {"a": "ok", "b": "ok", "refuse": "error"}, stderr
+    edit(samples / "biped.glb", tmp_path / "alone.glb", lambda rig, report: orient_joints(rig, report=report))
+    assert outputs(tmp_path) == dict.fromkeys("ab", (tmp_path / "alone.glb").read_bytes())
+
+
+@pytest.mark.slow
 def test_a_killed_worker_and_a_killed_submitter_lose_nothing_and_do_nothing_twice(
     tmp_path: Path, samples: Path, machines: Machines, begin: Begin
 ) -> None:
@@ -199,7 +210,7 @@ def test_a_file_that_takes_its_worker_along_is_named_and_costs_no_other(
 
 
 def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
-    tmp_path: Path, samples: Path, app: click.Group, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, samples: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(dask, "REACHED", 0.3)
     monkeypatch.chdir(tmp_path)
@@ -208,13 +219,13 @@ def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
     address = f"tcp://127.0.0.1:{free_port()}"
     Path("rig.yaml").write_text("steps: [{do: orient-joints}]")
     words = ["batch", "in/*.glb", "--spec", "rig.yaml", "-O", "out", "--dask", address]
-    result = CliRunner().invoke(app, words)
+    result = cli(*words)
     assert result.exit_code == 3, result.stderr
     assert f"no Dask scheduler answers at {address}" in result.stderr
     assert not Path("out").exists()
 
 
-@pytest.mark.parametrize("address", ["foo", "tcp://foo", "foo://127.0.0.1:1"])
+@pytest.mark.parametrize("address", ["foo", slow("tcp://foo"), slow("foo://127.0.0.1:1")])
 def test_what_is_no_address_is_told_at_once(tmp_path: Path, address: str) -> None:
     begin = time.monotonic()
     with pytest.raises(FileError, match=f"no Dask scheduler answers at {address}"):

@@ -8,11 +8,10 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
+from program import cli
 
-from rigtri.cli.main import program
 from rigtri.errors import FileError, UsageError
 from rigtri.pipeline.batch import output_checks
 from rigtri.pipeline.batch.inputs import Entry, entries
@@ -217,8 +216,7 @@ def test_variables_of_a_job_file_are_told_with_its_other_lines(tree: Path) -> No
         "{",
     ]
     Path("job.jsonl").write_text("\n".join(lines))
-    result = CliRunner().invoke(program, ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"])
-    assert result.exit_code == 2
+    result = cli("batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out", code=2)
     wrong = "rig.yaml:1:1 the spec has no variable 'sied'. Did you mean 'side'?"
     assert f"job.jsonl:1: in/a.glb: {wrong}" in result.stderr
     assert "job.jsonl:2: there is no such file to read: gone.glb" in result.stderr
@@ -345,6 +343,5 @@ def test_tasks_of_a_slurm_array_are_parts() -> None:
 
 
 def test_too_little_memory_is_told_with_the_least(tree: Path) -> None:
-    result = CliRunner().invoke(program, ["batch", "in/a.glb", "--spec", "rig.yaml", "--max-memory", "1K"])
-    assert result.exit_code == 2
+    result = cli("batch", "in/a.glb", "--spec", "rig.yaml", "--max-memory", "1K", code=2)
     assert "the least is 1M" in result.stderr

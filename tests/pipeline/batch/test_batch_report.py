@@ -7,10 +7,9 @@ import sqlite3
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from program import Ran, cli
 from rigs import random_rig
 from second_opinions import validator
 
@@ -62,13 +61,13 @@ def missing(joint: str) -> Record:
     return Record("error", "name not found", text, 4, seconds={"all": 0.25})
 
 
-def report(app: click.Group, *words: str | Path) -> Result:
-    result = CliRunner().invoke(app, ["batch-report", *map(str, words)])
+def report(*words: str | Path) -> Ran:
+    result = cli("batch-report", *words)
     assert result.exit_code == 0, result.stderr
     return result
 
 
-def test_counts_the_worst_and_the_slowest_come_from_all_parts(app: click.Group, tmp_path: Path) -> None:
+def test_counts_the_worst_and_the_slowest_come_from_all_parts(tmp_path: Path) -> None:
     one = {"a.glb": ok(1e-7, 0.5), "b.glb": ok(3e-7, 0.25), "c.glb": ok(0.0, 2.0)}
     two = {
         "d.glb": ok(2e-7, 1.0),
@@ -78,7 +77,7 @@ def test_counts_the_worst_and_the_slowest_come_from_all_parts(app: click.Group, 
     }
     wrote(tmp_path, one, "1/2")
     wrote(tmp_path, two, "2/2")
-    found = json.loads(report(app, tmp_path, "--json", "--most", "2").stdout)
+    found = json.loads(report(tmp_path, "--json", "--most", "2").stdout)
     validator("batch-report").validate(found)
     assert found["files"] == 7
     assert found["statuses"] == {"ok": 4, "warned": 0, "unchanged": 0, "error": 3, "crashed": 0}
@@ -92,7 +91,7 @@ def test_counts_the_worst_and_the_slowest_come_from_all_parts(app: click.Group, 
     assert [row["shard"] for row in found["runs"]] == ["1/2", "2/2"]
 
 
-def test_what_files_have_not_is_counted_name_by_name(app: click.Group, tmp_path: Path) -> None:
+def test_what_files_have_not_is_counted_name_by_name(tmp_path: Path) -> None:
     """A file that lacks several joints counts once for each, one that lacks a joint in two steps once."""
     steps = ((1, "hips"), (2, "it's"))
     faults = [f"rig.yaml:{k}:3 step {k} (add-twist): {missing(joint).message}" for k, joint in steps]
@@ -102,18 +101,18 @@ def test_what_files_have_not_is_counted_name_by_name(app: click.Group, tmp_path:
     records = {"a.glb": both, "b.glb": both, "c.glb": missing("hips"), "d.glb": clip, "e.glb": several}
     records["f.glb"] = Record("error", "file", "No joint is named 'hips' in a file that is broken", 3)
     wrote(tmp_path, records | {"g.glb": ok(0.0, 1.0)})
-    found = json.loads(report(app, tmp_path, "--json").stdout)
+    found = json.loads(report(tmp_path, "--json").stdout)
     validator("batch-report").validate(found)
     assert {row["what"]: (row["files"], row["example"]) for row in found["missing"][1:]} == {
         "No joint is named 'it's'": (2, "in/a.glb"),
         "2 joints are named 'arm'": (1, "in/e.glb"),
         "No clip is named 'run'": (1, "in/d.glb"),
     }
-    told = report(app, tmp_path).stdout
+    told = report(tmp_path).stdout
     assert "what files have not (of 7)\n  3  No joint is named 'hips'  in/" in told
 
 
-def test_words_say_the_same(app: click.Group, tmp_path: Path) -> None:
+def test_words_say_the_same(tmp_path: Path) -> None:
     notice = {"code": "straight", "text": "arm_L is straight", "joint": "arm_L"}
     records = {
         "a.glb": ok(1e-7, 0.5, axes=turned(0, 0)),
@@ -121,7 +120,7 @@ def test_words_say_the_same(app: click.Group, tmp_path: Path) -> None:
         "c.glb": Record("warned", warnings=(notice,), seconds={"all": 1.0}, axes=turned(0, 90)),
         "d.glb": Record("crashed", "crash", "d.glb: it crashed (SIGSEGV)", 3),
     }
-    told = report(app, wrote(tmp_path, records)).stdout
+    told = report(wrote(tmp_path, records)).stdout
     assert "4 files: 2 ok, 1 warned, 1 crashed; 2.0 s of work" in told
     assert "1.00e-07  in/a.glb" in told
     assert "1  crash  it crashed (SIGSEGV)  in/d.glb" in told
@@ -131,23 +130,21 @@ def test_words_say_the_same(app: click.Group, tmp_path: Path) -> None:
     assert "1  spine 90.0° off   in/c.glb" in told
 
 
-def test_files_are_named_as_they_are_seen_from_here(
-    app: click.Group, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_are_named_as_they_are_seen_from_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     base = tmp_path / "show"
     base.mkdir()
     wrote(base, {"a.glb": ok(1e-7, 0.5), "b.glb": missing("hips")})
-    assert "1.00e-07  show/in/a.glb" in report(app, "show").stdout
-    assert "No joint is named 'hips'  show/in/b.glb" in report(app, "show").stdout
+    assert "1.00e-07  show/in/a.glb" in report("show").stdout
+    assert "No joint is named 'hips'  show/in/b.glb" in report("show").stdout
     monkeypatch.chdir(base)
-    (row,) = json.loads(report(app, ".", "--json").stdout)["worst"]
+    (row,) = json.loads(report(".", "--json").stdout)["worst"]
     assert (row["file"], row["output"]) == ("in/a.glb", "out/a.glb")
     (base / "in").mkdir()
     monkeypatch.chdir("in")
-    assert "1.00e-07  a.glb" in report(app, "..").stdout
+    assert "1.00e-07  a.glb" in report("..").stdout
     (base / "x").mkdir()
     monkeypatch.chdir(base / "x")
-    assert f"1.00e-07  {base / 'in' / 'a.glb'}" in report(app, "..").stdout
+    assert f"1.00e-07  {base / 'in' / 'a.glb'}" in report("..").stdout
 
 
 def test_a_manifest_of_old_gets_what_a_quick_summary_needs(tmp_path: Path) -> None:
@@ -233,9 +230,9 @@ def test_a_manifest_can_be_read_while_a_run_writes_it(tmp_path: Path) -> None:
     assert found["runs"][0]["ended"] is None
 
 
-def test_what_is_no_manifest_is_refused(app: click.Group, tmp_path: Path) -> None:
+def test_what_is_no_manifest_is_refused(tmp_path: Path) -> None:
     def refused(path: Path) -> tuple[int, str]:
-        result = CliRunner().invoke(app, ["batch-report", str(path)])
+        result = cli("batch-report", path)
         return result.exit_code, result.stderr
 
     assert refused(tmp_path / "no.sqlite")[0] == 3

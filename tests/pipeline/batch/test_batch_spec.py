@@ -11,10 +11,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import click
 import pytest
-from click.testing import CliRunner, Result
 from places import slow
+from program import Ran, cli
 from second_opinions import validator
 
 from rigtri.pipeline.rigspec.build import build
@@ -43,17 +42,17 @@ def here(tmp_path: Path, samples: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     return tmp_path
 
 
-def batch(app: click.Group, *words: str) -> Result:
+def batch(*words: str) -> Ran:
     given = ("--spec", "rig.yaml", "-O", "out", "-j", "2")
-    return CliRunner().invoke(app, ["batch", "in/*.gl*", "in/*.usda", *given, *words])
+    return cli("batch", "in/*.gl*", "in/*.usda", *given, *words)
 
 
-def statuses(result: Result) -> dict[str, str]:
+def statuses(result: Ran) -> dict[str, str]:
     return {Path(line["file"]).name: line["status"] for line in map(json.loads, result.stdout.splitlines())}
 
 
-def test_a_batch_builds_what_build_builds(app: click.Group, here: Path) -> None:
-    result = batch(app)
+def test_a_batch_builds_what_build_builds(here: Path) -> None:
+    result = batch()
     assert result.exit_code == 0, result.stderr
     Path("alone").mkdir()
     for source in [*Path("in").glob("*.gl*"), *Path("in").glob("*.usda")]:
@@ -64,28 +63,28 @@ def test_a_batch_builds_what_build_builds(app: click.Group, here: Path) -> None:
     assert not list(Path("out").glob(".*"))
 
 
-def test_a_spec_decides_by_what_it_does_and_not_by_how_it_is_spelled(app: click.Group, here: Path) -> None:
-    batch(app)
+def test_a_spec_decides_by_what_it_does_and_not_by_how_it_is_spelled(here: Path) -> None:
+    batch()
     Path("rig.yaml").write_text("# a comment\n" + SPEC)
-    assert set(statuses(batch(app, "--json")).values()) == {"skipped"}
+    assert set(statuses(batch("--json")).values()) == {"skipped"}
     Path("out/b.rig.json").unlink()
-    again = statuses(batch(app, "--json"))
+    again = statuses(batch("--json"))
     assert [name for name, status in again.items() if status != "skipped"] == ["b.glb"]
     Path("rig.yaml").write_text(SPEC.replace("aim: y", "aim: x"))
-    assert set(statuses(batch(app, "--json")).values()) == {"ok"}
-    assert set(statuses(batch(app, "--json", "--set", "side=_R")).values()) == {"ok"}
+    assert set(statuses(batch("--json")).values()) == {"ok"}
+    assert set(statuses(batch("--json", "--set", "side=_R")).values()) == {"ok"}
 
 
-def test_what_is_added_and_taken_out_again_leaves_a_file_unchanged(app: click.Group, here: Path) -> None:
+def test_what_is_added_and_taken_out_again_leaves_a_file_unchanged(here: Path) -> None:
     Path("rig.yaml").write_text("steps: [{do: add-controls, limbs: auto}, {do: strip}]")
-    assert set(statuses(batch(app, "--json")).values()) == {"unchanged"}
+    assert set(statuses(batch("--json")).values()) == {"unchanged"}
 
 
-def test_files_that_are_cut_off_failed_alike(app: click.Group, here: Path) -> None:
+def test_files_that_are_cut_off_failed_alike(here: Path) -> None:
     for number, path in enumerate(sorted(Path("in").glob("*.glb")), 3):
         path.write_bytes(path.read_bytes()[: 400 * number])
-    batch(app)
-    told = CliRunner().invoke(app, ["batch-report", "out", "--json"])
+    batch()
+    told = cli("batch-report", "out", "--json")
     cut = [one for one in json.loads(told.stdout)["errors"] if "cut off" in one["reason"]]
     assert [one["reason"] for one in cut] == [
         "the GLB is cut off: it should have N bytes and ends at offset N. Copy or export it again"
@@ -93,63 +92,57 @@ def test_files_that_are_cut_off_failed_alike(app: click.Group, here: Path) -> No
     assert cut[0]["files"] > 1
 
 
-def test_what_a_like_file_is_made_of_counts(app: click.Group, here: Path, samples: Path) -> None:
+def test_what_a_like_file_is_made_of_counts(here: Path, samples: Path) -> None:
     for name in ("biped.gltf", "biped.bin"):
         shutil.copy(samples / name, ".")
     Path("rig.yaml").write_text("steps: [{do: orient-joints, like: biped.gltf}]")
-    batch(app)
-    assert set(statuses(batch(app, "--json")).values()) == {"skipped"}
+    batch()
+    assert set(statuses(batch("--json")).values()) == {"skipped"}
     Path("biped.bin").write_bytes(Path("biped.bin").read_bytes() + bytes(4))
-    assert "skipped" not in statuses(batch(app, "--json")).values()
+    assert "skipped" not in statuses(batch("--json")).values()
 
 
-def test_a_spec_for_another_character_is_told_before_anything_is_written(
-    app: click.Group, here: Path
-) -> None:
+def test_a_spec_for_another_character_is_told_before_anything_is_written(here: Path) -> None:
     Path("rig.yaml").write_text("steps: [{do: orient-joints, joints: [tentacle_1, tentacle_2]}]")
-    result = batch(app, "--json")
+    result = batch("--json")
     assert result.exit_code == 4
     assert "No joint is named 'tentacle_1' (4 of 4)" in result.stderr
     assert not Path("out").exists()
 
 
-def test_a_spec_that_fits_no_file_names_one(app: click.Group, here: Path, samples: Path) -> None:
+def test_a_spec_that_fits_no_file_names_one(here: Path, samples: Path) -> None:
     for place in Path("in").iterdir():
         place.unlink()
     for name in ("a.glb", "b.glb"):
         shutil.copy(samples / "tail.glb", Path("in", name))
     Path("rig.yaml").write_text("steps: [{do: orient-joints, skin: nobody}, {do: add-twist, limbs: auto}]")
     given = ("--spec", "rig.yaml", "-O", "out", "--log", "log.jsonl")
-    result = CliRunner().invoke(app, ["batch", "in/*.glb", *given])
-    assert result.exit_code == 4
+    result = cli("batch", "in/*.glb", *given, code=4)
     assert "FILE" not in result.stderr
     assert sorted(path.name for path in here.iterdir()) == ["in", "rig.yaml"]
 
 
-def test_what_is_no_address_of_a_scheduler_is_a_mistake_of_the_command_line(
-    app: click.Group, here: Path
-) -> None:
+def test_what_is_no_address_of_a_scheduler_is_a_mistake_of_the_command_line(here: Path) -> None:
     for address in ("foo", "tcp://foo", "tcp://foo:bar"):
-        result = batch(app, "--dask", address)
+        result = batch("--dask", address)
         assert (result.exit_code, "give tcp://HOST:PORT" in result.stderr) == (2, True)
 
 
-def test_an_empty_part_has_nothing_to_do(app: click.Group, here: Path) -> None:
+def test_an_empty_part_has_nothing_to_do(here: Path) -> None:
     given = ("--spec", "rig.yaml", "-O", "out", "--no-verify", "-j", "1")
-    parts = [CliRunner().invoke(app, ["batch", "in/a.glb", *given, "--shard", f"{k}/2"]) for k in (1, 2)]
+    parts = [cli("batch", "in/a.glb", *given, "--shard", f"{k}/2") for k in (1, 2)]
     assert sorted(part.stderr.splitlines()[-1] for part in parts) == [
         "0 files: nothing to do",
         "1 file: 1 ok",
     ]
 
 
-def test_what_some_files_have_not_is_counted_at_the_end(app: click.Group, here: Path, samples: Path) -> None:
+def test_what_some_files_have_not_is_counted_at_the_end(here: Path, samples: Path) -> None:
     for name in ("tail.glb", "hand.glb"):
         shutil.copy(samples / name, Path("in", name))
     Path("rig.yaml").write_text("steps: [{do: orient-joints, joints: [hips, hand_L]}]")
     given = ("--spec", "rig.yaml", "-O", "out", "-j", "1", "--no-verify")
-    result = CliRunner().invoke(app, ["batch", "in/a.glb", "in/tail.glb", "in/hand.glb", *given])
-    assert result.exit_code == 7
+    result = cli("batch", "in/a.glb", "in/tail.glb", "in/hand.glb", *given, code=7)
     advice = "List what is there with: rigtri inspect FILE"
     assert result.stderr.splitlines()[-4:] == [
         "3 files: 1 warned, 2 error",
@@ -158,51 +151,50 @@ def test_what_some_files_have_not_is_counted_at_the_end(app: click.Group, here: 
         advice,
     ]
     assert result.stderr.count(advice) == 1
-    alone = CliRunner().invoke(app, ["build", "in/tail.glb", "--spec", "rig.yaml", "-n"])
+    alone = cli("build", "in/tail.glb", "--spec", "rig.yaml", "-n")
     assert [line.strip() for line in alone.stderr.splitlines()].count(advice) == 1
 
 
-def test_faults_of_a_spec_come_before_all_work(app: click.Group, here: Path) -> None:
+def test_faults_of_a_spec_come_before_all_work(here: Path) -> None:
     Path("rig.yaml").write_text("steps: [{do: orient-joint}, {do: strip, colour: red}]")
-    result = batch(app, "--json")
+    result = batch("--json")
     assert result.exit_code == 2
     assert len(json.loads(result.stdout)["error"]["faults"]) == 2
     assert not Path("out").exists()
 
 
-def test_two_outputs_do_not_share_a_sidecar(app: click.Group, here: Path) -> None:
+def test_two_outputs_do_not_share_a_sidecar(here: Path) -> None:
     shutil.copy("in/c.usda", "in/a.usda")
-    result = batch(app)
+    result = batch()
     assert result.exit_code == 2
     assert "more than one output for one file beside it: out/a.rig.json" in result.stderr
 
 
-def test_a_job_gives_a_file_its_own_variables(app: click.Group, here: Path) -> None:
+def test_a_job_gives_a_file_its_own_variables(here: Path) -> None:
     lines = [{"input": "in/a.glb", "variables": {"side": "_R"}}, {"input": "in/b.glb"}]
     Path("job.jsonl").write_text("\n".join(map(json.dumps, lines)))
     given = ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"]
-    assert CliRunner().invoke(app, given).exit_code == 0
+    cli(*given, code=0)
     poles = {name: Path("out", name).with_suffix(".rig.json").read_text() for name in ("a.glb", "b.glb")}
     assert "forearm_R" in poles["a.glb"]
     assert "forearm_L" in poles["b.glb"]
 
 
-def test_a_variable_that_a_spec_has_not_is_told_with_the_file(app: click.Group, here: Path) -> None:
+def test_a_variable_that_a_spec_has_not_is_told_with_the_file(here: Path) -> None:
     lines = [{"input": "in/a.glb"}, {"input": "in/b.glb", "variables": {"colour": "red"}}]
     Path("job.jsonl").write_text("\n".join(map(json.dumps, lines)))
     given = ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"]
-    result = CliRunner().invoke(app, given)
-    assert result.exit_code == 2
+    result = cli(*given, code=2)
     assert "job.jsonl:2: in/b.glb: " in result.stderr
     assert "colour" in result.stderr
     assert not list(Path("out").glob("*.glb"))
 
 
-def test_an_override_of_a_package_is_a_layer(app: click.Group, here: Path, samples: Path) -> None:
+def test_an_override_of_a_package_is_a_layer(here: Path, samples: Path) -> None:
     shutil.copy(samples / "biped.usdz", "in")
     Path("rig.yaml").write_text("override: stage\nsteps: [{do: orient-joints, aim: y, up: z}]")
     given = ["batch", "in/*.usdz", "--spec", "rig.yaml", "-O", "out"]
-    result = CliRunner().invoke(app, given)
+    result = cli(*given)
     assert result.exit_code == 0, result.stderr
     assert Path("out/biped.usda").exists()
 
