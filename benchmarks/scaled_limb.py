@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "tests" / "builders"))
 
 from scaled_limbs import STRETCH, TIMES, Limb, gltf, usd  # noqa: E402
 
-from rigtri.evaluation import sampling  # noqa: E402
+from rigtri.evaluation import sampling, skinning  # noqa: E402, skinning
 from rigtri.formats import ReadOptions, read  # noqa: E402
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints  # noqa: E402
 from rigtri.pipeline.edit import edit  # noqa: E402
@@ -52,7 +52,7 @@ def points(path: Path) -> np.ndarray:
     mesh = next(mesh for mesh in document.meshes() if mesh.skin is not None)
     times = TIMES if path.suffix == ".glb" else 24.0 * TIMES
     world = sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], times))
-    return np.asarray(sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, rig.clips[0], times)))
+    return np.asarray(skinning.deformed(mesh, rig, world, sampling.morph_weights(mesh, rig.clips[0], times)))
 
 
 def apart(before: Path, after: Path) -> float:

@@ -10,20 +10,17 @@ Source: glTF 2.0 §3.5.3, §3.7.3, §3.11 and appendix C; UsdSkel (joint-local S
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import compose, multiply
-from rigtri.maths.quaternions import conjugate, from_axes, norm, normalise, rotate, slerp, slerp_rows, unit
-from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.quaternions import norm, normalise, slerp, slerp_rows, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.model.skin import Skin
 
 
 def worlds(rig: Rig, local: Floats) -> Floats:
@@ -159,194 +156,12 @@ def between_keys(keys: Floats) -> Floats:
     return sorted_unique(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
 
 
-def skin_matrices(skin: Skin, world: Floats) -> Floats:
-    """``inverse_bind · world`` of a skin's joints, (..., m, 4, 4): bind-pose points to world."""
-    return multiply(skin.inverse_bind, world[..., skin.joints, :, :])
-
-
-def bind_worlds(rig: Rig, skin: Skin) -> Floats:
-    """World matrices, (n, 4, 4), with the joints of ``skin`` in its bind pose.
-
-    The whole is placed where the skin's topmost joint stands at rest, so that
-    directions of the world mean the same as at rest. Nodes outside the skin
-    follow their parents. NaN for joints whose inverse bind matrix is singular.
-
-    A scale that a file hides in all inverse binds alike (dequantisation) cancels. Found once for a skin;
-    not to be changed.
-    """
-    if skin not in rig.bind_poses:
-        rig.bind_poses[skin] = _bind_worlds(rig, skin) if len(skin.joints) else rig.world
-        rig.bind_poses[skin].flags.writeable = False
-    return rig.bind_poses[skin]
-
-
-def _bind_worlds(rig: Rig, skin: Skin) -> Floats:
-    world = rig.local.copy()
-    world[skin.joints] = bind_frames(rig, skin)
-    outside = np.ones(len(rig), dtype=bool)
-    outside[skin.joints] = False
-    for level in rig.levels[1:]:
-        follow = level[outside[level]]
-        if len(follow):
-            world[follow] = multiply(rig.local[follow], world[rig.parents[follow]])
-    return world
-
-
-def bind_frames(rig: Rig, skin: Skin) -> Floats:
-    """The world matrices of the joints of ``skin``, (m, 4, 4), in its bind pose; see `bind_worlds`."""
-    joints = skin.joints.tolist()
-    if not joints:
-        return np.zeros((0, 4, 4))
-    # What holds a joint's axes is not where the skin begins: its place came with a split.
-    top = min(set(joints) - rig.holders, default=min(joints))
-    to_world = multiply(skin.inverse_bind[joints.index(top)], world_of(rig, top))
-    return multiply(skin.bind, to_world)
-
-
 def morph_weights(mesh: Mesh, clip: Clip | None, times: Floats) -> Floats:
     """The morph weights of a mesh, (f, t), at ``times``; its own where no track drives them."""
     for track in clip.tracks if clip is not None else ():
         if track.path == "weights" and track.node == mesh.node:
             return sample(track, times)
     return np.broadcast_to(mesh.morph_weights, (len(times), len(mesh.morph_weights)))
-
-
-def normalised_weights(mesh: Mesh) -> Floats:
-    """How much of each point each of its joints moves, (v, k), summing to 1 in absolute value.
-
-    A point without any weight follows its first joint, as in engines; NaN stays NaN.
-    """
-    columns = np.abs(mesh.weights).T
-    total = np.zeros((len(mesh.weights), 1))
-    for column in columns:
-        total[:, 0] += column
-    first = np.zeros(mesh.weights.shape[1])
-    first[:1] = 1.0
-    if total.all():  # NaN is any
-        return np.asarray(mesh.weights / total)
-    return np.where(total == 0, first, mesh.weights / np.where(total == 0, 1.0, total))
-
-
-def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
-    """The points of a mesh in the world, (f, v, 3).
-
-    world: (f, n, 4, 4). morph: (f, t). Weights that do not sum to 1 are scaled
-    to do so, as engines do; see `normalised_weights`. IndexError for a joint the skin does not have.
-    """
-    points = np.broadcast_to(mesh.points, (len(world), *mesh.points.shape))
-    if morph.shape[-1] and morph.any():
-        points = points + np.tensordot(morph, mesh.morphs, axes=(1, 0))
-    if mesh.skin is None or not mesh.joints.shape[1]:
-        return _through(points, world[:, mesh.node])
-    matrices = multiply(mesh.bind, skin_matrices(rig.skins[mesh.skin], world))
-    weights = normalised_weights(mesh)
-    if mesh.dual_quaternion:
-        return _dual_quaternion(points, matrices, mesh.joints, weights)
-    if points.strides[0] == 0:  # no morph: the same points at all times
-        return _blended(mesh.points, matrices, mesh.joints, weights)
-    moved = np.zeros(points.shape)
-    for column in range(mesh.joints.shape[1]):
-        live = np.flatnonzero(weights[:, column])
-        if len(live):
-            of = matrices[:, mesh.joints[live, column]]
-            part = np.einsum("fvi,fvij->fvj", points[:, live], of[..., :3, :3]) + of[..., 3, :3]
-            moved[:, live] += weights[live, column, np.newaxis] * part
-    return moved
-
-
-def _blended(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
-    """Points, (v, 3), blended linearly at all times, (f, v, 3): joint by joint, all of its points at once.
-
-    A point takes nothing from a joint without weight, also where that is not a number.
-    """
-    times = len(matrices)
-    if times == 1:
-        return _blended_once(points, matrices[0], joints, weights)[np.newaxis]
-    # Row i of a joint's matrices at all times side by side: what coordinate i is multiplied by.
-    beside = matrices[..., :3].transpose(1, 2, 0, 3).reshape(matrices.shape[1], 4, times * 3)
-    moved = np.zeros((len(points), times * 3))
-    for column in range(joints.shape[1]):
-        order = np.argsort(joints[:, column], kind="stable")
-        order = order[weights[order, column] != 0]
-        of = joints[order, column]
-        edges = [*np.flatnonzero(np.diff(of, prepend=-1)).tolist(), len(of)]
-        for start, end in pairwise(edges):
-            rows, matrix = order[start:end], beside[of[start]]
-            part = matrix[3] + points[rows, 0, np.newaxis] * matrix[0]
-            part += points[rows, 1, np.newaxis] * matrix[1]
-            part += points[rows, 2, np.newaxis] * matrix[2]
-            part *= weights[rows, column, np.newaxis]
-            moved[rows] += part
-    return moved.reshape(len(points), times, 3).transpose(1, 0, 2)
-
-
-def _blended_once(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
-    """As `_blended` at one time, matrices (m, 4, 4) → (v, 3): column by column, each point with its own."""
-    beside = np.ascontiguousarray(matrices[..., :3].transpose(1, 2, 0))
-    coordinates = np.ascontiguousarray(points.T)
-    moved = np.zeros((3, len(points)))
-    for column in range(joints.shape[1]):
-        weight = weights[:, column]
-        live = weight != 0
-        if not live.any():
-            continue
-        some = slice(None) if live.all() else np.flatnonzero(live)
-        of, share, mine = joints[some, column], weight[some], [each[some] for each in coordinates]
-        for axis in range(3):
-            part = beside[3, axis][of]
-            for k in range(3):
-                part += mine[k] * beside[k, axis][of]
-            moved[axis][some] += part * share
-    return moved.T
-
-
-def _through(points: Floats, matrix: Floats) -> Floats:
-    return np.asarray(np.einsum("fvi,fij->fvj", points, matrix[:, :3, :3]) + matrix[:, np.newaxis, 3, :3])
-
-
-def _dual_quaternion(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
-    """Dual-quaternion skinning: points stretched by each joint's scale, blended linearly, then
-    moved by the blend of (rotation, translation) pairs.
-
-    Source: L. Kavan et al., "Skinning with dual quaternions", I3D 2007; UsdSkel, which
-    adds the scale and blends on the side of the heaviest joint.
-    """
-    stretch, rotation = _polar(matrices[..., :3, :3])
-    zero = np.zeros((*rotation.shape[:-1], 1))
-    translation = np.concatenate([matrices[..., 3, :3], zero], axis=-1)
-    dual = 0.5 * product(translation, rotation)
-    heaviest = np.argmax(np.abs(weights), axis=1)
-    pivot = rotation[:, joints[np.arange(len(joints)), heaviest]]
-    real, other = np.zeros((*points.shape[:-1], 4)), np.zeros((*points.shape[:-1], 4))
-    stretched = np.zeros(points.shape)
-    for column in range(joints.shape[1]):
-        of, share = joints[:, column], weights[:, column, np.newaxis]
-        stretched += share * np.einsum("fvi,fvij->fvj", points, stretch[:, of])
-        # q and −q are one rotation; on one side of the pivot they blend along the short way.
-        q = rotation[:, of]
-        share = share * np.where((q * pivot).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
-        real += share * q
-        other += share * dual[:, of]
-    size = norm(real)[..., np.newaxis]
-    real, other = real / size, other / size
-    return rotate(real, stretched) + 2.0 * product(other, conjugate(real))[..., :3]
-
-
-def _polar(linear: Floats) -> tuple[Floats, Floats]:
-    """Linear maps (..., 3, 3) as a symmetric stretch and then a rotation xyzw, (..., 4).
-
-    A mirrored map has a negative stretch. NaN for maps that are not numbers.
-    """
-    fit = np.isfinite(linear).all(axis=(-1, -2)).reshape(*linear.shape[:-2], 1, 1)
-    whole = np.where(fit, linear, np.eye(3))
-    squares, axes = np.linalg.eigh(whole @ whole.swapaxes(-1, -2))
-    sign = np.where(np.linalg.det(whole) < 0, -1.0, 1.0).reshape(*linear.shape[:-2], 1, 1)
-    sizes = np.sqrt(np.maximum(squares, 0.0))[..., np.newaxis, :] * sign
-    turned = axes.swapaxes(-1, -2)
-    stretch = (axes * sizes) @ turned
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rotation = from_axes((axes / sizes) @ turned @ whole)
-    return np.where(fit, stretch, np.nan), np.where(fit[..., 0], rotation, np.nan)
 
 
 def _held(values: Floats, count: int) -> Floats:

@@ -11,7 +11,8 @@ from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
-from rigtri.evaluation.sampling import deformed, morph_weights
+from rigtri.evaluation.sampling import morph_weights
+from rigtri.evaluation.skinning import deformed
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.mesh import Mesh

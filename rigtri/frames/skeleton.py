@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.evaluation.sampling import bind_worlds, key_times, locals_at, worlds
+from rigtri.evaluation.bind_pose import bind_worlds
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_before

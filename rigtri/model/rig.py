@@ -110,7 +110,7 @@ class Rig(NodeNames):
 
     @cached_property
     def bind_poses(self) -> dict[Skin, Floats]:
-        """The bind poses that `rigtri.evaluation.sampling.bind_worlds` has found."""
+        """The bind poses that `rigtri.evaluation.bind_pose.bind_worlds` has found."""
         return {}
 
     @cached_property

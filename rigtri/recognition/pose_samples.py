@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.evaluation.sampling import bind_worlds, worlds
+from rigtri.evaluation.bind_pose import bind_worlds
+from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import compose
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, key_values

@@ -10,7 +10,7 @@ from characters import ARM, HIPS, SPINE, character
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, rig_of
 
-from rigtri.evaluation import sampling
+from rigtri.evaluation import bind_pose, sampling, skinning
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
@@ -117,7 +117,7 @@ def test_a_child_moves_with_its_parent() -> None:
 def test_skin_matrices_are_the_identity_in_the_bind_pose() -> None:
     rig = chain((0, 0, 0), (1, 2, 0), (2, 0, 3))
     assert_allclose(
-        sampling.skin_matrices(rig.skins[0], rig.world), np.tile(np.eye(4), (3, 1, 1)), atol=1e-12
+        skinning.skin_matrices(rig.skins[0], rig.world), np.tile(np.eye(4), (3, 1, 1)), atol=1e-12
     )
 
 
@@ -145,13 +145,13 @@ def skinned(weights: list[float], **more: bool) -> Mesh:
 def test_points_follow_their_joints_by_weight(weights: list[float], place: list[float]) -> None:
     rig, world = bent()
     assert_allclose(
-        sampling.deformed(skinned(weights), rig, world, np.zeros((1, 0)))[0, 0], place, atol=1e-12
+        skinning.deformed(skinned(weights), rig, world, np.zeros((1, 0)))[0, 0], place, atol=1e-12
     )
 
 
 def test_dual_quaternions_keep_the_distance_that_linear_blending_loses() -> None:
     rig, world = bent()
-    (point,) = sampling.deformed(skinned([0.5, 0.5], dual_quaternion=True), rig, world, np.zeros((1, 0)))[0]
+    (point,) = skinning.deformed(skinned([0.5, 0.5], dual_quaternion=True), rig, world, np.zeros((1, 0)))[0]
     assert_allclose(point, [1 + np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
 
 
@@ -160,7 +160,7 @@ def test_dual_quaternions_carry_scale_and_mirroring() -> None:
     body = replace(character().drawn[0], node=0, joints=np.full((40, 1), 2), weights=np.ones((40, 1)))
     world = rig.world[np.newaxis]
     both = (
-        sampling.deformed(replace(body, dual_quaternion=dual), rig, world, np.zeros((1, 0)))
+        skinning.deformed(replace(body, dual_quaternion=dual), rig, world, np.zeros((1, 0)))
         for dual in (False, True)
     )
     assert_allclose(*both, atol=1e-9)
@@ -172,7 +172,7 @@ def test_both_ways_of_skinning_agree_for_one_joint(seed: int) -> None:
     body = replace(held.drawn[0], joints=held.drawn[0].joints[:, :1], weights=np.ones((40, 1)))
     world = sampling.worlds(held.rig, sampling.locals_at(held.rig, held.rig.clips[0], [0.1, 0.7]))
     both = (
-        sampling.deformed(replace(body, dual_quaternion=dual), held.rig, world, np.zeros((2, 0)))
+        skinning.deformed(replace(body, dual_quaternion=dual), held.rig, world, np.zeros((2, 0)))
         for dual in (False, True)
     )
     assert_allclose(*both, atol=1e-9)
@@ -185,7 +185,7 @@ def test_morphs_follow_their_track() -> None:
     morph = sampling.morph_weights(face, held.rig.clips[0], times)
     assert_allclose(morph[:, 0], [0, 0.5, 1])
     world = np.broadcast_to(np.eye(4), (3, 8, 4, 4))
-    points = sampling.deformed(face, held.rig, world, morph)
+    points = skinning.deformed(face, held.rig, world, morph)
     assert_allclose(points[1], face.points + 0.5 * face.morphs[0])
 
 
@@ -194,7 +194,7 @@ def test_not_a_number_in_a_weight_stays_with_its_point() -> None:
     weights = held.drawn[0].weights.copy()
     weights[7, 0] = np.nan
     body = replace(held.drawn[0], weights=weights)
-    points = sampling.deformed(body, held.rig, held.rig.world[np.newaxis], np.zeros((1, 0)))
+    points = skinning.deformed(body, held.rig, held.rig.world[np.newaxis], np.zeros((1, 0)))
     assert_array_equal(np.flatnonzero(np.isnan(points[0]).any(axis=1)), [7])
 
 
@@ -204,15 +204,15 @@ def test_in_the_bind_pose_points_are_where_the_mesh_has_them() -> None:
     tracks = (replace(rig.clips[0].tracks[1], values=unit(np.ones((4, 4)))),)
     moved = sampling.worlds(rig, sampling.locals_at(rig, Clip("x", tracks), 0.0))[0]
     assert not np.allclose(moved[[HIPS, SPINE, ARM]], rig.world[[HIPS, SPINE, ARM]])
-    at_bind = sampling.bind_worlds(rig, rig.skins[0])
+    at_bind = bind_pose.bind_worlds(rig, rig.skins[0])
     assert_allclose(
-        sampling.deformed(held.drawn[0], rig, at_bind[np.newaxis], np.zeros((1, 0)))[0], held.drawn[0].points
+        skinning.deformed(held.drawn[0], rig, at_bind[np.newaxis], np.zeros((1, 0)))[0], held.drawn[0].points
     )
 
 
 def test_points_take_nothing_from_joints_without_weight_and_the_sum_of_the_others() -> None:
     """Σ w·(p·M) over the named joints, a joint named twice included; NaN stays with whom it moves."""
-    from rigtri.evaluation.sampling import _blended
+    from rigtri.evaluation.skinning import _blended
 
     random = np.random.default_rng(2)
     points, matrices = random.normal(size=(5, 3)), random.normal(size=(3, 4, 4, 4))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, poses, random_rig, random_turns
 
-from rigtri.evaluation.sampling import skin_matrices
+from rigtri.evaluation.skinning import skin_matrices
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
 from rigtri.maths.matrices import from_frame, multiply

@@ -21,11 +21,7 @@ MEASURING |= {"setup_in_blender"}
 # Functions of the writing modules that only measure: module.function → why it may.
 _POINTS = "points are measured, never written"
 ALLOWED = {
-    "sampling.shares": _POINTS,
-    "sampling.deformed": _POINTS,
-    "sampling._through": _POINTS,
-    "sampling._dual_quaternion": _POINTS,
-    "sampling._polar": _POINTS,
+    "skinning.deformed": _POINTS,
     "node_reader._check_rotations": "counts rotations for a message",
 }
 # They come from BLAS, LAPACK, libm or SIMD kernels, whose last bit differs between machines.

@@ -18,7 +18,7 @@ from second_opinions import khronos_errors, usd_errors, validator
 from usd_files import animation, at, save, scene, skeleton
 
 from rigtri.errors import FileError, UsageError
-from rigtri.evaluation.sampling import bind_worlds
+from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.formats.gltf.container import open_container
 from rigtri.model.rig import Rig

@@ -11,8 +11,8 @@ from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation import sampling
-from rigtri.evaluation.point_skinning import SkinnedPoints
+from rigtri.evaluation import sampling, skinning
+from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, multiply
@@ -69,7 +69,7 @@ def off_surface(rig: Rig, clip: Clip, times: Floats) -> float:
     node = rig.find("button", "node")
     mesh = next(m for m in rig.meshes if m.name.startswith("Skin") or "Skin" in m.name)
     world = sampling.worlds(rig, sampling.locals_at(rig, clip, times))
-    points = sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, times))
+    points = skinning.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, times))
     middle = points[:, np.array(rig.notes[node]["vertices"], dtype=np.int64)].mean(axis=1)
     return float(np.linalg.norm(world[:, node, 3, :3] - middle, axis=-1).max())
 

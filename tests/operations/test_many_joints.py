@@ -14,7 +14,7 @@ from gltf_files import Builder
 from program import cli
 from rigs import chain, random_rig, rig_of
 
-from rigtri.evaluation.sampling import bind_worlds
+from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats import read
 from rigtri.model.node_names import DEEPEST_PATH
 from rigtri.model.rig import Rig

@@ -13,7 +13,8 @@ from places import ROOT
 from rigs import chain, rig_of
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation.sampling import skin_matrices, worlds
+from rigtri.evaluation.sampling import worlds
+from rigtri.evaluation.skinning import skin_matrices
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotate, unit
 from rigtri.maths.triangle import axis_of

@@ -15,7 +15,7 @@ from program import cli
 from second_opinions import validator
 
 from rigtri.errors import NameNotFoundError, UsageError
-from rigtri.evaluation import sampling
+from rigtri.evaluation import sampling, skinning
 from rigtri.formats import read
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
@@ -94,7 +94,7 @@ def skinned(path: Path, clip: str | None, time: float) -> list[np.ndarray]:
     else:
         world = sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), [time]))
     return [
-        sampling.deformed(m, rig, world, np.repeat(m.morph_weights[np.newaxis], 1, axis=0))[0]
+        skinning.deformed(m, rig, world, np.repeat(m.morph_weights[np.newaxis], 1, axis=0))[0]
         for m in document.meshes()
         if m.skin is not None
     ]
@@ -204,9 +204,9 @@ def test_a_written_pose_looks_as_the_clip_does_morphs_included(kind: str, tmp_pa
     np.testing.assert_allclose(now.morph_weights, weights[0], atol=1e-7)
     played = sampling.worlds(before, sampling.locals_at(before, clip, times))
     still = sampling.worlds(after, after.normalised_local)[np.newaxis]
-    shown = sampling.deformed(now, after, still, now.morph_weights[np.newaxis])
-    assert np.abs(shown - sampling.deformed(mesh, before, played, mesh.morph_weights[np.newaxis])).max() > 0.1
-    np.testing.assert_allclose(shown, sampling.deformed(mesh, before, played, weights), atol=1e-6)
+    shown = skinning.deformed(now, after, still, now.morph_weights[np.newaxis])
+    assert np.abs(shown - skinning.deformed(mesh, before, played, mesh.morph_weights[np.newaxis])).max() > 0.1
+    np.testing.assert_allclose(shown, skinning.deformed(mesh, before, played, weights), atol=1e-6)
     # The clip itself stays, and a second run has nothing to do.
     keys = next(t for c in after.clips for t in c.tracks if t.path == "weights").values
     np.testing.assert_array_equal(keys, next(t for t in clip.tracks if t.path == "weights").values)

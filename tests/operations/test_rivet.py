@@ -15,8 +15,8 @@ from program import cli
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation import sampling
-from rigtri.evaluation.point_skinning import SkinnedPoints
+from rigtri.evaluation import sampling, skinning
+from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import keys_and_between, timelines
 from rigtri.formats import ReadOptions, read
 from rigtri.model.mesh import Mesh, Surface
@@ -60,7 +60,7 @@ def farthest(path: Path, report: Report, mesh_name: str) -> float:
         world = sampling.worlds(
             rig, sampling.locals_at(rig, timeline.clip, times, normalised=not rig.rules.raw_quaternions)
         )
-        points = sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, timeline.clip, times))
+        points = skinning.deformed(mesh, rig, world, sampling.morph_weights(mesh, timeline.clip, times))
         for entry in report.added:
             place = (points[:, entry["vertices"]] * np.array(entry["barycentric"])[:, np.newaxis]).sum(axis=1)
             there = world[:, rig.find(entry["node"]), 3, :3]
@@ -135,7 +135,7 @@ def test_few_points_are_carried_as_all_points_are_deformed(tmp_path: Path) -> No
     times = np.linspace(-0.1, 1.1, 23)
     for some in (mesh, replace(mesh, dual_quaternion=True), replace(mesh, skin=None)):
         world = sampling.worlds(rig, sampling.locals_at(rig, timeline.clip, times))
-        wanted = sampling.deformed(some, rig, world, sampling.morph_weights(some, timeline.clip, times))
+        wanted = skinning.deformed(some, rig, world, sampling.morph_weights(some, timeline.clip, times))
         assert_allclose(
             SkinnedPoints(rig, some, np.array([2, 0, 1])).sample(timeline, times),
             wanted[:, [2, 0, 1]],

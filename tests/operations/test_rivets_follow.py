@@ -9,8 +9,8 @@ import pytest
 from morphs import arm, arm_usd
 from places import slow
 
-from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import timelines
 from rigtri.formats import read
 from rigtri.model.rig import Rig

@@ -17,7 +17,7 @@ from rigs import chain
 from taken_clips import BIPED, apart, notices, places, rig_of, split, turned_key, with_tracks
 
 from rigtri.errors import AmbiguousNameError, FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation import sampling
+from rigtri.evaluation import bind_pose, sampling
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.formats import read
 from rigtri.maths.matrices import inverse
@@ -129,7 +129,7 @@ def test_unit_up_order_and_a_node_above_all_make_no_difference() -> None:
 
 def test_a_bind_pose_where_ours_rests_in_a_pose_is_no_motion() -> None:
     rig = rig_of()
-    bind = sampling.bind_worlds(rig, rig.skins[0])
+    bind = bind_pose.bind_worlds(rig, rig.skins[0])
     posed = rig.rotation.copy()
     arm = rig.find("upper_arm_L")
     posed[arm] = multiply(posed[arm], from_axis_angle([0.0, 0.0, 1.0], 1.0))

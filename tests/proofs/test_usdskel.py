@@ -10,7 +10,8 @@ import pytest
 from places import NO_SKELETON, SEVERAL_ANIMATIONS, asset_files, leave_out, sample_files
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
+from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
+from rigtri.evaluation.skinning import deformed
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip

@@ -15,7 +15,8 @@ from places import ASSETS, NO_ASSETS, SAMPLES
 from program import cli
 
 import rigtri
-from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
+from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
+from rigtri.evaluation.skinning import deformed
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.evaluation import sampling
+from rigtri.evaluation import sampling, skinning
 from rigtri.evaluation.timelines import Timeline
 from rigtri.export.drawing.scene import Scene
 from rigtri.maths.arrays import Booleans, Integers
@@ -79,7 +79,7 @@ def _placed(mesh: Mesh, scene: Scene, morph: Floats) -> Floats:
         points = points + offsets * share if share else points
     if mesh.skin is None or not mesh.joints.shape[1]:
         return transform_points(points, scene.world[mesh.node])
-    matrices = multiply(mesh.bind, sampling.skin_matrices(scene.rig.skins[mesh.skin], scene.world))
+    matrices = multiply(mesh.bind, skinning.skin_matrices(scene.rig.skins[mesh.skin], scene.world))
     known = (mesh.joints >= 0) & (mesh.joints < len(matrices))
     weights = np.where(known, mesh.weights, 0.0)
     placed, total = np.zeros(points.shape), np.zeros(len(points))

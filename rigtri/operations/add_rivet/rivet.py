@@ -11,8 +11,8 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
-from rigtri.evaluation.point_skinning import SkinnedPoints
 from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,

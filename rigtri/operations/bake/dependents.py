@@ -6,7 +6,7 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.dependency_graph import dependencies, find_cycle
-from rigtri.evaluation.point_skinning import SkinnedPoints
+from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.model.constraints import rules_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.point_skinning import SkinnedPoints
+from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.frames.mirror_modes import side_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length

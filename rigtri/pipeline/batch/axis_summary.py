@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rigtri.evaluation import sampling
+from rigtri.evaluation import bind_pose
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length
@@ -41,7 +41,7 @@ def axes_of(rig: Rig) -> Axes | None:
     told = [[_above(rig, node, place), rig.names[node] or rig.labels[node]] for node in joints]
     frames = np.full((len(rig), 4, 4), np.nan)
     for skin in rig.skins:
-        posed = sampling.bind_frames(rig, skin)
+        posed = bind_pose.bind_frames(rig, skin)
         known = np.isfinite(posed).all(axis=(1, 2))
         frames[skin.joints[known]] = posed[known]
     if np.isnan(frames[joints]).any():  # some joints have no bind pose: as they stand at rest

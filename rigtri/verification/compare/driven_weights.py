@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation import sampling
+from rigtri.evaluation import sampling, skinning
 from rigtri.evaluation.timelines import Timeline, keys_and_between, timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -119,7 +119,7 @@ def _farthest(then: Timeline | None, after: Rig, now: Timeline, mesh: Mesh, othe
     for k, time in enumerate(times):
         here = np.array([time])
         rows = [
-            sampling.deformed(m, rig, world[k : k + 1], sampling.morph_weights(m, t, here))
+            skinning.deformed(m, rig, world[k : k + 1], sampling.morph_weights(m, t, here))
             for m, rig, t in (
                 (replace(mesh, node=other.node), after, None if then is None else _at(then, mesh, other)),
                 (other, after, now.clip),

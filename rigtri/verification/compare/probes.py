@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rigtri.evaluation import sampling
+from rigtri.evaluation import sampling, skinning
 from rigtri.frames.error_bounds import frames_shown
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import inverse
@@ -142,7 +142,7 @@ class Points:
         sides = zip(self.meshes, self.rigs, (moment.before, moment.after), moment.clips, strict=True)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             mine, theirs = (
-                sampling.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, moment.times))
+                skinning.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, moment.times))
                 for mesh, rig, world, clip in sides
             )
             here, there = (np.isfinite(points).all(axis=2) for points in (mine, theirs))
@@ -185,7 +185,7 @@ def points_of(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> Points:
     if mine.dual_quaternion or not same_mesh(mine, theirs):
         return Points(rigs, meshes)
     skinned = mine.skin is not None and mine.joints.shape[1] > 0
-    weights = sampling.normalised_weights(mine) if skinned else np.ones((len(mine.points), 1))
+    weights = skinning.normalised_weights(mine.weights) if skinned else np.ones((len(mine.points), 1))
     if not (np.isfinite(weights).all() and np.isfinite(mine.points).all()):
         return Points(rigs, meshes)
     if skinned:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation import sampling
+from rigtri.evaluation import sampling, skinning
 from rigtri.evaluation.twist_joints import is_twist
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.vectors import distance
@@ -147,7 +147,7 @@ def moved(document: Source) -> float:
             ]
             for mesh in meshes:
                 morph = sampling.morph_weights(mesh, clip, some)
-                one, other = (sampling.deformed(mesh, rig, world, morph) for world in worlds)
+                one, other = (skinning.deformed(mesh, rig, world, morph) for world in worlds)
                 largest = max(largest, float(distance(one, other).max(initial=0.0)))
     return largest
 

@@ -25,7 +25,8 @@ from usd_files import (
 )
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
+from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
+from rigtri.evaluation.skinning import deformed
 
 NO_ANIMATION = {"source": ""}
 NOTHING = np.zeros((1, 0))

@@ -12,7 +12,8 @@ from pxr import Gf, Usd, UsdGeom, UsdSkel
 from usd_files import animation, read, save, scene, skeleton, turned, write
 
 from rigtri.errors import FileError
-from rigtri.evaluation.sampling import deformed, locals_at, morph_weights, worlds
+from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
+from rigtri.evaluation.skinning import deformed
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.compare.compare import verify
 

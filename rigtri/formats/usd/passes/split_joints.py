@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.evaluation.sampling import bind_worlds
+from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats.usd.composition.stage import why_instanced
 from rigtri.formats.usd.composition.variants import why_split
 from rigtri.formats.usd.opinions.animation_edits import set_array

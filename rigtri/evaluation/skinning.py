@@ -1,0 +1,283 @@
+"""Skinning: points of a mesh as joints and morph targets move them, by linear or dual-quaternion blending.
+
+All is elementwise, so that the bits do not depend on the machine: rivets are baked from these points.
+``f`` is the number of times, ``v`` of points, ``m`` of a skin's joints, ``k`` of influences per point.
+
+Source: glTF 2.0 §3.7.3; UsdSkel; L. Kavan et al., "Skinning with dual quaternions", I3D 2007.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from rigtri.evaluation.sampling import Motion, sample, worlds
+from rigtri.evaluation.timelines import Timeline
+from rigtri.maths.arrays import Integers
+from rigtri.maths.matrices import from_frame, identity, inverse, multiply, nearest_rotation, transform_points
+from rigtri.maths.quaternions import conjugate, dot, from_axes, norm, rotate
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Track
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+
+# Matrices evaluated at once: 64 bytes times nodes times this.
+_BLOCK = 1 << 15
+
+
+def skin_matrices(skin: Skin, world: Floats) -> Floats:
+    """``inverse_bind · world`` of a skin's joints, (..., m, 4, 4): bind-pose points to world."""
+    return multiply(skin.inverse_bind, world[..., skin.joints, :, :])
+
+
+def normalised_weights(weights: Floats) -> Floats:
+    """Weights, (v, k), that sum to 1 in absolute value for each point; NaN stays NaN.
+
+    A point without any weight follows its first joint, as in engines.
+    """
+    total = np.zeros((len(weights), 1))
+    for column in np.abs(weights).T:
+        total[:, 0] += column
+    first = np.zeros(weights.shape[1])
+    first[:1] = 1.0
+    if total.all():  # NaN is any
+        return np.asarray(weights / total)
+    return np.where(total == 0, first, weights / np.where(total == 0, 1.0, total))
+
+
+def deformed(mesh: Mesh, rig: Rig, world: Floats, morph: Floats) -> Floats:
+    """The points of a mesh in the world, (f, v, 3).
+
+    world: (f, n, 4, 4). morph: (f, t). Weights that do not sum to 1 are scaled to do so, as engines
+    do; see `normalised_weights`. IndexError for a joint that the skin does not have.
+    """
+    points = mesh.points
+    if morph.shape[-1] and morph.any():
+        points = points + np.tensordot(morph, mesh.morphs, axes=(1, 0))
+    if mesh.skin is None or not mesh.joints.shape[1]:
+        return transform_points(points, world[:, mesh.node, np.newaxis])
+    skin = rig.skins[mesh.skin]
+    matrices = multiply(multiply(mesh.bind, skin.inverse_bind), world[:, skin.joints])
+    weights = normalised_weights(mesh.weights)
+    return _blended(points, matrices, mesh.joints, weights, dual_quaternion=mesh.dual_quaternion)
+
+
+def _blended(
+    points: Floats, matrices: Floats, joints: Integers, weights: Floats, *, dual_quaternion: bool = False
+) -> Floats:
+    """Points, (v, 3) or (f, v, 3), moved by matrices, (f, m, 4, 4): (f, v, 3). joints, weights: (v, k).
+
+    A point takes nothing from a joint without weight, also where that is not a number.
+    """
+    if dual_quaternion:
+        return _dual_quaternion(points, matrices, joints, weights)
+    if points.ndim == 2:
+        return _linear_still(points, matrices, joints, weights)
+    moved = np.zeros(points.shape)
+    for column in range(joints.shape[1]):
+        live = np.flatnonzero(weights[:, column])
+        if len(live):
+            part = transform_points(points[:, live], matrices[:, joints[live, column]])
+            moved[:, live] += weights[live, column, np.newaxis] * part
+    return moved
+
+
+def _linear_still(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
+    """The same points, (v, 3), at all times: joint by joint, all of its points at once."""
+    times = len(matrices)
+    if times == 1:
+        return _linear_once(points, matrices[0], joints, weights)[np.newaxis]
+    # Row i of a joint's matrices at all times side by side: what coordinate i is multiplied by.
+    beside = matrices[..., :3].transpose(1, 2, 0, 3).reshape(matrices.shape[1], 4, times * 3)
+    moved = np.zeros((len(points), times * 3))
+    for column in range(joints.shape[1]):
+        order = np.argsort(joints[:, column], kind="stable")
+        order = order[weights[order, column] != 0]
+        of = joints[order, column]
+        edges = [*np.flatnonzero(np.diff(of, prepend=-1)).tolist(), len(of)]
+        for start, end in pairwise(edges):
+            rows, matrix = order[start:end], beside[of[start]]
+            part = points[rows, 0, np.newaxis] * matrix[0]
+            part += points[rows, 1, np.newaxis] * matrix[1]
+            part += points[rows, 2, np.newaxis] * matrix[2]
+            part += matrix[3]
+            part *= weights[rows, column, np.newaxis]
+            moved[rows] += part
+    return moved.reshape(len(points), times, 3).transpose(1, 0, 2)
+
+
+def _linear_once(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
+    """At one time, matrices (m, 4, 4) → (v, 3): influence by influence, each point with its own joint."""
+    beside = np.ascontiguousarray(matrices[..., :3].transpose(1, 2, 0))
+    coordinates = np.ascontiguousarray(points.T)
+    moved = np.zeros((3, len(points)))
+    for column in range(joints.shape[1]):
+        weight = weights[:, column]
+        live = weight != 0
+        if not live.any():
+            continue
+        some = slice(None) if live.all() else np.flatnonzero(live)
+        of, share, mine = joints[some, column], weight[some], [each[some] for each in coordinates]
+        for axis in range(3):
+            part = mine[0] * beside[0, axis][of]
+            part += mine[1] * beside[1, axis][of]
+            part += mine[2] * beside[2, axis][of]
+            part += beside[3, axis][of]
+            moved[axis][some] += part * share
+    return moved.T
+
+
+def _dual_quaternion(points: Floats, matrices: Floats, joints: Integers, weights: Floats) -> Floats:
+    """Dual-quaternion skinning: points stretched by each joint's scale, blended linearly, then
+    moved by the blend of (rotation, translation) pairs.
+
+    Source: Kavan 2007; UsdSkel, which adds the scale and blends on the side of the heaviest joint.
+    """
+    axes = nearest_rotation(matrices)
+    rotation = from_axes(axes)
+    stretch = multiply(_without_position(matrices), inverse(from_frame(axes, np.zeros(3))))
+    moved = np.concatenate([matrices[..., 3, :3], np.zeros((*rotation.shape[:-1], 1))], axis=-1)
+    dual = 0.5 * product(moved, rotation)
+    heaviest = np.argmax(np.abs(weights), axis=1)
+    pivot = rotation[:, joints[np.arange(len(joints)), heaviest]]
+    real, other = np.zeros(pivot.shape), np.zeros(pivot.shape)
+    stretched = np.zeros((*pivot.shape[:-1], 3))
+    for k in range(joints.shape[1]):
+        of, share = joints[:, k], weights[:, k, np.newaxis]
+        stretched = stretched + share * transform_points(points, stretch[:, of])
+        q = rotation[:, of]
+        # q and −q are one rotation; on one side of the pivot they blend along the short way.
+        share = share * np.where(dot(q, pivot)[..., np.newaxis] < 0, -1.0, 1.0)
+        real = real + share * q
+        other = other + share * dual[:, of]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = norm(real)[..., np.newaxis]
+        real, other = real / size, other / size
+    return rotate(real, stretched) + 2.0 * product(other, conjugate(real))[..., :3]
+
+
+def _without_position(matrices: Floats) -> Floats:
+    """Matrices without their positions."""
+    found = identity(*matrices.shape[:-2])
+    found[..., :3, :3] = matrices[..., :3, :3]
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class SkinnedPoints:
+    """Points ``rows`` of ``mesh``, seen from a node ``parent`` (−1: the world); few points, many times.
+
+    Only the nodes that move these points are evaluated.
+    """
+
+    rig: Rig
+    mesh: Mesh
+    rows: Integers
+    parent: int = -1
+
+    @cached_property
+    def _weights(self) -> Floats:
+        return normalised_weights(self.mesh.weights[self.rows])
+
+    @cached_property
+    def _joints(self) -> Integers:
+        """The joints, by their numbers in the skin, that move any of the points, (j,)."""
+        return np.unique(self.mesh.joints[self.rows][self._weights != 0])
+
+    @cached_property
+    def nodes(self) -> list[int]:
+        """The nodes whose motion moves the points, or the parent that they are seen from."""
+        if self._skinned and self.mesh.skin is not None:
+            own: list[int] = self.rig.skins[self.mesh.skin].joints[self._joints].tolist()
+        else:
+            own = [self.mesh.node]
+        found: set[int] = set()
+        for node in [*own, self.parent]:
+            while node >= 0 and node not in found:
+                found.add(node)
+                node = int(self.rig.parents[node])
+        return sorted(found)
+
+    @cached_property
+    def _part(self) -> tuple[Rig, dict[int, int]]:
+        """A rig of these nodes alone, and the number of each in it."""
+        return replace(self.rig, clips=()).part(self.nodes)
+
+    @property
+    def _normalised(self) -> bool:
+        """Whether viewers of the file make rotations unit."""
+        return not self.rig.rules.raw_quaternions
+
+    @property
+    def _skinned(self) -> bool:
+        return self.mesh.skin is not None and self.mesh.joints.shape[1] > 0
+
+    def affecting(self, timeline: Timeline) -> Timeline:
+        """The timeline with only those tracks that can move the points."""
+        nodes = set(self.nodes)
+        tracks = [t for t in timeline.clip.tracks if t.path != "weights" and t.node in nodes]
+        weights = self._morph_track(timeline)
+        tracks += [weights] if weights is not None else []
+        return replace(timeline, clip=replace(timeline.clip, tracks=tuple(tracks)))
+
+    def _morph_track(self, timeline: Timeline) -> Track | None:
+        """The track of the morph weights, where a morph target moves one of the points."""
+        moved = len(self.mesh.morphs) > 0 and bool(self.mesh.morphs[:, self.rows].any())
+        return timeline.track(self.mesh.node, "weights") if moved else None
+
+    def at_rest(self) -> Floats:
+        """The points at rest, (p, 3)."""
+        rig, _ = self._part
+        world = worlds(rig, rig.normalised_local if self._normalised else rig.local)[np.newaxis]
+        return np.asarray(self._seen(world, self.mesh.morph_weights[np.newaxis])[0])
+
+    def sample(self, timeline: Timeline, times: Floats) -> Floats:
+        """The points at ``times``, (f, p, 3), seen from the parent."""
+        rig, number = self._part
+        tracks = [
+            replace(t, node=number[t.node])
+            for t in timeline.clip.tracks
+            if t.path != "weights" and t.node in number
+        ]
+        motion = Motion(rig, replace(timeline.clip, tracks=tuple(tracks)))
+        size = max(1, _BLOCK // max(len(rig), 1))
+        found = [np.zeros((0, len(self.rows), 3))]
+        for start in range(0, len(times), size):
+            some = times[start : start + size]
+            world = worlds(rig, motion.locals_at(some, normalised=self._normalised))
+            found.append(self._seen(world, self._morph(timeline, some)))
+        return np.concatenate(found)
+
+    def _morph(self, timeline: Timeline, times: Floats) -> Floats:
+        track = self._morph_track(timeline)
+        if track is not None:
+            return sample(track, times)
+        return np.broadcast_to(self.mesh.morph_weights, (len(times), len(self.mesh.morph_weights)))
+
+    def _seen(self, world: Floats, morph: Floats) -> Floats:
+        """The points, (f, p, 3), from world matrices of the part, (f, n, 4, 4), and morph weights (f, t)."""
+        points = self.mesh.points[self.rows]
+        for target in range(morph.shape[1]):
+            offsets = self.mesh.morphs[target, self.rows]
+            if offsets.any():
+                points = points + morph[:, target, np.newaxis, np.newaxis] * offsets
+        moved = self._moved(points, world)
+        if self.parent < 0:
+            return moved
+        return transform_points(moved, inverse(world[:, self._part[1][self.parent]])[:, np.newaxis])
+
+    def _moved(self, points: Floats, world: Floats) -> Floats:
+        mesh, number = self.mesh, self._part[1]
+        if not self._skinned or mesh.skin is None:
+            return transform_points(points, world[:, number[mesh.node], np.newaxis])
+        skin = self.rig.skins[mesh.skin]
+        there = world[:, [number[node] for node in skin.joints[self._joints].tolist()]]
+        matrices = multiply(multiply(mesh.bind, skin.inverse_bind[self._joints]), there)
+        weighs = self._weights != 0
+        joints = np.where(weighs, np.searchsorted(self._joints, mesh.joints[self.rows]), 0)
+        return _blended(points, matrices, joints, self._weights, dual_quaternion=mesh.dual_quaternion)
