@@ -1,4 +1,8 @@
-"""File formats. Each stands beside the operations; both know only the `Rig`.
+"""File formats: one package each, which reads a file into a `Rig` and writes it back.
+
+`document` says what a read file is to everybody else, `registry` which reader a suffix is for, and modules
+beside them what several formats share. Formats know `model`, `frames` and `files`; they do not know each
+other, nor any operation, and a `Rig` does not know them.
 
 The law of every format: an unchanged rig gives back the same bytes; in a
 changed file every value, prim, property, image and buffer byte that the change
