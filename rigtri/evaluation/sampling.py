@@ -26,25 +26,18 @@ from rigtri.model.rig import Rig
 def worlds(rig: Rig, local: Floats) -> Floats:
     """World matrices, (..., n, 4, 4), of local ones."""
     many = local.ndim - 3
+    to_back, to_front = (*range(3, local.ndim), 0, 1, 2), (*range(many, local.ndim), *range(many))
     # Nodes before times: what is multiplied is picked in large pieces of memory, as `Motion` lays it out.
-    mine: Floats = local.transpose(*range(many, local.ndim), *range(many))
+    mine: Floats = local.transpose(to_front)
     world = np.empty(mine.shape)
-    with np.errstate(invalid="ignore", over="ignore"):  # inf and NaN go through as they are
-        for level in rig.levels:
-            parents = rig.parents[level]
-            world[level] = mine[level] if parents[0] < 0 else _products(mine[level], world[parents])
-    return world.transpose(*range(3, local.ndim), 0, 1, 2)
-
-
-def _products(a: Floats, b: Floats) -> Floats:
-    """As `matrices.multiply`, to the bit, of matrices whose rows and columns come first but for one.
-
-    a, b: (n, 4, 4, ...).
-    """
-    total = a[:, :, 0, np.newaxis] * b[:, np.newaxis, 0]
-    for k in (1, 2, 3):
-        total += a[:, :, k, np.newaxis] * b[:, np.newaxis, k]
-    return np.asarray(total)
+    for level in rig.levels:
+        parents = rig.parents[level]
+        if parents[0] < 0:
+            world[level] = mine[level]
+        else:
+            product = multiply(mine[level].transpose(to_back), world[parents].transpose(to_back))
+            world[level] = product.transpose(to_front)
+    return world.transpose(to_back)
 
 
 def world_of(rig: Rig, node: int) -> Floats:

@@ -14,9 +14,10 @@ from strategies import directions, quaternions
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
-from rigtri.evaluation.twist_joints import swing_twist, twist_angle, twist_joints
+from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.formats import read
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, multiply, rotate, rotation_angle
+from rigtri.maths.swing_twist import swing_twist, twist_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
